@@ -1,0 +1,1 @@
+//! The safe Rust RoBIOS API for robot programs.

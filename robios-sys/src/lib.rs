@@ -1,0 +1,1 @@
+//! The C ABI between the simulator and a robot program.

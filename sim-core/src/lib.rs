@@ -1,0 +1,42 @@
+//! The simulation as a pure library: no files, threads, clock or `unsafe`, and no knowledge of RoBIOS.
+//!
+//! SI units and `f64` throughout; the frames and signs are those of `docs/conventions.md`. Millimetres and degrees exist
+//! only in [`format`], which turns the texts of EyeSim files into specs through [`unit`].
+#![forbid(unsafe_code)]
+
+pub mod contact;
+pub mod drive;
+pub mod format;
+pub mod math;
+pub mod pose;
+pub mod scene;
+pub mod sensor;
+pub mod time;
+pub mod unit;
+pub mod world;
+
+/// A robot's number: 1, 2, ... in the order of the sim file; also its `OSMachineID` and its radio address.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+pub struct RobotId(pub u32);
+
+impl RobotId {
+    /// Place of the robot in any list that holds all robots in order of their ids.
+    pub fn index(self) -> usize {
+        self.0 as usize - 1
+    }
+
+    /// The id of the robot at `index` in a list of all robots.
+    ///
+    /// # Panics
+    /// If there are more than `u32::MAX - 1` robots.
+    pub fn from_index(index: usize) -> Self {
+        Self(u32::try_from(index + 1).expect("a scene has fewer than 2^32 robots"))
+    }
+}
+
+impl std::fmt::Display for RobotId {
+    /// `r1`, `r2`, ... as everywhere in the output.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "r{}", self.0)
+    }
+}

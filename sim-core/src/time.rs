@@ -1,0 +1,102 @@
+//! Virtual and simulation time: integers in microseconds, so that sums are exact and the same for every slot length.
+
+use std::ops::{Add, AddAssign, Sub};
+
+/// An instant or a span of virtual time, in microseconds.
+///
+/// Virtual time starts at 0 for every robot. Source: design section 3; microseconds are our choice.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+pub struct Time(pub i64);
+
+/// The system tick of RoBIOS, 10 ms: timers, tasks and the controllers of motion step on its global grid.
+///
+/// Source: RoBIOS 6 manual, system tick of 100 Hz.
+pub const TICK: Time = Time(10_000);
+
+impl Time {
+    /// The start of every run.
+    pub const ZERO: Self = Self(0);
+    /// Later than any instant of a run.
+    pub const NEVER: Self = Self(i64::MAX);
+
+    /// The span of `n` milliseconds.
+    pub const fn from_millis(n: i64) -> Self {
+        Self(n.saturating_mul(1_000))
+    }
+
+    /// The span in seconds; exact to the last bit for spans below 2^53 us (285 years) divided by 10^6.
+    pub fn seconds(self) -> f64 {
+        self.0 as f64 / 1e6
+    }
+
+    /// The first instant that is not before `seconds`; [`Time::NEVER`] when that lies beyond the range, 0 for NaN.
+    pub fn from_seconds_ceil(seconds: f64) -> Self {
+        // `as` saturates and maps NaN to 0.
+        let micros = (seconds * 1e6).ceil() as i64;
+        let mut time = Self(micros);
+        // The product may have rounded to just below the true value.
+        while time < Self::NEVER && time.seconds() < seconds {
+            time.0 += 1;
+        }
+        time
+    }
+
+    /// The last point of the grid `step, 2 step, ...` that is not after this instant.
+    pub fn floor_to(self, step: Time) -> Self {
+        Self(self.0.div_euclid(step.0) * step.0)
+    }
+
+    /// This instant plus a span, or [`Time::NEVER`].
+    pub fn saturating_add(self, span: Time) -> Self {
+        Self(self.0.saturating_add(span.0))
+    }
+}
+
+impl Add for Time {
+    type Output = Self;
+    fn add(self, span: Self) -> Self {
+        self.saturating_add(span)
+    }
+}
+
+impl AddAssign for Time {
+    fn add_assign(&mut self, span: Self) {
+        *self = *self + span;
+    }
+}
+
+impl Sub for Time {
+    type Output = Self;
+    fn sub(self, earlier: Self) -> Self {
+        Self(self.0.saturating_sub(earlier.0))
+    }
+}
+
+impl std::fmt::Display for Time {
+    /// Seconds with three decimals, `2.350 s`; `for ever` for [`Time::NEVER`].
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if *self == Self::NEVER { f.write_str("for ever") } else { write!(f, "{:.3} s", self.seconds()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_wake_after_a_real_instant_is_never_before_it() {
+        for micros in [0, 1, 3, 7, 1_000_001, 123_456_789_012] {
+            let exact = Time(micros);
+            assert_eq!(Time::from_seconds_ceil(exact.seconds()), exact);
+            assert_eq!(Time::from_seconds_ceil(exact.seconds() + 3e-7), Time(micros + 1));
+        }
+        assert_eq!(Time::from_seconds_ceil(f64::INFINITY), Time::NEVER);
+        assert_eq!(Time::from_seconds_ceil(1e300), Time::NEVER);
+    }
+
+    #[test]
+    fn the_grid_contains_its_own_points() {
+        assert_eq!(Time(20_000).floor_to(TICK), Time(20_000));
+        assert_eq!(Time(19_999).floor_to(TICK), Time(10_000));
+    }
+}

@@ -1,0 +1,1 @@
+//! The host of robot programs: files, programs, executors, slot loop, what each RoBIOS call does, recording.

@@ -1,0 +1,2 @@
+//! The command `eyesim`.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Helpers for the black-box tests: a fresh folder, the real binary, its outputs.
