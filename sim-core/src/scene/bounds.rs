@@ -1,0 +1,101 @@
+use glam::DVec2;
+
+/// Slower than this along an axis, a ray does not move along it: a reciprocal would overflow in products.
+pub(super) const PARALLEL: f64 = 1e-150;
+
+/// An axis-parallel rectangle, borders included, in metres in the world frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Lower left corner.
+    pub min: DVec2,
+    /// Upper right corner; below `min` in a coordinate, the rectangle holds no point.
+    pub max: DVec2,
+}
+
+impl Bounds {
+    /// The rectangle without a point: the neutral element of [`Bounds::union`].
+    pub const EMPTY: Self = Self { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
+
+    /// The smallest rectangle that holds every point; [`Bounds::EMPTY`] for none.
+    pub fn of_points(points: impl IntoIterator<Item = DVec2>) -> Self {
+        points
+            .into_iter()
+            .fold(Self::EMPTY, |bounds, point| Self { min: bounds.min.min(point), max: bounds.max.max(point) })
+    }
+
+    /// The square around a disc.
+    pub fn of_disc(centre: DVec2, radius: f64) -> Self {
+        Self { min: centre, max: centre }.grown(radius)
+    }
+
+    /// The smallest rectangle that holds both.
+    pub fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// This rectangle with each side moved outwards by `margin` metres.
+    pub fn grown(self, margin: f64) -> Self {
+        Self { min: self.min - DVec2::splat(margin), max: self.max + DVec2::splat(margin) }
+    }
+
+    /// Whether `point` lies inside or on the border.
+    pub fn contains(&self, point: DVec2) -> bool {
+        self.min.cmple(point).all() && point.cmple(self.max).all()
+    }
+
+    /// Whether both share a point, be it on their borders; false where a coordinate is NaN.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
+    /// Whether both corners are finite and in order.
+    pub fn is_finite(&self) -> bool {
+        self.min.is_finite() && self.max.is_finite() && self.min.cmple(self.max).all()
+    }
+
+    /// The stretch inside the rectangle of the ray from `origin` along the unit vector `direction`, as distances from the
+    /// origin.
+    #[inline]
+    pub(super) fn clip(&self, origin: DVec2, direction: DVec2, range: f64) -> Option<(f64, f64)> {
+        let mut stretch = (0.0_f64, range);
+        for (o, d, min, max) in
+            [(origin.x, direction.x, self.min.x, self.max.x), (origin.y, direction.y, self.min.y, self.max.y)]
+        {
+            if d.abs() < PARALLEL {
+                if o < min || o > max {
+                    return None;
+                }
+            } else {
+                let per = 1.0 / d;
+                let (one, other) = ((min - o) * per, (max - o) * per);
+                stretch = (stretch.0.max(one.min(other)), stretch.1.min(one.max(other)));
+            }
+        }
+        (stretch.0 <= stretch.1).then_some(stretch)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn borders_belong_to_the_rectangle() {
+        let unit = Bounds::of_points([DVec2::ZERO, DVec2::ONE]);
+        assert!(unit.contains(DVec2::ONE) && unit.contains(DVec2::new(0.0, 0.5)));
+        assert!(!unit.contains(DVec2::new(1.0 + 1e-15, 0.5)));
+        assert!(unit.overlaps(&Bounds::of_disc(DVec2::new(1.5, 0.5), 0.5)));
+        assert!(!unit.overlaps(&Bounds::of_disc(DVec2::new(1.5, 0.5), 0.4375)));
+        assert!(!unit.overlaps(&Bounds::EMPTY));
+    }
+
+    #[test]
+    fn union_with_nothing_changes_nothing() {
+        let disc = Bounds::of_disc(DVec2::new(2.0, 3.0), 0.5);
+        assert_eq!(disc.union(Bounds::EMPTY), disc);
+        assert_eq!(
+            disc.union(Bounds::of_points([DVec2::ZERO])),
+            Bounds { min: DVec2::ZERO, max: DVec2::new(2.5, 3.5) }
+        );
+    }
+}

@@ -1,0 +1,127 @@
+//! A uniform grid of square cells: which cell holds a place, and which cells a ray passes.
+
+use std::ops::{ControlFlow, RangeInclusive};
+
+use glam::DVec2;
+
+use super::bounds::{Bounds, PARALLEL};
+
+/// Square cells over a rectangle, numbered row by row from the lower left.
+#[derive(Clone, Debug)]
+pub(super) struct Grid {
+    /// What the cells cover; places outside count to the outermost cells.
+    bounds: Bounds,
+    cell: f64,
+    per_cell: f64,
+    columns: usize,
+    rows: usize,
+}
+
+impl Grid {
+    /// Cells of `cell` metres, which must be positive, over finite `bounds`.
+    pub fn new(bounds: Bounds, cell: f64) -> Self {
+        let size = bounds.max - bounds.min;
+        let count = |extent: f64| (extent / cell) as usize + 1;
+        Self { bounds, cell, per_cell: 1.0 / cell, columns: count(size.x), rows: count(size.y) }
+    }
+
+    /// Number of cells.
+    pub fn len(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    pub fn column(&self, x: f64) -> usize {
+        // `as` saturates, and maps NaN to 0.
+        (((x - self.bounds.min.x) * self.per_cell) as usize).min(self.columns - 1)
+    }
+
+    pub fn row(&self, y: f64) -> usize {
+        (((y - self.bounds.min.y) * self.per_cell) as usize).min(self.rows - 1)
+    }
+
+    pub fn index(&self, column: usize, row: usize) -> usize {
+        row * self.columns + column
+    }
+
+    /// Left border of a column.
+    pub fn left(&self, column: usize) -> f64 {
+        self.bounds.min.x + column as f64 * self.cell
+    }
+
+    /// Lower border of a row.
+    pub fn lower(&self, row: usize) -> f64 {
+        self.bounds.min.y + row as f64 * self.cell
+    }
+
+    /// Columns and rows that `area` meets.
+    pub fn span(&self, area: &Bounds) -> (RangeInclusive<usize>, RangeInclusive<usize>) {
+        (self.column(area.min.x)..=self.column(area.max.x), self.row(area.min.y)..=self.row(area.max.y))
+    }
+
+    /// Visits the cells along a ray in order, each with the distance at which the ray leaves it, up to `range` metres or
+    /// until `visit` breaks. `direction` has length 1; all arguments are finite but for `range`.
+    ///
+    /// Distances to the cell borders are computed afresh at each step, so that the ray is within a few units in the last
+    /// place of its coordinates of every cell that it is said to be in, however many cells it has passed.
+    #[inline]
+    pub fn walk(
+        &self,
+        origin: DVec2,
+        direction: DVec2,
+        range: f64,
+        mut visit: impl FnMut(usize, f64) -> ControlFlow<()>,
+    ) {
+        let Some((near, far)) = self.bounds.clip(origin, direction, range) else { return };
+        let entry = origin + direction * near;
+        let (mut column, mut row) = (self.column(entry.x), self.row(entry.y));
+        let x_axis = Axis::new(origin.x, direction.x, self.bounds.min.x, self.cell);
+        let y_axis = Axis::new(origin.y, direction.y, self.bounds.min.y, self.cell);
+        let (mut x_exit, mut y_exit) = (x_axis.exit(column), y_axis.exit(row));
+        loop {
+            let exit = x_exit.min(y_exit);
+            if visit(row * self.columns + column, exit).is_break() || exit > far {
+                return;
+            }
+            if x_exit < y_exit {
+                column = column.wrapping_add_signed(x_axis.step);
+                if column >= self.columns {
+                    return;
+                }
+                x_exit = x_axis.exit(column);
+            } else {
+                row = row.wrapping_add_signed(y_axis.step);
+                if row >= self.rows {
+                    return;
+                }
+                y_exit = y_axis.exit(row);
+            }
+        }
+    }
+}
+
+/// How a ray moves across the borders of one axis.
+struct Axis {
+    /// Distance at which the ray meets border 0, less the origin's share when moving backwards.
+    first: f64,
+    per_border: f64,
+    step: isize,
+}
+
+impl Axis {
+    #[inline]
+    fn new(origin: f64, direction: f64, min: f64, cell: f64) -> Self {
+        if direction.abs() < PARALLEL {
+            return Self { first: f64::INFINITY, per_border: 0.0, step: 0 };
+        }
+        let per = 1.0 / direction;
+        let step = if direction > 0.0 { 1 } else { -1 };
+        let leading = if direction > 0.0 { cell } else { 0.0 };
+        Self { first: (min - origin + leading) * per, per_border: cell * per, step }
+    }
+
+    /// Distance at which the ray leaves the column or row.
+    #[inline]
+    fn exit(&self, index: usize) -> f64 {
+        self.first + index as f64 * self.per_border
+    }
+}
