@@ -1,1 +1,3 @@
 //! The host of robot programs: files, programs, executors, slot loop, what each RoBIOS call does, recording.
+
+pub mod record;

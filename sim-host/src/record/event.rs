@@ -1,0 +1,479 @@
+//! The events of a run, in one list from which enum, kinds, JSON names and the check of `docs/trace.md` come.
+
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Serialize, Serializer};
+use sim_core::RobotId;
+use sim_core::time::Time;
+
+/// How a robot's program stands at the end of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// The program ended by itself with exit code 0.
+    Finished,
+    /// The run's time was over while the program ran.
+    Running,
+    /// The program waits for something that cannot come any more.
+    Waiting,
+    /// The user ended the run.
+    Interrupted,
+    /// The program panicked, faulted, could not be loaded or ended with another exit code than 0.
+    Failed,
+    /// The program computed for too long without a RoBIOS call.
+    Timeout,
+}
+
+impl Outcome {
+    /// The word of the report and the trace, such as `finished`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Finished => "finished",
+            Self::Running => "running",
+            Self::Waiting => "waiting",
+            Self::Interrupted => "interrupted",
+            Self::Failed => "failed",
+            Self::Timeout => "timeout",
+        }
+    }
+
+    /// True where the program is to blame, so that the run's exit code is 1.
+    pub fn is_failure(self) -> bool {
+        matches!(self, Self::Waiting | Self::Failed | Self::Timeout)
+    }
+}
+
+/// What a robot touched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Obstacle {
+    /// A wall or another thing that never moves.
+    Wall,
+    /// The robot with this number.
+    Robot(u32),
+}
+
+/// Defines [`Event`] and what depends on the list of its variants.
+macro_rules! events {
+    ($(
+        $(#[$doc:meta])*
+        $name:ident = $tag:literal { $( $(#[$field_doc:meta])* $field:ident: $type:ty, )* }
+    )*) => {
+        /// One thing that a robot did, read or met. Strings are borrowed, so that recording allocates nothing.
+        ///
+        /// SI units; the unit is in each field's name. The order of variants and fields is part of the digest: a change
+        /// to it changes the digest of every run.
+        #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+        pub enum Event<'a> {
+            $( $(#[$doc])* $name { $( $(#[$field_doc])* $field: $type, )* }, )*
+        }
+
+        /// Which [`Event`]; the number is the first byte of its canonical form.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[repr(u8)]
+        pub enum Kind {
+            $( $(#[$doc])* $name, )*
+        }
+
+        impl Kind {
+            /// All kinds in the order of their numbers.
+            pub const ALL: &[Self] = &[$( Self::$name, )*];
+
+            /// The name in the trace, such as `lcd_text`.
+            pub fn name(self) -> &'static str {
+                match self { $( Self::$name => $tag, )* }
+            }
+
+            /// The names of the fields in the trace.
+            pub fn fields(self) -> &'static [&'static str] {
+                match self { $( Self::$name => &[$( stringify!($field), )*], )* }
+            }
+        }
+
+        impl Event<'_> {
+            /// Which variant this is.
+            pub fn kind(&self) -> Kind {
+                match self { $( Self::$name { .. } => Kind::$name, )* }
+            }
+
+            /// Writes the event's fields as entries of a map.
+            fn serialize_fields<M: SerializeMap>(&self, map: &mut M) -> Result<(), M::Error> {
+                match self {
+                    $( Self::$name { $( $field, )* } => { $( map.serialize_entry(stringify!($field), $field)?; )* } )*
+                }
+                Ok(())
+            }
+        }
+    };
+}
+
+events! {
+    /// A program begins.
+    ProgramStarted = "program_started" {
+        /// The program as the sim file names it.
+        program: &'a str,
+    }
+    /// A program has ended, or the run has ended before it.
+    ProgramEnded = "program_ended" {
+        /// How it stands.
+        outcome: Outcome,
+        /// Its exit code, where it gave one.
+        exit_code: Option<i32>,
+    }
+    /// Where a body that moved is at the end of a slot.
+    Pose = "pose" {
+        /// World coordinate to the right, m.
+        x_m: f64,
+        /// World coordinate upwards, m.
+        y_m: f64,
+        /// Heading within the turn, counter-clockwise from x, in [-pi, pi), rad.
+        phi_rad: f64,
+        /// Whole turns of the heading.
+        turns: i64,
+    }
+    /// A body touched something.
+    Contact = "contact" {
+        /// The instant, s: the event's time before rounding to microseconds.
+        at_s: f64,
+        /// What it touched.
+        with: Obstacle,
+        /// Point of contact, m.
+        x_m: f64,
+        /// Point of contact, m.
+        y_m: f64,
+    }
+    /// Command: drive at these speeds until further notice.
+    DriveSpeed = "drive_speed" {
+        /// Forward speed, m/s.
+        v_m_per_s: f64,
+        /// Turning speed, rad/s.
+        omega_rad_per_s: f64,
+    }
+    /// Command: drive a straight line.
+    DriveStraight = "drive_straight" {
+        /// Length, negative backwards, m.
+        distance_m: f64,
+        /// Speed, m/s.
+        v_m_per_s: f64,
+    }
+    /// Command: turn on the spot.
+    DriveTurn = "drive_turn" {
+        /// Angle, counter-clockwise positive, rad.
+        angle_rad: f64,
+        /// Turning speed, rad/s.
+        omega_rad_per_s: f64,
+    }
+    /// Command: drive an arc.
+    DriveCurve = "drive_curve" {
+        /// Arc length, m.
+        distance_m: f64,
+        /// Angle turned on it, rad.
+        angle_rad: f64,
+        /// Speed, m/s.
+        v_m_per_s: f64,
+    }
+    /// Command: the odometry takes these values.
+    SetOdometry = "set_odometry" {
+        /// m
+        x_m: f64,
+        /// m
+        y_m: f64,
+        /// rad
+        phi_rad: f64,
+    }
+    /// The speed controller starts with these gains.
+    ControlStarted = "control_started" {
+        /// Proportional gain of the forward speed.
+        v_gain: f64,
+        /// Reset time of the forward speed, s.
+        v_reset_s: f64,
+        /// Proportional gain of the turning speed.
+        omega_gain: f64,
+        /// Reset time of the turning speed, s.
+        omega_reset_s: f64,
+    }
+    /// The speed controller stops.
+    ControlStopped = "control_stopped" {}
+    /// A motor is set.
+    Motor = "motor" {
+        /// Name of the motor.
+        device: &'a str,
+        /// -100 to 100.
+        percent: i32,
+    }
+    /// A servo is set.
+    Servo = "servo" {
+        /// Name of the servo.
+        device: &'a str,
+        /// 0 to 255.
+        position: i32,
+    }
+    /// A latch, port or other output is set.
+    Output = "output" {
+        /// Name of the device.
+        device: &'a str,
+        /// In the device's own unit.
+        value: i64,
+    }
+    /// A PSD sensor is read.
+    Distance = "distance" {
+        /// Name of the sensor.
+        device: &'a str,
+        /// The measured distance; none when it saw nothing within its range.
+        distance_m: Option<f64>,
+        /// When it was measured, s.
+        measured_s: f64,
+    }
+    /// A compass is read.
+    Angle = "angle" {
+        /// Name of the sensor.
+        device: &'a str,
+        /// The measured angle, none when there is none yet.
+        angle_rad: Option<f64>,
+    }
+    /// An encoder, bumper, infrared sensor, latch, A/D channel or other counter is read.
+    Reading = "reading" {
+        /// Name of the sensor.
+        device: &'a str,
+        /// In the sensor's own unit: ticks, counts, 0 or 1.
+        value: i64,
+    }
+    /// The position by odometry is read.
+    Odometry = "odometry" {
+        /// m
+        x_m: f64,
+        /// m
+        y_m: f64,
+        /// rad
+        phi_rad: f64,
+    }
+    /// The speed by odometry is read.
+    OdometrySpeed = "odometry_speed" {
+        /// Forward speed, m/s.
+        v_m_per_s: f64,
+        /// Turning speed, rad/s.
+        omega_rad_per_s: f64,
+    }
+    /// Text is written on the display.
+    LcdText = "lcd_text" {
+        /// 0 to 6.
+        row: u8,
+        /// 0 to 15.
+        column: u8,
+        /// What is written.
+        text: &'a str,
+    }
+    /// The display is cleared.
+    LcdClear = "lcd_clear" {}
+    /// Something is drawn on the display.
+    LcdGraphics = "lcd_graphics" {
+        /// The RoBIOS function.
+        function: &'a str,
+        /// Number of pixels that it changed.
+        changed_pixels: u32,
+    }
+    /// A text of the menu line is set.
+    LcdMenu = "lcd_menu" {
+        /// 1 to 4, from the left.
+        position: u8,
+        /// The text.
+        text: &'a str,
+    }
+    /// The loudspeaker plays a tone.
+    Tone = "tone" {
+        /// Hz
+        frequency_hz: f64,
+        /// s
+        duration_s: f64,
+    }
+    /// The loudspeaker beeps.
+    Beep = "beep" {}
+    /// The loudspeaker plays a sample.
+    Sample = "sample" {
+        /// Size of the sample, bytes.
+        length_bytes: u64,
+    }
+    /// The program takes a key press.
+    Key = "key" {
+        /// `KEY1` to `KEY4`.
+        key: &'a str,
+    }
+    /// Bytes leave by a serial interface.
+    SerialSent = "serial_sent" {
+        /// `SERIAL1` to `SERIAL3`.
+        port: &'a str,
+        /// The bytes.
+        data: &'a [u8],
+    }
+    /// The program takes bytes from a serial interface.
+    SerialReceived = "serial_received" {
+        /// `SERIAL1` to `SERIAL3`.
+        port: &'a str,
+        /// The bytes.
+        data: &'a [u8],
+    }
+    /// A timer begins.
+    TimerAttached = "timer_attached" {
+        /// Handle.
+        timer: u32,
+        /// s
+        period_s: f64,
+    }
+    /// A timer ends.
+    TimerDetached = "timer_detached" {
+        /// Handle.
+        timer: u32,
+    }
+    /// The program writes a line to its standard output.
+    Stdout = "stdout" {
+        /// The line without its end.
+        text: &'a str,
+    }
+    /// The program writes a line to its standard error. A note.
+    Stderr = "stderr" {
+        /// The line without its end.
+        text: &'a str,
+    }
+    /// A program is broken. A note.
+    Fault = "fault" {
+        /// What happened, such as `SIGSEGV` or `panic`.
+        what: &'a str,
+        /// Source file and line, empty where unknown.
+        location: &'a str,
+        /// The last RoBIOS call before it, empty where there was none.
+        last_call: &'a str,
+    }
+    /// Why a program ended, or what it waits for, in words. A note.
+    Reason = "reason" {
+        /// The words.
+        text: &'a str,
+    }
+    /// A likely mistake in the program. A note.
+    Hint = "hint" {
+        /// The words.
+        text: &'a str,
+    }
+    /// A RoBIOS call, recorded in verbose runs only. A note.
+    Call = "call" {
+        /// Name of the function.
+        function: &'a str,
+        /// The arguments as the caller would write them, separated by commas.
+        arguments: &'a str,
+        /// The result, empty for none.
+        result: &'a str,
+    }
+}
+
+impl Kind {
+    /// True for what may differ between equal runs (source paths, thread numbers in a panic's message, whether the user
+    /// asked for calls): it has no sequence number and is not part of the digest.
+    pub fn is_note(self) -> bool {
+        matches!(self, Self::Stderr | Self::Fault | Self::Reason | Self::Hint | Self::Call)
+    }
+
+    /// The set that holds this kind alone.
+    pub fn set(self) -> KindSet {
+        KindSet(1 << self as u8)
+    }
+}
+
+// A `KindSet` has a bit for each kind, and the kind's number must be one byte in postcard's varint form.
+const _: () = assert!(Kind::ALL.len() <= 64);
+
+/// A set of kinds of events.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct KindSet(u64);
+
+impl KindSet {
+    /// No kind.
+    pub const NONE: Self = Self(0);
+    /// Every kind.
+    pub const ALL: Self = Self(u64::MAX);
+
+    /// The set of these kinds.
+    pub fn of(kinds: &[Kind]) -> Self {
+        kinds.iter().fold(Self::NONE, |set, kind| set.union(kind.set()))
+    }
+
+    /// What is in either set.
+    pub fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// This set without `kind`.
+    pub fn without(self, kind: Kind) -> Self {
+        Self(self.0 & !kind.set().0)
+    }
+
+    /// True when the sets share a kind.
+    pub fn intersects(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    /// True when `kind` is in the set.
+    pub fn contains(self, kind: Kind) -> bool {
+        self.intersects(kind.set())
+    }
+}
+
+/// An event with its virtual time and its robot. Serialises to a line of the trace.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Record<'a> {
+    /// Virtual time of the robot.
+    pub time: Time,
+    /// Whose event.
+    pub robot: RobotId,
+    /// Number of the event among its robot's, from 0; none for a note.
+    pub sequence: Option<u64>,
+    /// What happened.
+    pub event: Event<'a>,
+}
+
+impl Serialize for Record<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("t_s", &self.time.seconds())?;
+        map.serialize_entry("robot", &self.robot.0)?;
+        if let Some(sequence) = self.sequence {
+            map.serialize_entry("seq", &sequence)?;
+        }
+        map.serialize_entry("event", self.event.kind().name())?;
+        self.event.serialize_fields(&mut map)?;
+        map.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_kind_is_the_first_byte_of_the_canonical_form() {
+        for event in [
+            Event::ProgramStarted { program: "square.c" },
+            Event::Beep {},
+            Event::Call { function: "OSWait", arguments: "5", result: "0" },
+        ] {
+            let bytes = postcard::to_stdvec(&event).unwrap();
+            assert_eq!(bytes[0], event.kind() as u8);
+            assert_eq!(postcard::from_bytes::<Event<'_>>(&bytes).unwrap(), event);
+        }
+    }
+
+    #[test]
+    fn names_are_unique_and_kinds_are_numbered_in_order() {
+        let names: std::collections::BTreeSet<_> = Kind::ALL.iter().map(|kind| kind.name()).collect();
+        assert_eq!(names.len(), Kind::ALL.len());
+        for (number, kind) in Kind::ALL.iter().enumerate() {
+            assert_eq!(*kind as usize, number);
+        }
+    }
+
+    #[test]
+    fn sets_know_their_kinds() {
+        let set = KindSet::of(&[Kind::Pose, Kind::Contact]);
+        assert!(set.contains(Kind::Pose) && set.contains(Kind::Contact) && !set.contains(Kind::Call));
+        assert!(!set.without(Kind::Pose).contains(Kind::Pose));
+        assert!(!set.intersects(Kind::Hint.set()));
+        assert!(Kind::ALL.iter().all(|kind| KindSet::ALL.contains(*kind)));
+    }
+}

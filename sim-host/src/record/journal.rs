@@ -1,0 +1,189 @@
+//! A robot's own list of events of the slot in progress.
+
+use serde::Serialize;
+use sim_core::RobotId;
+use sim_core::time::Time;
+
+use super::digest;
+use super::event::{Event, Kind, KindSet, Record};
+
+/// Length of a chain value in bytes.
+const CHAIN_LEN: usize = 32;
+
+/// Where a robot records what happens to it: a few stores an event, no allocation once its buffers have grown.
+///
+/// Events are kept in their canonical form (postcard of time and event), which is what the digest covers and what the
+/// sinks decode. Only the robot's own thread writes while a slot runs; between slots the slot loop adds poses and contacts
+/// and gives the journal to [`super::Recorder::collect`].
+#[derive(Debug)]
+pub struct Journal {
+    robot: RobotId,
+    next_sequence: u64,
+    page: Page,
+    is_sealed: bool,
+    is_verbose: bool,
+}
+
+/// The buffers of a journal, which the recorder may keep for as long as it merges.
+#[derive(Debug, Default)]
+pub(super) struct Page {
+    /// The chain value before the slot, then the canonical form of the events: hashed as a whole.
+    events: Vec<u8>,
+    /// The same form of the notes.
+    notes: Vec<u8>,
+    entries: Vec<Entry>,
+    first_sequence: u64,
+    pub(super) kinds: KindSet,
+}
+
+/// Where an event stands in its page.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry {
+    pub(super) time: Time,
+    start: usize,
+    sequence: u32,
+    pub(super) kind: Kind,
+}
+
+impl Journal {
+    /// The empty journal of `robot`; `is_verbose` says whether somebody wants to see its calls.
+    pub fn new(robot: RobotId, is_verbose: bool) -> Self {
+        let mut page = Page::default();
+        page.events.extend_from_slice(&digest::chain_start(robot));
+        Self { robot, next_sequence: 0, page, is_sealed: false, is_verbose }
+    }
+
+    /// Whose journal it is.
+    pub fn robot(&self) -> RobotId {
+        self.robot
+    }
+
+    /// True when [`Event::Call`] is wanted: formatting the arguments is the caller's cost.
+    pub fn is_verbose(&self) -> bool {
+        self.is_verbose
+    }
+
+    /// True when nothing has been recorded in this slot.
+    pub fn is_empty(&self) -> bool {
+        self.page.entries.is_empty()
+    }
+
+    /// Appends `event`, which happened at virtual time `time`.
+    ///
+    /// # Panics
+    /// After [`Self::seal`], before the recorder has collected the journal.
+    pub fn record(&mut self, time: Time, event: &Event<'_>) {
+        assert!(!self.is_sealed, "the journal of {} is sealed", self.robot);
+        let kind = event.kind();
+        let bytes = if kind.is_note() { &mut self.page.notes } else { &mut self.page.events };
+        let start = bytes.len();
+        append(bytes, &(time.0, event));
+        let sequence = (self.next_sequence - self.page.first_sequence) as u32;
+        self.next_sequence += u64::from(!kind.is_note());
+        self.page.entries.push(Entry { time, start, sequence, kind });
+        self.page.kinds = self.page.kinds.union(kind.set());
+    }
+
+    /// Ends the slot for this robot: adds its events to its chain. A robot without events keeps its chain value.
+    ///
+    /// Hashing is the larger part of recording, so this may be called by the workers, in parallel; the recorder does it
+    /// where it has not been done.
+    pub fn seal(&mut self) {
+        if !self.is_sealed && self.has_events() {
+            let chain = *blake3::hash(&self.page.events).as_bytes();
+            self.page.events[..CHAIN_LEN].copy_from_slice(&chain);
+        }
+        self.is_sealed = true;
+    }
+
+    /// True when something other than notes has been recorded in this slot.
+    fn has_events(&self) -> bool {
+        self.page.events.len() > CHAIN_LEN
+    }
+
+    /// The chain value if the sealed slot has changed it.
+    pub(super) fn changed_chain(&self) -> Option<&[u8; CHAIN_LEN]> {
+        if self.has_events() { self.page.events.first_chunk() } else { None }
+    }
+
+    /// The kinds recorded in this slot.
+    pub(super) fn kinds(&self) -> KindSet {
+        self.page.kinds
+    }
+
+    /// Begins the next slot; the buffers of the last one go to `spare`, whose buffers are used again.
+    pub(super) fn turn_page(&mut self, spare: &mut Page) {
+        spare.clear();
+        spare.events.extend_from_slice(&self.page.events[..CHAIN_LEN]);
+        std::mem::swap(&mut self.page, spare);
+        self.begin_slot();
+    }
+
+    /// Begins the next slot; what the last one held is dropped.
+    pub(super) fn clear_page(&mut self) {
+        self.page.events.truncate(CHAIN_LEN);
+        self.page.notes.clear();
+        self.page.entries.clear();
+        self.page.kinds = KindSet::NONE;
+        self.begin_slot();
+    }
+
+    fn begin_slot(&mut self) {
+        self.page.first_sequence = self.next_sequence;
+        self.is_sealed = false;
+    }
+}
+
+impl Page {
+    /// Empties the buffers, the chain value too.
+    fn clear(&mut self) {
+        self.events.clear();
+        self.notes.clear();
+        self.entries.clear();
+        self.kinds = KindSet::NONE;
+    }
+
+    /// Where each event stands, in the order in which they were recorded.
+    pub(super) fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    /// The record at `entry` of this page, which is `robot`'s.
+    ///
+    /// # Panics
+    /// If the bytes are not what [`Journal::record`] wrote, which would be a fault of this module.
+    pub(super) fn decode(&self, robot: RobotId, entry: &Entry) -> Record<'_> {
+        let is_note = entry.kind.is_note();
+        let bytes = if is_note { &self.notes } else { &self.events };
+        let ((_, event), _): ((i64, Event<'_>), _) =
+            postcard::take_from_bytes(&bytes[entry.start..]).expect("a journal decodes what it encoded");
+        let sequence = (!is_note).then(|| self.first_sequence + u64::from(entry.sequence));
+        Record { time: entry.time, robot, sequence, event }
+    }
+}
+
+/// Appends the postcard form of `value` to `bytes`.
+fn append(bytes: &mut Vec<u8>, value: &impl Serialize) {
+    postcard::serialize_with_flavor(value, Append(bytes)).expect("memory is the only limit of a journal");
+}
+
+/// Postcard's output, at the end of a vector.
+struct Append<'a>(&'a mut Vec<u8>);
+
+impl postcard::ser_flavors::Flavor for Append<'_> {
+    type Output = ();
+
+    fn try_extend(&mut self, data: &[u8]) -> postcard::Result<()> {
+        self.0.extend_from_slice(data);
+        Ok(())
+    }
+
+    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
+        self.0.push(byte);
+        Ok(())
+    }
+
+    fn finalize(self) -> postcard::Result<()> {
+        Ok(())
+    }
+}

@@ -1,0 +1,15 @@
+//! What a run leaves behind: events, digest, trace, report, picture and the lines on the terminal.
+//!
+//! Each robot appends its events to a [`Journal`] of its own while a slot runs; at the slot's end the [`Recorder`] seals
+//! the journals (digest), merges them in the one order (virtual time, robot, sequence) and hands them to the sinks.
+//! Nothing here decides what happens in a run: with or without sinks the run and its digest are the same.
+
+pub mod digest;
+pub mod event;
+pub mod journal;
+pub mod recorder;
+
+pub use digest::Digest;
+pub use event::{Event, Kind, Obstacle, Outcome, Record};
+pub use journal::Journal;
+pub use recorder::{RecordError, Recorder, Sink};
