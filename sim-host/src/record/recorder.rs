@@ -1,7 +1,9 @@
 //! Merges the robots' journals at each slot's end and hands them to the sinks.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
+use parking_lot::Mutex;
 use sim_core::RobotId;
 use sim_core::time::Time;
 
@@ -42,13 +44,42 @@ pub trait Sink: Send {
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError>;
 }
 
+impl<S: Sink + ?Sized> Sink for &mut S {
+    fn interest(&self) -> KindSet {
+        (**self).interest()
+    }
+
+    fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
+        (**self).record(record)
+    }
+
+    fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
+        (**self).end_slot(end, digest)
+    }
+}
+
+/// A sink whose owner looks at it while the run records, or after it.
+impl<S: Sink> Sink for Arc<Mutex<S>> {
+    fn interest(&self) -> KindSet {
+        self.lock().interest()
+    }
+
+    fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
+        self.lock().record(record)
+    }
+
+    fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
+        self.lock().end_slot(end, digest)
+    }
+}
+
 /// The slot loop's door to everything recorded.
 ///
 /// At each slot's end: [`Self::collect`] for the robots that may have recorded something, in order of their ids, then
 /// [`Self::end_slot`].
 pub struct Recorder<'s> {
     digest: RunDigest,
-    sinks: Vec<&'s mut dyn Sink>,
+    sinks: Vec<Box<dyn Sink + 's>>,
     interest: KindSet,
     /// The pages of this slot's robots, then spare ones: the first `used` are in use.
     pages: Vec<(RobotId, Page)>,
@@ -66,7 +97,7 @@ struct Place {
 
 impl<'s> Recorder<'s> {
     /// A recorder of a run with `seed` and slots of length `slot`, for `sinks`.
-    pub fn new(seed: u64, slot: Time, sinks: Vec<&'s mut dyn Sink>) -> Self {
+    pub fn new(seed: u64, slot: Time, sinks: Vec<Box<dyn Sink + 's>>) -> Self {
         let interest = sinks.iter().fold(KindSet::NONE, |set, sink| set.union(sink.interest()));
         Self { digest: RunDigest::new(seed, slot), sinks, interest, pages: Vec::new(), used: 0, order: Vec::new() }
     }
@@ -151,7 +182,7 @@ mod tests {
     const SLOT: Time = Time::from_millis(50);
 
     /// Records two slots of two robots; `order` is the order in which their "threads" run.
-    fn run(order: [usize; 2], is_verbose: bool, sinks: Vec<&mut dyn Sink>) -> Digest {
+    fn run(order: [usize; 2], is_verbose: bool, sinks: Vec<Box<dyn Sink + '_>>) -> Digest {
         let mut journals = [1, 2].map(|id| Journal::new(RobotId(id), is_verbose));
         let mut recorder = Recorder::new(7, SLOT, sinks);
         for slot in 0..2 {
@@ -176,14 +207,14 @@ mod tests {
     #[test]
     fn records_come_in_the_one_order() {
         let mut lines = Lines(KindSet::ALL, vec![], vec![]);
-        run([1, 0], false, vec![&mut lines]);
+        run([1, 0], false, vec![Box::new(&mut lines)]);
         insta::assert_snapshot!(lines.1.join("\n"));
     }
 
     #[test]
     fn a_sink_gets_only_what_it_wants() {
         let mut lines = Lines(Kind::Contact.set(), vec![], vec![]);
-        run([0, 1], true, vec![&mut lines]);
+        run([0, 1], true, vec![Box::new(&mut lines)]);
         assert_eq!(lines.1.len(), 2, "{:?}", lines.1);
         assert_eq!(lines.2.len(), 2);
     }
@@ -193,7 +224,7 @@ mod tests {
         let mut lines = Lines(KindSet::ALL, vec![], vec![]);
         let mut contacts = Lines(Kind::Contact.set(), vec![], vec![]);
         let digest = run([0, 1], false, vec![]);
-        assert_eq!(digest, run([1, 0], false, vec![&mut lines, &mut contacts]));
+        assert_eq!(digest, run([1, 0], false, vec![Box::new(&mut lines), Box::new(&mut contacts)]));
         assert_eq!(digest, run([1, 0], true, vec![]));
         assert_eq!(lines.2.last(), Some(&Some(digest)));
     }
