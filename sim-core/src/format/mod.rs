@@ -1,1 +1,28 @@
-//! (format)
+//! Readers: texts of EyeSim files to specs in SI units, with diagnostics.
+//!
+//! Every reader is a total function: whatever the text, it returns a spec of finite numbers and says what is wrong with the
+//! text, all of it, and never panics. This room does no I/O: [`load_sim`] gets its files through [`Files`]. It looks for no
+//! programs and builds nothing; the classic formats of EyeSim 5 and 6 are read, lines of EyeSim VR are recognised and
+//! reported. The formats are described in docs/formats.md.
+
+mod companion;
+mod diagnostic;
+mod line;
+mod load;
+mod maze;
+pub mod path;
+mod robi;
+mod sim;
+mod spec;
+#[cfg(test)]
+mod tests;
+mod world;
+
+pub use companion::read_companion;
+pub use diagnostic::{Diagnostic, Severity, Span, has_errors};
+pub use load::{FileError, Files, InputFile, Loaded, decode, load_maze, load_robi, load_sim, load_world};
+pub use maze::read_maze;
+pub use robi::read_robi;
+pub use sim::read_sim;
+pub use spec::*;
+pub use world::read_world;

@@ -1,0 +1,139 @@
+//! What a reader has to say about a text: where, how bad, what was expected.
+
+use serde::Serialize;
+
+/// A place in a text: bytes `start..end`, and line and column of its first character.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct Span {
+    /// First byte, counted in the decoded text (the file's own bytes unless it is not UTF-8).
+    pub start: usize,
+    /// Byte after the last.
+    pub end: usize,
+    /// Line, from 1; 0 when the span means a file as a whole.
+    pub line: u32,
+    /// Column in characters, from 1; a byte order mark does not count.
+    pub column: u32,
+}
+
+impl Span {
+    /// From the start of this span to the end of `last`, which begins on the same line or later.
+    pub fn to(self, last: Span) -> Span {
+        Span { end: last.end.max(self.end), ..self }
+    }
+}
+
+/// How bad a mistake is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// The line is skipped or read as far as it goes, as EyeSim does silently.
+    Warning,
+    /// The file or a robot is lost: such a scene is not run.
+    Error,
+}
+
+impl std::fmt::Display for Severity {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Severity::Warning => "warning",
+            Severity::Error => "error",
+        })
+    }
+}
+
+/// One mistake in one file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Diagnostic {
+    /// Whether the file can still be used.
+    pub severity: Severity,
+    /// Stable short name of this kind of mistake, such as `wld-wall-arity`; all are listed in docs/formats.md.
+    pub code: &'static str,
+    /// Name of the file as the reader was given it.
+    pub file: String,
+    /// Where.
+    #[serde(flatten)]
+    pub span: Span,
+    /// What is wrong, the user's own words in backquotes.
+    pub message: String,
+    /// What would have been right.
+    pub expected: String,
+    /// A correction, where one can be guessed.
+    pub suggestion: Option<String>,
+}
+
+impl std::fmt::Display for Diagnostic {
+    /// One line: `file:line:column: severity[code]: message`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.file)?;
+        if self.span.line > 0 {
+            write!(f, ":{}:{}", self.span.line, self.span.column)?;
+        }
+        write!(f, ": {}[{}]: {}", self.severity, self.code, self.message)
+    }
+}
+
+/// True when one of the `diagnostics` is an error.
+pub fn has_errors(diagnostics: &[Diagnostic]) -> bool {
+    diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+}
+
+/// Collects the diagnostics of one file.
+#[derive(Debug)]
+pub(super) struct Sink {
+    file: String,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl Sink {
+    pub(super) fn new(file: &str) -> Self {
+        Self { file: file.to_owned(), diagnostics: Vec::new() }
+    }
+
+    /// Adds a diagnostic and hands it out, so that a suggestion can be added.
+    pub(super) fn report(
+        &mut self,
+        severity: Severity,
+        code: &'static str,
+        span: Span,
+        message: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> &mut Diagnostic {
+        let place = self.diagnostics.len();
+        self.diagnostics.push(Diagnostic {
+            severity,
+            code,
+            file: self.file.clone(),
+            span,
+            message: message.into(),
+            expected: expected.into(),
+            suggestion: None,
+        });
+        &mut self.diagnostics[place]
+    }
+
+    pub(super) fn warn(
+        &mut self,
+        code: &'static str,
+        span: Span,
+        message: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> &mut Diagnostic {
+        self.report(Severity::Warning, code, span, message, expected)
+    }
+
+    pub(super) fn error(
+        &mut self,
+        code: &'static str,
+        span: Span,
+        message: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> &mut Diagnostic {
+        self.report(Severity::Error, code, span, message, expected)
+    }
+
+    /// All diagnostics, in the order of the text.
+    pub(super) fn finish(mut self) -> Vec<Diagnostic> {
+        self.diagnostics.sort_by_key(|diagnostic| diagnostic.span);
+        self.diagnostics
+    }
+}

@@ -1,0 +1,337 @@
+//! Lines, words and numbers: what the classic formats have in common.
+
+use super::Span;
+use super::diagnostic::{Severity, Sink};
+use crate::format::MAX_LENGTH;
+use crate::unit;
+
+/// A line without its terminator.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line<'a> {
+    pub(super) text: &'a str,
+    /// Byte of its first character in the whole text.
+    start: usize,
+    /// Number of the line, from 1.
+    number: u32,
+}
+
+/// A word of a line, without its quotes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Word<'a> {
+    pub(super) text: &'a str,
+    pub(super) span: Span,
+    /// It opens with a quotation mark that nothing closes.
+    pub(super) is_unclosed: bool,
+}
+
+/// The lines of a text: ended by LF, CR LF or CR; a byte order mark is skipped.
+pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
+    let bytes = text.as_bytes();
+    let mut start = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+    let mut number = 0;
+    std::iter::from_fn(move || {
+        if start >= bytes.len() {
+            return None;
+        }
+        let length =
+            bytes[start..].iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(bytes.len() - start);
+        number += 1;
+        let line = Line { text: &text[start..start + length], start, number };
+        let end = start + length;
+        start = end + if text[end..].starts_with("\r\n") { 2 } else { 1 };
+        Some(line)
+    })
+}
+
+impl<'a> Line<'a> {
+    /// The whole line.
+    pub(super) fn span(&self) -> Span {
+        Span { start: self.start, end: self.start + self.text.len(), line: self.number, column: 1 }
+    }
+
+    /// The words: separated by blanks and tabs, `"..."` and `'...'` are one word, a comment begins with `;` or with `#` at
+    /// the start of a word.
+    pub(super) fn words(&self) -> Vec<Word<'a>> {
+        let mut words = Vec::new();
+        let mut characters = self.text.char_indices().zip(1..).peekable();
+        while let Some(&((first, character), column)) = characters.peek() {
+            if character.is_whitespace() {
+                characters.next();
+                continue;
+            }
+            if matches!(character, ';' | '#') {
+                break;
+            }
+            let quote = matches!(character, '"' | '\'').then_some(character);
+            if quote.is_some() {
+                characters.next();
+            }
+            let ends = |c: char| quote.map_or(c.is_whitespace() || c == ';', |quote| c == quote);
+            let mut end = self.text.len();
+            let mut is_unclosed = quote.is_some();
+            while let Some(&((place, character), _)) = characters.peek() {
+                if ends(character) {
+                    (end, is_unclosed) = (place, false);
+                    break;
+                }
+                characters.next();
+            }
+            let inner = first + usize::from(quote.is_some());
+            let outer_end = if quote.is_some() && !is_unclosed {
+                characters.next();
+                end + 1
+            } else {
+                end
+            };
+            let span = Span { start: self.start + first, end: self.start + outer_end, line: self.number, column };
+            words.push(Word { text: &self.text[inner..end], span, is_unclosed });
+        }
+        words
+    }
+
+    /// The empty line before this one's first character.
+    pub(super) fn before(&self) -> Line<'a> {
+        Line { text: "", ..*self }
+    }
+
+    /// The text after `word`, without blanks around it and without a comment after `;`.
+    pub(super) fn rest_after(&self, word: &Word<'_>) -> &'a str {
+        let rest = &self.text[word.span.end - self.start..];
+        rest.split(';').next().unwrap_or(rest).trim()
+    }
+
+    /// A single character of the line, given its byte and its column.
+    pub(super) fn character_span(&self, byte: usize, column: u32) -> Span {
+        let length = self.text[byte..].chars().next().map_or(0, char::len_utf8);
+        Span { start: self.start + byte, end: self.start + byte + length, line: self.number, column }
+    }
+}
+
+impl<'a> Word<'a> {
+    /// Takes everything up to the end of `last`, a later word of the same `line`, into this word.
+    pub(super) fn extend_to(&mut self, line: &Line<'a>, last: &Word<'a>) {
+        self.span = self.span.to(last.span);
+        self.text = &line.text[self.span.start - line.start..self.span.end - line.start];
+    }
+}
+
+/// True when a word is meant as a number.
+pub(super) fn looks_numeric(word: &str) -> bool {
+    let unsigned = word.trim_start_matches(['+', '-']);
+    unsigned.starts_with(|c: char| c.is_ascii_digit() || c == '.') || word.parse::<f64>().is_ok()
+}
+
+/// What a number in a file stands for, with its unit and bounds in that unit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Quantity {
+    pub(super) name: &'static str,
+    unit: &'static str,
+    low: f64,
+    high: f64,
+    to_si: fn(f64) -> f64,
+}
+
+const MAX_LENGTH_MM: f64 = MAX_LENGTH * 1000.0;
+/// Smallest size that is not absurd, in millimetres.
+const MIN_SIZE_MM: f64 = 1e-3;
+
+impl Quantity {
+    const fn new(name: &'static str, unit: &'static str, low: f64, high: f64, to_si: fn(f64) -> f64) -> Self {
+        Self { name, unit, low, high, to_si }
+    }
+
+    /// A coordinate: millimetres of either sign.
+    pub(super) const fn coordinate(name: &'static str) -> Self {
+        Self::new(name, "mm", -MAX_LENGTH_MM, MAX_LENGTH_MM, unit::metres_from_mm)
+    }
+
+    /// A length that may be 0: millimetres.
+    pub(super) const fn length(name: &'static str) -> Self {
+        Self::new(name, "mm", 0.0, MAX_LENGTH_MM, unit::metres_from_mm)
+    }
+
+    /// A size: millimetres above 0.
+    pub(super) const fn size(name: &'static str) -> Self {
+        Self::new(name, "mm", MIN_SIZE_MM, MAX_LENGTH_MM, unit::metres_from_mm)
+    }
+
+    /// An angle in degrees.
+    pub(super) const fn angle(name: &'static str) -> Self {
+        Self::new(name, "degrees", -1e6, 1e6, unit::radians_from_degrees)
+    }
+
+    /// A speed above 0 in mm/s.
+    pub(super) const fn speed(name: &'static str) -> Self {
+        Self::new(name, "mm/s", MIN_SIZE_MM, 1e9, unit::metres_from_mm)
+    }
+
+    /// A turning rate above 0 in degrees/s.
+    pub(super) const fn rate(name: &'static str) -> Self {
+        Self::new(name, "degrees/s", 1e-3, 1e9, unit::radians_from_degrees)
+    }
+
+    /// A span of time in milliseconds, of at most an hour.
+    pub(super) const fn milliseconds(name: &'static str) -> Self {
+        Self::new(name, "ms", 0.0, 3.6e6, seconds_from_ms)
+    }
+
+    /// A pure number.
+    pub(super) const fn number(name: &'static str, low: f64, high: f64) -> Self {
+        Self::new(name, "", low, high, std::convert::identity)
+    }
+
+    /// The same quantity between other bounds, in its own unit.
+    pub(super) const fn within(self, low: f64, high: f64) -> Self {
+        Self { low, high, ..self }
+    }
+
+    /// What the reader of a message should have written.
+    pub(super) fn expected(&self) -> String {
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" of {}", self.unit) };
+        format!("a number{unit} from {} to {}", self.low, self.high)
+    }
+
+    /// The value in SI units, if it is finite and within the bounds.
+    pub(super) fn check(&self, value: f64) -> Option<f64> {
+        (value >= self.low && value <= self.high).then(|| (self.to_si)(value))
+    }
+}
+
+fn seconds_from_ms(ms: f64) -> f64 {
+    ms / 1000.0
+}
+
+/// The number that `word` gives for `quantity`, in SI units; reports what is wrong with it.
+///
+/// A word that is no number is as bad as `severity` says (does EyeSim skip the line or lose a robot?); a number outside
+/// the bounds, an infinity and NaN are always errors, since nothing sensible can be built from them.
+pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quantity: &Quantity) -> Option<f64> {
+    let name = quantity.name;
+    let Ok(value) = word.text.parse::<f64>() else {
+        let message = format!("`{}` is not a number ({name})", word.text);
+        let diagnostic = sink.report(severity, "number-invalid", word.span, message, quantity.expected());
+        diagnostic.suggestion = number_within(word.text).map(|text| format!("write `{text}`"));
+        return None;
+    };
+    let checked = quantity.check(value);
+    if checked.is_none() {
+        let message = format!("{name} `{}` is out of range", word.text);
+        sink.error("number-range", word.span, message, quantity.expected());
+    }
+    checked
+}
+
+/// The number that was probably meant: a comma for a point, or a unit stuck to it.
+fn number_within(word: &str) -> Option<String> {
+    let with_point = word.replacen(',', ".", 1);
+    let is_number = |text: &str| !text.is_empty() && text.parse::<f64>().is_ok_and(f64::is_finite);
+    if is_number(&with_point) {
+        return Some(with_point);
+    }
+    let end = word.find(|c: char| !c.is_ascii_digit() && !matches!(c, '.' | '-' | '+'))?;
+    is_number(&word[..end]).then(|| word[..end].to_owned())
+}
+
+/// The numbers of a line of exactly `N` values; reports all that are wrong.
+pub(super) fn numbers<const N: usize>(
+    sink: &mut Sink,
+    severity: Severity,
+    words: &[Word<'_>],
+    quantities: &[Quantity; N],
+) -> Option<[f64; N]> {
+    let mut values = [0.0; N];
+    let mut complete = words.len() == N;
+    for ((value, word), quantity) in values.iter_mut().zip(words).zip(quantities) {
+        match number(sink, severity, word, quantity) {
+            Some(si) => *value = si,
+            None => complete = false,
+        }
+    }
+    complete.then_some(values)
+}
+
+/// The keyword nearest to `word`, if it is near enough to be what was meant.
+pub(super) fn nearest<'k>(word: &str, keywords: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
+    let word = word.to_lowercase();
+    // Longer words than any keyword are no misspelling of one, and would cost quadratic time.
+    if word.chars().count() > 40 {
+        return None;
+    }
+    keywords
+        .into_iter()
+        .map(|keyword| (edit_distance(&word, &keyword.to_lowercase()), keyword))
+        .filter(|(distance, keyword)| *distance <= 1 + keyword.len() / 5 && *distance < keyword.len().min(word.len()))
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, keyword)| keyword)
+}
+
+/// Insertions, deletions, substitutions and swaps of neighbours between two words.
+fn edit_distance(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    let mut rows = vec![(0..=b.len()).collect::<Vec<usize>>()];
+    for i in 1..=a.len() {
+        let mut row = vec![i; b.len() + 1];
+        for j in 1..=b.len() {
+            let substitution = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            row[j] = substitution.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                row[j] = row[j].min(rows[i - 2][j - 2] + 1);
+            }
+        }
+        rows.push(row);
+    }
+    rows[a.len()][b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(text: &str) -> Vec<(String, u32, u32)> {
+        let words = lines(text).flat_map(|line| line.words());
+        words.map(|word| (word.text.to_owned(), word.span.line, word.span.column)).collect()
+    }
+
+    #[test]
+    fn words_have_line_and_column_in_characters() {
+        let expected = [("a", 1, 1), ("é", 1, 3), ("b", 1, 5), ("c d", 2, 2), ("1", 4, 1), ("2", 5, 1)];
+        let expected = expected.map(|(word, line, column)| (word.to_owned(), line, column));
+        assert_eq!(words("\u{feff}a é b;x\r\n\t'c d' # e\n\n1\r2"), expected);
+    }
+
+    #[test]
+    fn spans_cut_the_word_out_of_the_text() {
+        let text = "\u{feff}é \"x y\" z";
+        let spans: Vec<&str> = lines(text).flat_map(|l| l.words()).map(|w| &text[w.span.start..w.span.end]).collect();
+        assert_eq!(spans, ["é", "\"x y\"", "z"]);
+    }
+
+    #[test]
+    fn a_quote_without_an_end_takes_the_rest_of_the_line() {
+        let word = lines("world \"a b").flat_map(|line| line.words()).nth(1).expect("two words");
+        assert_eq!((word.text, word.is_unclosed), ("a b", true));
+    }
+
+    #[test]
+    fn misspelt_keywords_are_found() {
+        let keywords = ["push", "pop", "position", "floor", "floor_texture", "width"];
+        for (word, keyword) in [
+            ("ush", Some("push")),
+            ("Push", Some("push")),
+            ("psuh", Some("push")),
+            ("postion", Some("position")),
+            ("floor_textrue", Some("floor_texture")),
+            ("banana", None),
+            ("x", None),
+        ] {
+            assert_eq!(nearest(word, keywords), keyword, "{word}");
+        }
+    }
+
+    #[test]
+    fn a_number_with_comma_or_unit_is_guessed() {
+        assert_eq!(number_within("12,5").as_deref(), Some("12.5"));
+        assert_eq!(number_within("360mm").as_deref(), Some("360"));
+        assert_eq!(number_within("wide"), None);
+    }
+}

@@ -1,0 +1,214 @@
+//! Mazes: `.maz`, a maze drawn with characters, as in Micro-Mouse contests.
+
+use glam::DVec2;
+
+use super::diagnostic::{Diagnostic, Sink};
+use super::line::{self, Line, Quantity, Word};
+use super::spec::{
+    DEFAULT_CELL, DEFAULT_WALL_HEIGHT, MAX_LENGTH, ObjectKind, ObjectSpec, StartSpec, WallSpec, WorldSpec,
+};
+use super::{Severity, Span};
+use crate::pose::Pose;
+use crate::unit;
+
+/// Reads a maze file.
+///
+/// `file` is its name for the diagnostics. The lower left corner is the origin; the first drawn line is the upper border.
+/// Neighbouring wall pieces on one line become one wall, so that there are no joints that the maze does not have.
+pub fn read_maze(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
+    let mut sink = Sink::new(file);
+    let (rows, cell) = rows_and_cell(&mut sink, text);
+    let mut drawing = Drawing::default();
+    for (row, line) in rows.iter().enumerate() {
+        drawing.row(&mut sink, row as u32, line);
+    }
+    let world = drawing.world(&mut sink, file, rows.len() as u32, cell);
+    (world, sink.finish())
+}
+
+/// The drawn lines from top to bottom, the upper border first, and the cell size in metres.
+fn rows_and_cell<'a>(sink: &mut Sink, text: &'a str) -> (Vec<Line<'a>>, f64) {
+    let mut rows: Vec<Line<'_>> = Vec::new();
+    let mut cell = None;
+    let mut blank: Option<Line<'_>> = None;
+    for line in line::lines(text) {
+        let words = line.words();
+        let Some(first) = words.first() else {
+            // Blank lines before and after the drawing are nothing, but one amid it was meant as a row, or not.
+            if !rows.is_empty() && line.text.trim().is_empty() {
+                blank = Some(line);
+            }
+            continue;
+        };
+        if line::looks_numeric(first.text) {
+            cell_size(sink, first, words.get(1), &mut cell);
+        } else if line.text.starts_with(['|', ' ', '_', '\t']) {
+            if let Some(blank) = blank.take() {
+                let message = "a blank line inside the maze is left out";
+                sink.warn("maz-blank", blank.span(), message, "a row of cells that begins with `|` or a blank");
+            }
+            rows.push(line);
+        } else {
+            let message = format!("`{}` is neither a row of the maze nor a cell size", line.text.trim());
+            sink.warn("maz-line", line.span(), message, "a row that begins with `|`, `_` or a blank, or one number");
+        }
+    }
+    let is_border = |line: &Line<'_>| line.text.chars().all(|c| matches!(c, '_' | ' ' | '\t'));
+    match rows.first() {
+        None => {
+            let message = "the file has no maze";
+            sink.error("maz-empty", Span::default(), message, "a drawing of `|` and `_`, then the cell size in mm");
+        }
+        Some(first) if !is_border(first) => {
+            let message = "the upper border is missing: the first row has cells";
+            sink.warn("maz-border", first.span(), message, "a first line of blanks and `_` only");
+            rows.insert(0, first.before());
+        }
+        Some(_) => {}
+    }
+    (rows, cell.unwrap_or(DEFAULT_CELL))
+}
+
+fn cell_size(sink: &mut Sink, word: &Word<'_>, extra: Option<&Word<'_>>, cell: &mut Option<f64>) {
+    let form = "the cell size in mm, alone in the last or the first line";
+    if let Some(extra) = extra {
+        let message = format!("`{}` is left over after the cell size", extra.text);
+        sink.warn("word-extra", extra.span, message, form);
+    }
+    let size = line::number(sink, Severity::Warning, word, &Quantity::size("cell size"));
+    if let (Some(old), Some(new)) = (*cell, size)
+        && old != new
+    {
+        let message = format!("a second cell size `{}`; it replaces {} mm", word.text, unit::mm_from_metres(old));
+        sink.warn("maz-cell-twice", word.span, message, form);
+    }
+    *cell = size.or(*cell);
+}
+
+/// What the characters say, in cells and rows; rows are counted from the upper border, which is row 0.
+#[derive(Default)]
+struct Drawing {
+    /// (column of the grid line, row, where).
+    vertical: Vec<(u32, u32, Span)>,
+    /// (row whose lower edge it is, column of cells, where).
+    horizontal: Vec<(u32, u32, Span)>,
+    /// (lower-case letter, column, row, where).
+    letters: Vec<(char, u32, u32, Span)>,
+    columns: u32,
+}
+
+impl Drawing {
+    fn row(&mut self, sink: &mut Sink, row: u32, line: &Line<'_>) {
+        let mut has_odd_wall = false;
+        for ((byte, character), place) in line.text.trim_end().char_indices().zip(0..) {
+            let span = line.character_span(byte, place + 1);
+            match character {
+                ' ' | '.' => {}
+                '|' if place % 2 == 0 => {
+                    self.columns = self.columns.max(place / 2);
+                    self.vertical.push((place / 2, row, span));
+                }
+                '|' if !has_odd_wall => {
+                    has_odd_wall = true;
+                    let message = "`|` in the middle of a cell is left out, and so are others in this row";
+                    sink.warn("maz-wall-column", span, message, "`|` in the columns 1, 3, 5, ...");
+                }
+                '|' => {}
+                '_' if place % 2 == 1 => self.floor_line(row, place / 2, span),
+                // Between two cells: it only makes the drawing look closed.
+                '_' => {}
+                ';' | '#' => break,
+                letter => self.letter(sink, row, place, letter, span),
+            }
+        }
+    }
+
+    fn floor_line(&mut self, row: u32, column: u32, span: Span) {
+        self.columns = self.columns.max(column + 1);
+        self.horizontal.push((row, column, span));
+    }
+
+    fn letter(&mut self, sink: &mut Sink, row: u32, place: u32, letter: char, span: Span) {
+        let kind = letter.to_ascii_lowercase();
+        if !matches!(kind, 's' | 'u' | 'r' | 'd' | 'l' | 'o' | 'x') {
+            let message = format!("`{}` means nothing in a maze", letter.escape_debug());
+            let expected =
+                "`|`, `_`, blank, `.`, or one of s u r d l (robot), o (ball), x (box), upper case with a wall below";
+            sink.warn("maz-letter", span, message, expected);
+            return;
+        }
+        // On a wall's place a letter counts for the cell on its left.
+        let Some(column) = place.div_ceil(2).checked_sub(1).filter(|_| row > 0) else {
+            let message = format!("`{letter}` lies outside the cells");
+            sink.warn("maz-letter-place", span, message, "a letter inside a cell, below the upper border");
+            return;
+        };
+        self.columns = self.columns.max(column + 1);
+        self.letters.push((kind, column, row, span));
+        if letter.is_ascii_uppercase() {
+            self.floor_line(row, column, span);
+        }
+    }
+
+    fn world(mut self, sink: &mut Sink, file: &str, rows: u32, mut cell: f64) -> WorldSpec {
+        let last = rows.saturating_sub(1);
+        if f64::from(self.columns.max(last)) * cell > MAX_LENGTH {
+            let message = "the maze is larger than 1000 km; cells of 360 mm are taken instead";
+            sink.error("number-range", Span::default(), message, "a smaller cell size");
+            cell = DEFAULT_CELL;
+        }
+        let corner = |column: u32, row: u32| DVec2::new(f64::from(column) * cell, f64::from(last - row) * cell);
+        self.vertical.sort_unstable();
+        self.horizontal.sort_unstable();
+        // The upper border is row 0; a vertical piece stands on the lower edge of its row.
+        let upright = runs(&self.vertical).map(|(column, first, end, span)| {
+            let top = first.saturating_sub(1);
+            (corner(column, end - 1), corner(column, top), span)
+        });
+        let level = runs(&self.horizontal).map(|(row, first, end, span)| (corner(first, row), corner(end, row), span));
+        let walls = upright.chain(level).filter(|(from, to, _)| from != to).map(|(from, to, span)| WallSpec {
+            from,
+            to,
+            thickness: 0.0,
+            height: DEFAULT_WALL_HEIGHT,
+            colour: None,
+            span,
+        });
+        let mut world = WorldSpec {
+            file: file.to_owned(),
+            floor: corner(self.columns, 0),
+            cell: Some(cell),
+            walls: walls.collect(),
+            ..WorldSpec::default()
+        };
+        for (letter, column, row, span) in self.letters {
+            let centre = corner(column, row) + DVec2::splat(0.5 * cell);
+            let pose = |degrees| Pose::new(centre.x, centre.y, unit::radians_from_degrees(degrees));
+            let mut start = |degrees| {
+                let letter = Some(letter.to_ascii_uppercase());
+                world.starts.push(StartSpec { pose: pose(degrees), letter, span });
+            };
+            match letter {
+                's' | 'u' => start(90.0),
+                'l' => start(180.0),
+                'd' => start(270.0),
+                'r' => start(0.0),
+                'o' => world.objects.push(object(ObjectKind::Ball, pose(0.0), span)),
+                _ => world.objects.push(object(ObjectKind::Box, pose(0.0), span)),
+            }
+        }
+        world
+    }
+}
+
+fn object(kind: ObjectKind, pose: Pose, span: Span) -> ObjectSpec {
+    ObjectSpec { kind, pose, friction: 0.0, span }
+}
+
+/// Neighbouring pieces (line, place along it, where) of a sorted list taken together: (line, first place, place after the
+/// last, where the first is).
+fn runs(pieces: &[(u32, u32, Span)]) -> impl Iterator<Item = (u32, u32, u32, Span)> + '_ {
+    pieces
+        .chunk_by(|a, b| a.0 == b.0 && b.1 - a.1 <= 1)
+        .filter_map(|run| Some((run.first()?.0, run.first()?.1, run.last()?.1 + 1, run.first()?.2)))
+}
