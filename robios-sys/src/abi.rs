@@ -1,0 +1,190 @@
+//! What crosses between the host and a program's library besides the calls: the status of a call, the root of the
+//! tables, and the program's one exported symbol.
+
+use std::ffi::{c_char, c_int, c_void};
+
+use crate::{robios6::Robios6Table, support::SupportTable};
+
+/// The version of everything in this crate that has a layout: a host runs only programs that state the same one.
+///
+/// It grows when something existing changes. Functions appended to a table do not change it: see
+/// [`Program::support_size`].
+pub const ABI_VERSION: u32 = 1;
+
+/// The name of the one symbol that a program's library exports: a constant [`Program`].
+pub const PROGRAM_SYMBOL: &str = "eyesim_program";
+
+/// What [`Program::run`] returns when it left the program because a call had answered [`Status::STOP`].
+///
+/// The host knows better than this number whether it has stopped the program; no C program is kept from returning it.
+pub const EXIT_STOPPED: c_int = c_int::MIN;
+
+/// What [`Program::run`] returns after `abort`, a failed assertion or a smashed stack: 128 + SIGABRT, as in a shell.
+pub const EXIT_ABORTED: c_int = 134;
+
+/// What [`Program::run`] of a Rust program returns after a panic, as the Rust run time does.
+pub const EXIT_PANICKED: c_int = 101;
+
+/// Whether the program goes on after a call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(transparent)]
+#[must_use]
+pub struct Status(pub i32);
+
+impl Status {
+    /// The call was carried out and its result written.
+    pub const OK: Self = Self(0);
+    /// The program must be left: no result was written, and no further call will do anything.
+    ///
+    /// The program's shim leaves it: C by `longjmp`, Rust by unwinding with a private payload.
+    pub const STOP: Self = Self(1);
+}
+
+/// The host's side of [`Status::STOP`]: the error of every method of a table's trait.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stop;
+
+impl std::fmt::Display for Stop {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("the program is stopped")
+    }
+}
+
+impl std::error::Error for Stop {}
+
+/// The root that a program gets: every table that the host offers. Valid until [`Program::run`] has returned.
+///
+/// Only appended to; a host sets tables of generations other than the program's to null.
+#[repr(C)]
+pub struct Host {
+    /// Bytes of this struct in the host.
+    pub size: u32,
+    /// [`ABI_VERSION`] of the host.
+    pub abi: u32,
+    /// Services for the program's language; never null.
+    pub support: *const SupportTable,
+    /// RoBIOS 6; null for a program of another generation.
+    pub robios6: *const Robios6Table,
+}
+
+// SAFETY: the pointers lead to tables that are constant for the whole run.
+unsafe impl Sync for Host {}
+// SAFETY: as above.
+unsafe impl Send for Host {}
+
+impl Host {
+    /// The root over tables that live for ever.
+    pub const fn new(support: &'static SupportTable, robios6: &'static Robios6Table) -> Self {
+        Self { size: size_of::<Self>() as u32, abi: ABI_VERSION, support, robios6 }
+    }
+}
+
+/// The language that a program's shim was written for, [`Program::language`].
+pub mod language {
+    /// C, with `shim.c`.
+    pub const C: u32 = 1;
+    /// Rust, with `robios-api`.
+    pub const RUST: u32 = 2;
+}
+
+/// Bits of [`Program::flags`].
+pub mod flag {
+    /// `main` returns no value: what `run` returns says nothing, and the exit code is 0.
+    pub const VOID_MAIN: u32 = 1;
+}
+
+/// Runs the program's `main` once, on the calling thread, and returns its exit code.
+///
+/// `host` and `robot` are valid until it returns; `robot` is handed back in every call. `argv` has `argc` strings
+/// that end in 0, then a null pointer, all valid until it returns; the C shim copies them, as `main` may change them.
+pub type Run =
+    unsafe extern "C" fn(host: *const Host, robot: *mut c_void, argc: c_int, argv: *const *const c_char) -> c_int;
+
+/// What a program's library exports under [`PROGRAM_SYMBOL`]. Only appended to.
+#[repr(C)]
+pub struct Program {
+    /// Bytes of this struct in the program.
+    pub size: u32,
+    /// [`ABI_VERSION`] that the program was built against.
+    pub abi: u32,
+    /// RoBIOS generation: 6.
+    pub generation: u32,
+    /// Bits of [`flag`].
+    pub flags: u32,
+    /// One of [`language`].
+    pub language: u32,
+    /// Bytes of the [`SupportTable`] that the program knows. A host that offers fewer must refuse the program.
+    pub support_size: u32,
+    /// Bytes of its generation's table that the program knows. A host that offers fewer must refuse the program.
+    pub robios_size: u32,
+    /// Runs the program.
+    pub run: Run,
+}
+
+impl Program {
+    /// The description of a RoBIOS 6 program built against this crate.
+    pub const fn robios6(language: u32, run: Run) -> Self {
+        Self {
+            size: size_of::<Self>() as u32,
+            abi: ABI_VERSION,
+            generation: 6,
+            flags: 0,
+            language,
+            support_size: size_of::<SupportTable>() as u32,
+            robios_size: size_of::<Robios6Table>() as u32,
+            run,
+        }
+    }
+
+    /// Whether a host built with this crate can run the program.
+    ///
+    /// # Errors
+    /// What does not fit, to be shown to the user.
+    pub fn check(&self) -> Result<(), Misfit> {
+        if self.abi != ABI_VERSION {
+            return Err(Misfit::Abi { program: self.abi });
+        }
+        if self.generation != 6 {
+            return Err(Misfit::Generation(self.generation));
+        }
+        let offered = [size_of::<SupportTable>(), size_of::<Robios6Table>()];
+        if [self.support_size as usize, self.robios_size as usize]
+            .iter()
+            .zip(offered)
+            .any(|(known, size)| *known > size)
+        {
+            return Err(Misfit::Newer);
+        }
+        Ok(())
+    }
+}
+
+/// Why a host refuses a program, see [`Program::check`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Misfit {
+    /// Built against another ABI version.
+    Abi {
+        /// The program's.
+        program: u32,
+    },
+    /// Of a RoBIOS generation that the host does not know.
+    Generation(u32),
+    /// Built against tables with functions that the host does not have.
+    Newer,
+}
+
+impl std::fmt::Display for Misfit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Abi { program } => {
+                write!(f, "the program was built against ABI version {program}, this is {ABI_VERSION}: build it again")
+            }
+            Self::Generation(generation) => {
+                write!(f, "the program was built for RoBIOS `{generation}`, known is 6")
+            }
+            Self::Newer => f.write_str("the program was built for a newer eyesim with more functions: build it again"),
+        }
+    }
+}
+
+impl std::error::Error for Misfit {}

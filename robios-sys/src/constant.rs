@@ -1,0 +1,25 @@
+//! The macro that makes of one list of constants Rust constants and the `#define`s of a C header.
+
+/// One `#define` of a C header.
+#[derive(Clone, Copy, Debug)]
+pub struct Constant {
+    /// Its name.
+    pub name: &'static str,
+    /// Its value.
+    pub value: i64,
+    /// Its documentation, a line each, with the leading blank of the doc comment.
+    pub doc: &'static [&'static str],
+}
+
+/// Makes of one list the constants and their description, which goes to a C header.
+macro_rules! constants {
+    ($(#[$attribute:meta])* list $list:ident; $($(#[doc = $doc:expr])* $name:ident: $kind:ty = $value:expr;)*) => {
+        $($(#[doc = $doc])* pub const $name: $kind = $value;)*
+
+        $(#[$attribute])*
+        pub const $list: &[$crate::constant::Constant] = &[$(
+            $crate::constant::Constant { name: stringify!($name), value: $name as i64, doc: &[$($doc),*] },
+        )*];
+    };
+}
+pub(crate) use constants;

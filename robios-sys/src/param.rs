@@ -1,0 +1,468 @@
+//! The kinds of parameters that a call can have: what crosses the ABI, and what the host's method sees of it.
+//!
+//! A program's pointer is touched only while the host's method does not run: inputs are copied before it starts,
+//! outputs are written after it has returned. So a wild pointer faults while the host holds no lock, and the host
+//! keeps no pointer of a program.
+
+use std::ffi::c_void;
+use std::fmt::{self, Display, Formatter};
+
+use crate::abi::{Status, Stop};
+
+/// A kind of parameter: the type in the list of functions.
+pub trait Param {
+    /// What crosses the ABI, by value.
+    type Abi: Copy;
+    /// What the thunk holds while the method runs.
+    type Held;
+    /// What the method gets.
+    type View<'a>;
+
+    /// Reads what the program passed, before the method runs.
+    ///
+    /// # Safety
+    /// A pointer in `abi` is null or may be read as its kind says.
+    unsafe fn take(abi: Self::Abi) -> Self::Held;
+
+    /// What the method gets.
+    fn view(held: &mut Self::Held) -> Self::View<'_>;
+
+    /// Writes what the method has set, after it has returned.
+    ///
+    /// # Safety
+    /// A pointer in `abi` is null or may be written as its kind says.
+    unsafe fn give(abi: Self::Abi, held: Self::Held) {
+        let _ = (abi, held);
+    }
+
+    /// Writes the argument as it is shown in a log of calls.
+    ///
+    /// # Errors
+    /// Those of the formatter.
+    fn show(held: &Self::Held, f: &mut Formatter<'_>) -> fmt::Result;
+}
+
+/// What a function returns.
+pub trait Return: Copy {
+    /// Writes the result as it is shown in a log of calls; nothing for `()`.
+    ///
+    /// # Errors
+    /// Those of the formatter.
+    fn show(&self, f: &mut Formatter<'_>) -> fmt::Result;
+}
+
+macro_rules! plain {
+    ($($number:ty),*) => {$(
+        impl Param for $number {
+            type Abi = Self;
+            type Held = Self;
+            type View<'a> = Self;
+            unsafe fn take(abi: Self) -> Self {
+                abi
+            }
+            fn view(held: &mut Self) -> Self {
+                *held
+            }
+            fn show(held: &Self, f: &mut Formatter<'_>) -> fmt::Result {
+                held.fmt(f)
+            }
+        }
+        impl Return for $number {
+            fn show(&self, f: &mut Formatter<'_>) -> fmt::Result {
+                self.fmt(f)
+            }
+        }
+    )*};
+}
+plain!(u8, i32, u32, i64, u64, f32, f64);
+
+impl Return for () {
+    fn show(&self, _: &mut Formatter<'_>) -> fmt::Result {
+        Ok(())
+    }
+}
+
+/// Bytes of a program as they cross: pointer and length. A null pointer is "none", whatever the length.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct ByteSlice {
+    /// First byte, or null.
+    pub data: *const u8,
+    /// Number of bytes.
+    pub len: usize,
+}
+
+impl ByteSlice {
+    /// "None", as a null pointer of a C program.
+    pub const NULL: Self = Self { data: std::ptr::null(), len: 0 };
+}
+
+impl From<&[u8]> for ByteSlice {
+    fn from(bytes: &[u8]) -> Self {
+        Self { data: bytes.as_ptr(), len: bytes.len() }
+    }
+}
+
+impl From<&str> for ByteSlice {
+    fn from(text: &str) -> Self {
+        text.as_bytes().into()
+    }
+}
+
+/// Room for bytes of a program as it crosses: pointer and length. A null pointer is "not wanted".
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct ByteRoom {
+    /// First byte, or null.
+    pub data: *mut u8,
+    /// Number of bytes that may be written.
+    pub len: usize,
+}
+
+impl From<&mut [u8]> for ByteRoom {
+    fn from(room: &mut [u8]) -> Self {
+        Self { data: room.as_mut_ptr(), len: room.len() }
+    }
+}
+
+/// Text: in C a string that ends in 0, across the ABI [`ByteSlice`] without the 0, for the host `Option<&[u8]>`.
+///
+/// The bytes are what the program wrote, in whatever encoding; `None` for a null pointer.
+#[derive(Debug)]
+pub enum Text {}
+
+impl Param for Text {
+    type Abi = ByteSlice;
+    type Held = Option<Vec<u8>>;
+    type View<'a> = Option<&'a [u8]>;
+
+    unsafe fn take(abi: ByteSlice) -> Self::Held {
+        // SAFETY: the caller vouches for pointer and length.
+        unsafe { copied(abi) }
+    }
+    fn view(held: &mut Self::Held) -> Option<&[u8]> {
+        held.as_deref()
+    }
+    fn show(held: &Self::Held, f: &mut Formatter<'_>) -> fmt::Result {
+        match held {
+            Some(bytes) => write!(f, "\"{}\"", bytes.escape_ascii()),
+            None => f.write_str("NULL"),
+        }
+    }
+}
+
+/// Bytes with a length: across the ABI [`ByteSlice`], for the host `Option<&[u8]>`, `None` for a null pointer.
+#[derive(Debug)]
+pub enum Bytes {}
+
+impl Param for Bytes {
+    type Abi = ByteSlice;
+    type Held = Option<Vec<u8>>;
+    type View<'a> = Option<&'a [u8]>;
+
+    unsafe fn take(abi: ByteSlice) -> Self::Held {
+        // SAFETY: the caller vouches for pointer and length.
+        unsafe { copied(abi) }
+    }
+    fn view(held: &mut Self::Held) -> Option<&[u8]> {
+        held.as_deref()
+    }
+    fn show(held: &Self::Held, f: &mut Formatter<'_>) -> fmt::Result {
+        match held {
+            Some(bytes) => write!(f, "[{} bytes]", bytes.len()),
+            None => f.write_str("NULL"),
+        }
+    }
+}
+
+/// A copy of a program's bytes.
+///
+/// # Safety
+/// `slice` is null or readable.
+unsafe fn copied(slice: ByteSlice) -> Option<Vec<u8>> {
+    if slice.data.is_null() {
+        return None;
+    }
+    // SAFETY: not null, and the caller vouches for the length.
+    Some(unsafe { std::slice::from_raw_parts(slice.data, slice.len) }.to_vec())
+}
+
+/// A pointer to exactly one `T` that is read: for the host `Option<&T>`, `None` for a null pointer.
+#[derive(Debug)]
+pub struct In<T>(std::marker::PhantomData<T>);
+
+impl<T: Copy + 'static> Param for In<T> {
+    type Abi = *const T;
+    type Held = Option<T>;
+    type View<'a> = Option<&'a T>;
+
+    unsafe fn take(abi: *const T) -> Option<T> {
+        // SAFETY: not null, and the caller vouches that it can be read; C may have aligned it badly.
+        (!abi.is_null()).then(|| unsafe { abi.read_unaligned() })
+    }
+    fn view(held: &mut Option<T>) -> Option<&T> {
+        held.as_ref()
+    }
+    fn show(held: &Option<T>, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(if held.is_some() { "..." } else { "NULL" })
+    }
+}
+
+/// A pointer to exactly one `T` that is read and written: for the host `Option<&mut T>`.
+///
+/// Written back after the method has returned without [`Stop`], changed or not.
+#[derive(Debug)]
+pub struct InOut<T>(std::marker::PhantomData<T>);
+
+impl<T: Copy + 'static> Param for InOut<T> {
+    type Abi = *mut T;
+    type Held = Option<T>;
+    type View<'a> = Option<&'a mut T>;
+
+    unsafe fn take(abi: *mut T) -> Option<T> {
+        // SAFETY: not null, and the caller vouches that it can be read; C may have aligned it badly.
+        (!abi.is_null()).then(|| unsafe { abi.read_unaligned() })
+    }
+    fn view(held: &mut Option<T>) -> Option<&mut T> {
+        held.as_mut()
+    }
+    unsafe fn give(abi: *mut T, held: Option<T>) {
+        if let Some(value) = held {
+            // SAFETY: held only if not null, and the caller vouches that it can be written.
+            unsafe { abi.write_unaligned(value) };
+        }
+    }
+    fn show(held: &Option<T>, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(if held.is_some() { "..." } else { "NULL" })
+    }
+}
+
+/// A pointer to exactly one `T` that is written: the host gets `&mut Out<T>` and [sets](Self::set) the value.
+///
+/// The thunk writes it after the method has returned without [`Stop`]; what was not set stays as it was.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Out<T> {
+    is_null: bool,
+    value: Option<T>,
+}
+
+impl<T> Out<T> {
+    /// As for a valid pointer.
+    pub const fn wanted() -> Self {
+        Self { is_null: false, value: None }
+    }
+
+    /// As for a null pointer.
+    pub const fn null() -> Self {
+        Self { is_null: true, value: None }
+    }
+
+    /// Whether the program passed a null pointer.
+    pub fn is_null(&self) -> bool {
+        self.is_null
+    }
+
+    /// The value to be written; without effect on a null pointer.
+    pub fn set(&mut self, value: T) {
+        self.value = Some(value);
+    }
+
+    /// The value that has been set.
+    pub fn value(&self) -> Option<&T> {
+        self.value.as_ref()
+    }
+}
+
+impl<T: Copy + ShowOut + 'static> Param for Out<T> {
+    type Abi = *mut T;
+    type Held = Self;
+    type View<'a> = &'a mut Self;
+
+    unsafe fn take(abi: *mut T) -> Self {
+        Self { is_null: abi.is_null(), value: None }
+    }
+    fn view(held: &mut Self) -> &mut Self {
+        held
+    }
+    unsafe fn give(abi: *mut T, held: Self) {
+        if let (false, Some(value)) = (held.is_null, held.value) {
+            // SAFETY: not null, and the caller vouches that it can be written; C may have aligned it badly.
+            unsafe { abi.write_unaligned(value) };
+        }
+    }
+    fn show(held: &Self, f: &mut Formatter<'_>) -> fmt::Result {
+        match &held.value {
+            _ if held.is_null => f.write_str("NULL"),
+            Some(value) => {
+                f.write_str("&")?;
+                value.show_out(f)
+            }
+            None => f.write_str("&?"),
+        }
+    }
+}
+
+/// How a value that a call has written is shown in a log of calls.
+pub trait ShowOut {
+    /// Writes the value.
+    ///
+    /// # Errors
+    /// Those of the formatter.
+    fn show_out(&self, f: &mut Formatter<'_>) -> fmt::Result;
+}
+
+macro_rules! shown_as_itself {
+    ($($number:ty),*) => {$(
+        impl ShowOut for $number {
+            fn show_out(&self, f: &mut Formatter<'_>) -> fmt::Result {
+                self.fmt(f)
+            }
+        }
+    )*};
+}
+shown_as_itself!(u8, i32, u32, f32);
+
+impl<T, const N: usize> ShowOut for [T; N] {
+    fn show_out(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str("...")
+    }
+}
+
+/// Room for bytes, with its length: the host gets `&mut OutBytes` and [sets](Self::set) the bytes.
+///
+/// The thunk writes as many as fit, after the method has returned without [`Stop`]; the rest of the room stays as it
+/// was.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OutBytes {
+    is_null: bool,
+    capacity: usize,
+    bytes: Vec<u8>,
+}
+
+impl OutBytes {
+    /// Room for so many bytes.
+    pub const fn with_capacity(capacity: usize) -> Self {
+        Self { is_null: false, capacity, bytes: Vec::new() }
+    }
+
+    /// As for a null pointer.
+    pub const fn null() -> Self {
+        Self { is_null: true, capacity: 0, bytes: Vec::new() }
+    }
+
+    /// Whether the program passed a null pointer.
+    pub fn is_null(&self) -> bool {
+        self.is_null
+    }
+
+    /// How many bytes fit; 0 for a null pointer.
+    pub fn capacity(&self) -> usize {
+        self.capacity
+    }
+
+    /// The bytes to be written; those that do not fit are dropped. Returns how many fit.
+    pub fn set(&mut self, bytes: &[u8]) -> usize {
+        self.bytes.clear();
+        self.bytes.extend_from_slice(&bytes[..bytes.len().min(self.capacity)]);
+        self.bytes.len()
+    }
+
+    /// The bytes that have been set.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+impl Param for OutBytes {
+    type Abi = ByteRoom;
+    type Held = Self;
+    type View<'a> = &'a mut Self;
+
+    unsafe fn take(abi: ByteRoom) -> Self {
+        if abi.data.is_null() { Self::null() } else { Self::with_capacity(abi.len) }
+    }
+    fn view(held: &mut Self) -> &mut Self {
+        held
+    }
+    unsafe fn give(abi: ByteRoom, held: Self) {
+        if !held.bytes.is_empty() {
+            // SAFETY: bytes are kept only if there is room for them, so the pointer is not null, and the caller
+            // vouches for the length.
+            unsafe { std::ptr::copy_nonoverlapping(held.bytes.as_ptr(), abi.data, held.bytes.len()) };
+        }
+    }
+    fn show(held: &Self, f: &mut Formatter<'_>) -> fmt::Result {
+        if held.is_null { f.write_str("NULL") } else { write!(f, "&\"{}\"", held.bytes.escape_ascii()) }
+    }
+}
+
+/// A function of the program that the host calls later, on the robot's own thread and inside a call of the program.
+///
+/// Code and data belong to the program and are valid until [`Program::run`](crate::Program::run) has returned.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Callback {
+    /// Called with `data`; answers [`Status::STOP`] when the program must be left: then the call in progress returns
+    /// [`Stop`] too. It never unwinds and never jumps over the host's frames. Null: none.
+    pub code: Option<unsafe extern "C" fn(data: *mut c_void) -> Status>,
+    /// Handed back to `code`.
+    pub data: *mut c_void,
+}
+
+// SAFETY: a host only keeps the pointers; whoever calls keeps to `call`'s contract.
+unsafe impl Send for Callback {}
+// SAFETY: as above.
+unsafe impl Sync for Callback {}
+
+impl Callback {
+    /// No function.
+    pub const NONE: Self = Self { code: None, data: std::ptr::null_mut() };
+
+    /// Calls the program's function; nothing if there is none.
+    ///
+    /// # Errors
+    /// [`Stop`] when the program must be left: the call in progress must return it.
+    ///
+    /// # Safety
+    /// The program is still inside its `run`, in a call that this thread carries out for the robot that passed the
+    /// callback, and the host holds no lock that a call needs.
+    pub unsafe fn call(self) -> Result<(), Stop> {
+        let Some(code) = self.code else { return Ok(()) };
+        // SAFETY: the caller vouches for the time and the thread; the shim that made the pair vouches for code and data.
+        if unsafe { code(self.data) } == Status::OK { Ok(()) } else { Err(Stop) }
+    }
+}
+
+impl Param for Callback {
+    type Abi = Self;
+    type Held = Self;
+    type View<'a> = Option<Self>;
+
+    unsafe fn take(abi: Self) -> Self {
+        abi
+    }
+    fn view(held: &mut Self) -> Option<Self> {
+        held.code.map(|_| *held)
+    }
+    fn show(held: &Self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(if held.code.is_some() { "function" } else { "NULL" })
+    }
+}
+
+/// One argument, to be shown in a log of calls.
+pub(crate) struct ShownArgument<'a, P: Param>(pub &'a P::Held);
+
+impl<P: Param> Display for ShownArgument<'_, P> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        P::show(self.0, f)
+    }
+}
+
+/// A result, to be shown in a log of calls.
+pub(crate) struct ShownResult<R>(pub R);
+
+impl<R: Return> Display for ShownResult<R> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        self.0.show(f)
+    }
+}

@@ -1,0 +1,719 @@
+//! The list of RoBIOS 6 functions, from which table, trait, thunks, C header and C shim come.
+//!
+//! The doc of a function goes to rustdoc and to `eyebot.h`; names of parameters carry their unit.
+
+use super::*;
+use crate::param::{Bytes, Callback, In, InOut, Out, OutBytes, Text};
+use crate::table::function_table;
+
+function_table! {
+    /// The RoBIOS 6 functions as a program's library gets them.
+    table Robios6Table, trait Robios6, call Robios6Call, version 1;
+
+    family OS "the machine, its errors and variables", source "RoBIOS 6 library, system functions" {
+        /// Version of RoBIOS as text, such as `6.5`.
+        /// In C the text stays valid and unchanged until the program ends; it may not be written to.
+        fn OSVersion(text: OutBytes) -> i32 = 0, c "char *OSVersion(void)";
+
+        /// Shows an error: text and number on the LCD and in the record of the run.
+        /// dead: if not 0, the robot stops here for ever; else the program waits for a key and goes on.
+        /// Returns 0.
+        fn OSError(message: Text, number: i32, dead: Bool) -> i32 = -1;
+
+        /// The kind of machine: VEHICLE, PLATFORM or WALKER.
+        fn OSMachineType() -> i32 = VEHICLE;
+
+        /// Clock rate of the processor in Hz.
+        fn OSMachineSpeed() -> i32 = 25_000_000;
+
+        /// Name of the robot as text.
+        /// In C the text stays valid and unchanged until the program ends; it may not be written to.
+        fn OSMachineName(text: OutBytes) -> i32 = 0, c "char *OSMachineName(void)";
+
+        /// The robot's number, 1 to 255, unique in the scene; also its address on the radio.
+        fn OSMachineID() -> u8 = 0;
+
+        /// Lets interrupts through again: timers run. Returns 0.
+        fn OSEnable() -> i32 = -1;
+
+        /// Holds interrupts back: timers do not run until OSEnable. Returns 0.
+        fn OSDisable() -> i32 = -1;
+
+        /// Value of a system variable; 0 if it was never set.
+        /// num: which one, 0 to 15. Returns the value, 0 for another num.
+        fn OSGetVar(num: i32) -> i32 = 0;
+
+        /// Sets a system variable of this robot.
+        /// num: which one, 0 to 15. Returns 0, or -1 for another num.
+        fn OSPutVar(num: i32, value: i32) -> i32 = -1;
+    }
+
+    family HDT "the table of the robot's devices", source "RoBIOS 6 library, hardware description table; layout of an entry: our choice" {
+        /// Whether the table of devices is sound. Returns 0 if it is.
+        fn HDT_Validate() -> i32 = -1;
+
+        /// Looks a device up.
+        /// type_id: HDT_MOTOR and so on, 0 for any. semantics: MOTOR_LEFT and so on.
+        /// Returns a pointer to an HDT_entry_type that stays valid until the next call, or 0 if there is no such
+        /// device.
+        fn HDT_FindEntry(type_id: TypeID, semantics: DeviceSemantics, entry: Out<HDTEntry>) -> i32 = 0,
+            c "void *HDT_FindEntry(TypeID type_id, DeviceSemantics semantics)";
+
+        /// Looks the n-th device of a kind up, for going through all of them.
+        /// type_id: HDT_MOTOR and so on. index: 0 for the first one. entry: where the device goes.
+        /// Returns 0, or -1 if there are not as many or a pointer is 0.
+        fn HDT_FindTable(type_id: TypeID, index: i32, entry: Out<HDTEntry>) -> i32 = -1;
+
+        /// How many devices of a kind the robot has.
+        /// type_id: HDT_MOTOR and so on. Returns the number, 0 for an unknown kind.
+        fn HDT_TypeCount(type_id: TypeID) -> i32 = 0;
+    }
+
+    family LCD "the display: 128 x 64 pixels, 7 lines of 16 characters, the last one for the menu", source "RoBIOS 6 library, LCD output" {
+        /// Prints formatted text at the cursor, as printf does. \n starts a new line.
+        /// Returns 0, or -1 if format is 0.
+        fn LCDPrintf(text: Text) -> i32 = -1, c "int LCDPrintf(const char *format, ...)";
+
+        /// Prints formatted text at a place, as printf does; the cursor stays behind it.
+        /// row: 0 (top) to 6. column: 0 (left) to 15. Returns 0, or -1 if format is 0 or the place is not on the LCD.
+        fn LCDSetPrintf(row: i32, column: i32, text: Text) -> i32 = -1,
+            c "int LCDSetPrintf(int row, int column, const char *format, ...)";
+
+        /// Clears the LCD and puts the cursor to the top left; the menu is cleared too. Returns 0.
+        fn LCDClear() -> i32 = -1;
+
+        /// Writes a character at the cursor, which moves on. Returns 0.
+        fn LCDPutChar(c: Char) -> i32 = -1;
+
+        /// Writes a character at a place; the cursor stays behind it.
+        /// row: 0 (top) to 6. column: 0 (left) to 15. Returns 0, or -1 if the place is not on the LCD.
+        fn LCDSetChar(row: i32, column: i32, c: Char) -> i32 = -1;
+
+        /// Writes text at the cursor, which moves on. \n starts a new line.
+        /// Returns 0, or -1 if s is 0.
+        fn LCDPutString(s: Text) -> i32 = -1;
+
+        /// Writes text at a place; the cursor stays behind it.
+        /// row: 0 (top) to 6. column: 0 (left) to 15. Returns 0, or -1 if s is 0 or the place is not on the LCD.
+        fn LCDSetString(row: i32, column: i32, s: Text) -> i32 = -1;
+
+        /// Writes a number in hexadecimal, 8 digits. Returns 0.
+        fn LCDPutHex(v: i32) -> i32 = -1;
+
+        /// Writes the lowest byte of a number in hexadecimal, 2 digits. Returns 0.
+        fn LCDPutHex1(v: i32) -> i32 = -1;
+
+        /// Writes a number in decimal. Returns 0.
+        fn LCDPutInt(v: i32) -> i32 = -1;
+
+        /// Writes a number in decimal, right-aligned.
+        /// spaces: least number of characters. Returns 0.
+        fn LCDPutIntS(v: i32, spaces: i32) -> i32 = -1;
+
+        /// Writes a number with its decimals, as %f of printf. Returns 0.
+        fn LCDPutFloat(v: f32) -> i32 = -1;
+
+        /// Writes a number with its decimals, right-aligned.
+        /// spaces: least number of characters. decimals: digits after the point. Returns 0.
+        fn LCDPutFloatS(v: f32, spaces: i32, decimals: i32) -> i32 = -1;
+
+        /// Sets how text behaves.
+        /// mode: SCROLLING or NONSCROLLING, and CURSOR or NOCURSOR, OR-ed. Returns 0.
+        fn LCDMode(mode: i32) -> i32 = -1;
+
+        /// Moves the cursor.
+        /// row: 0 (top) to 6. column: 0 (left) to 15. Returns 0, or -1 if the place is not on the LCD.
+        fn LCDSetPos(row: i32, column: i32) -> i32 = -1;
+
+        /// Where the cursor is. Returns 0, or -1 if a pointer is 0.
+        fn LCDGetPos(row: Out<i32>, column: Out<i32>) -> i32 = -1;
+
+        /// Shows the upper 54 rows of a grey image at the left of the LCD, so that the menu stays visible.
+        /// Returns 0, or -1 if buf is 0.
+        fn LCDPutGraphic(buf: In<Image>) -> i32 = -1;
+
+        /// Shows the upper 54 rows of a colour image in black and white, as LCDPutGraphic does.
+        /// buf is overwritten: it holds the black and white image afterwards.
+        /// Returns 0, or -1 if buf is 0.
+        fn LCDPutColorGraphic(buf: InOut<ColImage>) -> i32 = -1;
+
+        /// Sets all 128 x 64 pixels.
+        /// buf: 1024 bytes, 16 a row, the left pixel in the highest bit, 1 is black. Returns 0, or -1 if buf is 0.
+        fn LCDPutImage(buf: In<BitImage>) -> i32 = -1;
+
+        /// Writes the texts of the menu, above the keys.
+        /// Each at most 4 characters; "" (or 0) leaves an entry as it is, " " clears it. Returns 0.
+        fn LCDMenu(s1: Text, s2: Text, s3: Text, s4: Text) -> i32 = -1;
+
+        /// Writes one text of the menu.
+        /// pos: 1 (left) to 4. s: at most 4 characters. Returns 0, or -1 for another pos or if s is 0.
+        fn LCDMenuI(pos: i32, s: Text) -> i32 = -1;
+
+        /// Sets a pixel.
+        /// row: 0 (top) to 63. col: 0 (left) to 127. val: 0 clear, 1 set, 2 invert.
+        /// Returns 0, or -1 if it is not on the LCD or val is another.
+        fn LCDSetPixel(row: i32, col: i32, val: i32) -> i32 = -1;
+
+        /// Inverts a pixel.
+        /// row: 0 (top) to 63. col: 0 (left) to 127. Returns 0, or -1 if it is not on the LCD.
+        fn LCDInvertPixel(row: i32, col: i32) -> i32 = -1;
+
+        /// A pixel: 0 clear, 1 set, -1 if it is not on the LCD.
+        /// row: 0 (top) to 63. col: 0 (left) to 127.
+        fn LCDGetPixel(row: i32, col: i32) -> i32 = -1;
+
+        /// Draws a line between two pixels, both included; what lies outside of the LCD is left out.
+        /// x: 0 (left) to 127. y: 0 (top) to 63. col: 0 white, 1 black, 2 inverted. Returns 0, or -1 for another col.
+        fn LCDLine(x1: i32, y1: i32, x2: i32, y2: i32, col: i32) -> i32 = -1;
+
+        /// Fills a rectangle, all edges included; what lies outside of the LCD is left out.
+        /// x: 0 (left) to 127, x1 < x2. y: 0 (top) to 63, y1 < y2. col: 0 white, 1 black, 2 inverted.
+        /// Returns 0, or -1 for another col or corners in another order.
+        fn LCDArea(x1: i32, y1: i32, x2: i32, y2: i32, col: i32) -> i32 = -1;
+    }
+
+    family KEY "the four keys under the LCD", source "RoBIOS 6 library, key input" {
+        /// Waits for a key and stores its code, KEY1 to KEY4.
+        /// Returns 0, or -1 at once if buf is 0.
+        fn KEYGetBuf(buf: Out<Char>) -> i32 = -1;
+
+        /// Waits for a key. Returns its code, KEY1 to KEY4.
+        fn KEYGet() -> i32 = 0;
+
+        /// The key that is pressed and has not been read yet, without waiting. Returns its code, 0 if there is none.
+        fn KEYRead() -> i32 = 0;
+
+        /// Waits for a certain key; others are dropped.
+        /// excode: KEY1 to KEY4, several OR-ed, or ANYKEY. Returns 0, or -1 at once for another excode.
+        fn KEYWait(excode: i32) -> i32 = -1;
+    }
+
+    family CAM "the camera", source "RoBIOS 6 library, camera" {
+        /// Starts the camera.
+        /// mode: NORMAL, WIDE or TELE. Returns the camera's version (COLCAM or more: colour); 200 and more are
+        /// failures: INITERROR, and NOCAM if there is none.
+        fn CAMInit(mode: i32) -> i32 = NOCAM;
+
+        /// Stops the camera. Returns 0, or -1 if it was not started.
+        fn CAMRelease() -> i32 = -1;
+
+        /// Takes a grey image; waits until it is there. Returns 0, or -1 if there is no camera or buf is 0.
+        fn CAMGetFrame(buf: Out<Image>) -> i32 = -1;
+
+        /// Takes a colour image; waits until it is there.
+        /// convert: 0 leaves red, green, blue; 1 turns it to 8-bit grey at the start of the same buffer.
+        /// Returns 0, or -1 if there is no colour camera or buf is 0.
+        fn CAMGetColFrame(buf: Out<ColImage>, convert: i32) -> i32 = -1;
+
+        /// Takes a grey image without border: 60 rows of 80 bytes. Returns 0, or -1 if there is no camera or buf is 0.
+        fn CAMGetFrameMono(buf: Out<MonoFrame>) -> i32 = -1;
+
+        /// Takes a colour image without border: 60 rows of 80 times red, green, blue.
+        /// Returns 0, or -1 if there is no camera or buf is 0.
+        fn CAMGetFrameColor(buf: Out<ColorFrame>) -> i32 = -1;
+
+        /// The same as CAMGetFrameColor.
+        fn CAMGetFrameRGB(buf: Out<ColorFrame>) -> i32 = -1;
+
+        /// Takes the camera's raw values: 120 rows of 160 bytes behind its colour filter.
+        /// Returns 0, or -1 if there is no camera or buf is 0.
+        fn CAMGetFrameBayer(buf: Out<BayerFrame>) -> i32 = -1;
+
+        /// Sets the camera.
+        /// Grey: brightness, offset, contrast. Colour: brightness, hue, saturation. EyeCam: p1 is the frame rate,
+        /// FPS60 to FPS0_46875. Returns 0, or -1 if there is no camera.
+        fn CAMSet(p1: i32, p2: i32, p3: i32) -> i32 = -1;
+
+        /// What CAMSet has set. Returns 0, or -1 if there is no camera or a pointer is 0.
+        fn CAMGet(p1: Out<i32>, p2: Out<i32>, p3: Out<i32>) -> i32 = -1;
+
+        /// Sets how the brightness is found.
+        /// mode: AUTOBRIGHTNESS or NOAUTOBRIGHTNESS. Returns 0, or -1 if there is no camera.
+        fn CAMMode(mode: i32) -> i32 = -1;
+    }
+
+    family IP "image processing on images of 82 x 62 with a border of 1 pixel", source "RoBIOS 6 library, image processing" {
+        /// Laplace operator. src and dest may be the same. Returns 0, or -1 if a pointer is 0.
+        fn IPLaplace(src: In<Image>, dest: Out<Image>) -> i32 = -1;
+
+        /// Sobel operator. src and dest may be the same. Returns 0, or -1 if a pointer is 0.
+        fn IPSobel(src: In<Image>, dest: Out<Image>) -> i32 = -1;
+
+        /// Turns grey to black and white with a pattern of 2 x 2. Returns 0, or -1 if a pointer is 0.
+        fn IPDither(src: In<Image>, dest: Out<Image>) -> i32 = -1;
+
+        /// Absolute difference of two images. Returns 0, or -1 if a pointer is 0.
+        fn IPDiffer(current: In<Image>, last: In<Image>, dest: Out<Image>) -> i32 = -1;
+
+        /// Turns colour to grey. Returns 0, or -1 if a pointer is 0.
+        fn IPColor2Grey(src: In<ColImage>, dest: Out<Image>) -> i32 = -1;
+    }
+
+    family MT "multi-tasking", source "RoBIOS 6 library, multi-tasking" {
+        /// Starts multi-tasking; the program becomes the first task.
+        /// mode: COOP (or DEFAULT) or PREEMPT. Returns 0, or not 0 on failure.
+        fn OSMTInit(mode: Byte) -> i32 = -1;
+
+        /// Creates a task, which is not ready yet: see OSReady.
+        /// name: shown in messages. code: its function. stksiz: bytes of stack. pri: MIN_PRI to MAX_PRI.
+        /// uid: a number for OSGetUID. Returns the task, valid until the program ends, or 0 on failure.
+        fn OSSpawn(name: Text, code: Callback, stksiz: i32, pri: i32, uid: i32) -> i32 = 0,
+            c "struct tcb *OSSpawn(const char *name, void (*code)(void), int stksiz, int pri, int uid)";
+
+        /// The mode of multi-tasking: COOP, PREEMPT, or NOTASK if it was not started.
+        fn OSMTStatus() -> i32 = NOTASK;
+
+        /// Makes a task ready to run. Returns 0, or not 0 on failure.
+        fn OSReady(thread: Task) -> i32 = -1;
+
+        /// Suspends a task until it is made ready.
+        /// thread: 0 is the current one. Returns 0, or not 0 on failure.
+        fn OSSuspend(thread: Task) -> i32 = -1;
+
+        /// Lets the next task run. Returns 0, or not 0 on failure.
+        fn OSReschedule() -> i32 = -1;
+
+        /// Suspends the current task and lets the next one run. Returns 0, or not 0 on failure.
+        fn OSYield() -> i32 = -1;
+
+        /// Makes a task ready and lets the next one run. Returns 0, or not 0 on failure.
+        fn OSRun(thread: Task) -> i32 = -1;
+
+        /// The number that a task was created with.
+        /// thread: 0 is the current one. Returns the number, 0 on failure.
+        fn OSGetUID(thread: Task) -> i32 = 0;
+
+        /// Ends a task.
+        /// thread: 0 is the current one. Returns 0, or not 0 on failure.
+        fn OSKill(thread: Task) -> i32 = -1;
+
+        /// Ends the current task; without multi-tasking, and from the first task, the program, as exit(code) does.
+        fn OSExit(code: i32) -> i32 = -1, c "int OSExit(int code)";
+
+        /// Shows a text and stops the robot for ever. Does not return.
+        fn OSPanic(message: Text) -> i32 = -1, c "int OSPanic(const char *message)";
+
+        /// Lets the other tasks run for a time; without multi-tasking the same as OSWait.
+        /// n: hundredths of a second. Returns 0.
+        fn OSSleep(n: i32) -> i32 = -1;
+
+        /// Keeps the other tasks from running. Returns 0, or not 0 on failure.
+        fn OSForbid() -> i32 = -1;
+
+        /// Lets the other tasks run again. Returns 0, or not 0 on failure.
+        fn OSPermit() -> i32 = -1;
+
+        /// Makes a semaphore. Returns 0, or not 0 on failure.
+        /// sem: the program's own, which must not move. val: how many may pass at first.
+        fn OSSemInit(sem: InOut<Semaphore>, val: i32) -> i32 = -1, c "int OSSemInit(struct sem *sem, int val)";
+
+        /// Passes a semaphore, or waits at it. Returns 0, or not 0 on failure.
+        fn OSSemP(sem: Semaphore) -> i32 = -1, c "int OSSemP(struct sem *sem)";
+
+        /// Lets one more pass a semaphore. Returns 0, or not 0 on failure.
+        fn OSSemV(sem: Semaphore) -> i32 = -1, c "int OSSemV(struct sem *sem)";
+    }
+
+    family Time "time and timers", source "RoBIOS 6 library, timer" {
+        /// Sets the clock of this robot.
+        /// h: 0 to 23. m, s: 0 to 59. Returns 0, or -1 for another time.
+        fn OSSetTime(h: i32, m: i32, s: i32) -> i32 = -1;
+
+        /// The clock of this robot; it starts at 0:00:00.
+        /// ticks: hundredths of a second. A pointer may be 0. Returns 0.
+        fn OSGetTime(h: Out<i32>, m: Out<i32>, s: Out<i32>, ticks: Out<i32>) -> i32 = -1;
+
+        /// Writes the clock to the LCD, at the cursor. Returns 0.
+        fn OSShowTime() -> i32 = -1;
+
+        /// Hundredths of a second since the robot's start.
+        fn OSGetCount() -> i32 = 0;
+
+        /// Waits. n: hundredths of a second. Returns 0.
+        fn OSWait(n: i32) -> i32 = -1;
+
+        /// Calls a function at regular times: every scale/100 seconds.
+        /// It is called inside of the call that is in progress then, never while it still runs itself; it must be
+        /// short and must not wait. Returns a handle, or 0 if the list is full, scale is below 1 or f is 0.
+        fn OSAttachTimer(scale: i32, f: Callback) -> i32 = 0, c "TimerHandle OSAttachTimer(int scale, TimerFnc f)";
+
+        /// Stops the calls of OSAttachTimer. Returns 1, or 0 if handle is not one.
+        fn OSDetachTimer(handle: TimerHandle) -> i32 = 0;
+    }
+
+    family RS232 "serial interfaces and download", source "RoBIOS 6 library, serial communication" {
+        /// Sets a serial interface up.
+        /// baud: SER4800 to SER115200. handshake: NONE or RTSCTS. interface: SERIAL1 to SERIAL3.
+        /// Returns 0, or not 0 for other values.
+        fn OSInitRS232(baud: i32, handshake: i32, interface: i32) -> i32 = -1;
+
+        /// Sends a byte. interface: SERIAL1 to SERIAL3. Returns 0, or not 0 on failure.
+        fn OSSendCharRS232(chr: Char, interface: i32) -> i32 = -1;
+
+        /// Sends text. interface: SERIAL1 to SERIAL3. Returns 0, or not 0 on failure or if s is 0.
+        fn OSSendRS232(s: Text, interface: i32) -> i32 = -1;
+
+        /// Waits for a byte.
+        /// interface: SERIAL1 to SERIAL3. Returns 0, or not 0 on failure or if buf is 0.
+        fn OSRecvRS232(buf: Out<Char>, interface: i32) -> i32 = -1;
+
+        /// Drops what has been received. Returns 0, or not 0 on failure.
+        fn OSFlushInRS232(interface: i32) -> i32 = -1;
+
+        /// Drops what has not been sent. Returns 0, or not 0 on failure.
+        fn OSFlushOutRS232(interface: i32) -> i32 = -1;
+
+        /// How many bytes have been received and not read; below 0 on failure.
+        fn OSCheckInRS232(interface: i32) -> i32 = -1;
+
+        /// How many bytes have not been sent yet; below 0 on failure.
+        fn OSCheckOutRS232(interface: i32) -> i32 = -1;
+
+        /// Loads a user program over a serial interface, which a simulated robot cannot.
+        /// name: at least 16 bytes for the program's name. bytes: how many were loaded.
+        /// Returns 0 when done, 99 to be called again, or another number on failure.
+        fn OSDownload(name: Out<[u8; 16]>, bytes: Out<i32>, baud: i32, handshake: i32, interface: i32) -> i32 = 1,
+            c "int OSDownload(char *name, int *bytes, int baud, int handshake, int interface)";
+
+        /// Starts the user program that was loaded, which a simulated robot has none of. Returns -1.
+        fn USRStart() -> i32 = -1;
+
+        /// Makes the loaded user program stay over a reset.
+        /// name: what it is called. mode: SET (TRUE) or RESET (FALSE). Returns 0, or -1 if there is none.
+        fn USRResident(name: Text, mode: Bool) -> i32 = -1;
+    }
+
+    family AU "sound", source "RoBIOS 6 library, audio" {
+        /// Plays a sample; does not wait.
+        /// sample: a WAV file in memory, or the name of one. Returns its rate in Hz, or 0 if it is none.
+        fn AUPlaySample(sample: Bytes) -> i32 = 0, c "int AUPlaySample(char *sample)";
+
+        /// Whether no sample is being played: FALSE while one is.
+        fn AUCheckSample() -> i32 = TRUE;
+
+        /// Plays a tone; does not wait.
+        /// freq_hz: 65 to 21000. span_ms: milliseconds. Returns 0, or -1 for other values.
+        fn AUTone(freq_hz: i32, span_ms: i32) -> i32 = -1;
+
+        /// Whether no tone is being played: FALSE while one is.
+        fn AUCheckTone() -> i32 = TRUE;
+
+        /// Plays a short tone; does not wait. Returns 0.
+        fn AUBeep() -> i32 = -1;
+
+        /// Records from the microphone.
+        /// buf: where the sample goes, written before the return. len: its bytes. freq: wanted rate in Hz.
+        /// Returns the rate in Hz, or 0 if buf is 0 or len is not positive.
+        fn AURecordSample(buf: OutBytes, freq_hz: i64) -> i32 = 0,
+            c "int AURecordSample(BYTE *buf, long len, long freq)";
+
+        /// Whether nothing is being recorded: FALSE while it is.
+        fn AUCheckRecord() -> i32 = TRUE;
+
+        /// The microphone's value now, 0 to 1023; 512 is silence.
+        fn AUCaptureMic() -> i32 = 512;
+    }
+
+    family PSD "infrared distance sensors, results in millimetres", source "RoBIOS 6 library, position sensing devices" {
+        /// Makes a PSD sensor ready for measuring.
+        /// semantics: PSD_FRONT and so on. Returns a handle (one bit), or 0 if the robot has no such sensor.
+        fn PSDInit(semantics: DeviceSemantics) -> PSDHandle = 0;
+
+        /// Stops measuring and releases all PSD sensors. Returns 0.
+        fn PSDRelease() -> i32 = -1;
+
+        /// Starts measuring.
+        /// bitmask: handles, OR-ed. cycle: TRUE measures on and on, FALSE once.
+        /// Returns 0, 1 if another measurement is still running, or -1 if bitmask has a bit that is no handle.
+        fn PSDStart(bitmask: PSDHandle, cycle: Bool) -> i32 = -1;
+
+        /// Ends measuring after the cycle that is running. Returns 0.
+        fn PSDStop() -> i32 = -1;
+
+        /// Whether there is a valid result: TRUE after the first cycle is complete, else FALSE.
+        fn PSDCheck() -> Bool = FALSE;
+
+        /// The distance that the last complete cycle has measured, in millimetres; PSD_OUT_OF_RANGE if nothing is
+        /// within range.
+        /// handle: of PSDInit; 0 asks for the time stamp of the measurement, in hundredths of a second.
+        fn PSDGet(handle: PSDHandle) -> i32 = PSD_OUT_OF_RANGE;
+
+        /// The raw value that the last complete cycle has measured, 0 to 255.
+        /// handle: of PSDInit; 0 asks for the time stamp of the measurement, in hundredths of a second.
+        fn PSDGetRaw(handle: PSDHandle) -> i32 = 0;
+    }
+
+    family SERVO "servos", source "RoBIOS 6 library, servos and motors" {
+        /// Makes a servo ready.
+        /// semantics: SERVO1 and so on. Returns a handle, or 0 if the robot has no such servo.
+        fn SERVOInit(semantics: DeviceSemantics) -> ServoHandle = 0;
+
+        /// Releases servos.
+        /// handle: handles, OR-ed. Returns 0; 0x11110000 if none of it is a handle; else the handles not released.
+        fn SERVORelease(handle: ServoHandle) -> i32 = 0x1111_0000;
+
+        /// Turns a servo.
+        /// handle: of SERVOInit. angle: 0 to 255, the middle is 127 or 128. Returns 0, or -1 if handle is not one or
+        /// angle is another.
+        fn SERVOSet(handle: ServoHandle, angle: i32) -> i32 = -1;
+    }
+
+    family MOTOR "motors", source "RoBIOS 6 library, servos and motors" {
+        /// Makes a motor ready.
+        /// semantics: MOTOR_LEFT and so on. Returns a handle, or 0 if the robot has no such motor or VW has it.
+        fn MOTORInit(semantics: DeviceSemantics) -> MotorHandle = 0;
+
+        /// Stops and releases motors.
+        /// handle: handles, OR-ed. Returns 0; 0x11110000 if none of it is a handle; else the handles not released.
+        fn MOTORRelease(handle: MotorHandle) -> i32 = 0x1111_0000;
+
+        /// Sets a motor's speed.
+        /// handle: handles, OR-ed. speed_percent: -100 (full backwards) to 100.
+        /// Returns 0, or -1 if handle has one that is none.
+        fn MOTORDrive(handle: MotorHandle, speed_percent: i32) -> i32 = -1;
+    }
+
+    family QUAD "wheel encoders", source "RoBIOS 6 library, encoders" {
+        /// Makes an encoder ready; its count starts at 0.
+        /// semantics: QUAD_LEFT and so on. Returns a handle, or 0 if the robot has no such encoder.
+        fn QUADInit(semantics: DeviceSemantics) -> QuadHandle = 0;
+
+        /// Releases encoders.
+        /// handle: handles, OR-ed. Returns 0, or -1 if none of it is a handle.
+        fn QUADRelease(handle: QuadHandle) -> i32 = -1;
+
+        /// Sets the counts of encoders to 0.
+        /// handle: handles, OR-ed. Returns 0, or -1 if it has one that is none.
+        fn QUADReset(handle: QuadHandle) -> i32 = -1;
+
+        /// An encoder's count: ticks since the reset, more when the wheel turns forward; 0 if handle is not one.
+        fn QUADRead(handle: QuadHandle) -> i32 = 0;
+
+        /// The motor that belongs to an encoder.
+        /// semantics: QUAD_LEFT and so on. Returns MOTOR_LEFT and so on, or 0 if the robot has no such encoder.
+        fn QUADGetMotor(semantics: DeviceSemantics) -> DeviceSemantics = 0;
+
+        /// How far a wheel has rolled since QUADODOReset, in metres; 0 if handle is not one.
+        fn QUADODORead(handle: QuadHandle) -> f32 = 0.0;
+
+        /// Sets how far a wheel has rolled to 0; its count stays.
+        /// handle: handles, OR-ed. Returns 0, or -1 if it has one that is none.
+        fn QUADODOReset(handle: QuadHandle) -> i32 = -1;
+    }
+
+    family VW "driving: metres, radians, seconds; x forward, y left, phi counter-clockwise", source "RoBIOS 6 library, VW interface" {
+        /// Makes the driving interface ready and sets position and heading to 0; it takes motors and encoders.
+        /// semantics: VW_DRIVE. Timescale: control runs at 100 Hz/Timescale, usually 1.
+        /// Returns a handle, or 0 if the robot cannot drive, it is already in use or Timescale is below 1.
+        fn VWInit(semantics: DeviceSemantics, Timescale: i32) -> VWHandle = 0;
+
+        /// Stops the robot and releases the driving interface. Returns 0, or -1 if handle is not one.
+        fn VWRelease(handle: VWHandle) -> i32 = -1;
+
+        /// Sets the speed, until the next command.
+        /// v_mps: m/s, negative = backwards. w_radps: rad/s, positive = counter-clockwise.
+        /// Returns 0, or -1 if handle is not one. Starts at the end of the call and replaces a drive in progress.
+        fn VWSetSpeed(handle: VWHandle, v_mps: MetrePerSecond, w_radps: RadianPerSecond) -> i32 = -1;
+
+        /// The speed as the encoders show it. Returns 0, or -1 if handle is not one or vw is 0.
+        fn VWGetSpeed(handle: VWHandle, vw: Out<SpeedType>) -> i32 = -1;
+
+        /// Says where the robot is; it does not move.
+        /// x_m, y_m: metres. phi_rad: radians. Returns 0, or -1 if handle is not one.
+        fn VWSetPosition(handle: VWHandle, x_m: Metre, y_m: Metre, phi_rad: Radian) -> i32 = -1;
+
+        /// Where the robot is, as the encoders show it. Returns 0, or -1 if handle is not one or pos is 0.
+        fn VWGetPosition(handle: VWHandle, pos: Out<PositionType>) -> i32 = -1;
+
+        /// Starts the PI controllers of speed and rate of turn: output = V * (e + 1/T * integral of e).
+        /// Vv, Tv: for the speed. Vw, Tw: for the rate of turn. Typical: 7, 0.3, 10, 0.1.
+        /// Returns 0, or -1 if handle is not one.
+        fn VWStartControl(handle: VWHandle, Vv: f32, Tv: f32, Vw: f32, Tw: f32) -> i32 = -1;
+
+        /// Stops the PI controllers: speeds are open loop again. Returns 0, or -1 if handle is not one.
+        fn VWStopControl(handle: VWHandle) -> i32 = -1;
+
+        /// Drives straight ahead.
+        /// delta_m: distance in metres, negative = backwards. v_mps: speed in m/s, > 0.
+        /// Returns 0, or -1 if handle is not one. Starts at the end of the call and replaces a drive in progress; does
+        /// not wait.
+        fn VWDriveStraight(handle: VWHandle, delta_m: Metre, v_mps: MetrePerSecond) -> i32 = -1;
+
+        /// Turns on the spot.
+        /// delta_rad: angle in radians, positive = counter-clockwise. w_radps: rate in rad/s, > 0.
+        /// Returns 0, or -1 if handle is not one. Starts at the end of the call and replaces a drive in progress; does
+        /// not wait.
+        fn VWDriveTurn(handle: VWHandle, delta_rad: Radian, w_radps: RadianPerSecond) -> i32 = -1;
+
+        /// Drives along a circular arc.
+        /// delta_l_m: length of the arc in metres, negative = backwards. delta_phi_rad: change of heading in radians,
+        /// positive = counter-clockwise. v_mps: speed in m/s, > 0.
+        /// Returns 0, or -1 if handle is not one. Starts at the end of the call and replaces a drive in progress; does
+        /// not wait.
+        fn VWDriveCurve(handle: VWHandle, delta_l_m: Metre, delta_phi_rad: Radian, v_mps: MetrePerSecond) -> i32 = -1;
+
+        /// What remains of the drive in progress, in metres (for a turn radians; for a curve its length): 0 when done
+        /// or if handle is not one.
+        fn VWDriveRemain(handle: VWHandle) -> f32 = 0.0;
+
+        /// Whether the drive has ended: 1 if it has, 0 if it is in progress, -1 if handle is not one.
+        fn VWDriveDone(handle: VWHandle) -> i32 = -1;
+
+        /// Waits until the drive has ended. Returns 0, or -1 at once if handle is not one.
+        fn VWDriveWait(handle: VWHandle) -> i32 = -1;
+
+        /// Whether a motor is stalled: 1 if one is, 0 if none is or there is no command, -1 if handle is not one.
+        fn VWStalled(handle: VWHandle) -> i32 = -1;
+    }
+
+    family BUMP "bumpers", source "RoBIOS 6 library, bumper and infrared sensors" {
+        /// Makes a bumper ready.
+        /// semantics: BUMP_LEFT and so on. Returns a handle, or 0 if the robot has no such bumper.
+        fn BUMPInit(semantics: DeviceSemantics) -> BumpHandle = 0;
+
+        /// Releases bumpers.
+        /// handle: handles, OR-ed. Returns 0; 0x11110000 if none of it is a handle; else the handles not released.
+        fn BUMPRelease(handle: BumpHandle) -> i32 = 0x1111_0000;
+
+        /// Whether something has bumped since the last check.
+        /// timestamp: when, the first time, in hundredths of a second; may be 0.
+        /// Returns 0 if something has, -1 if nothing has or handle is not one.
+        fn BUMPCheck(handle: BumpHandle, timestamp: Out<i32>) -> i32 = -1;
+    }
+
+    family IR "infrared proximity sensors", source "RoBIOS 6 library, bumper and infrared sensors" {
+        /// Makes an infrared sensor ready.
+        /// semantics: IR_LEFT and so on. Returns a handle, or 0 if the robot has no such sensor.
+        fn IRInit(semantics: DeviceSemantics) -> IRHandle = 0;
+
+        /// Releases infrared sensors.
+        /// handle: handles, OR-ed. Returns 0; 0x11110000 if none of it is a handle; else the handles not released.
+        fn IRRelease(handle: IRHandle) -> i32 = 0x1111_0000;
+
+        /// Whether something is near: 1 if it is, 0 if not, -1 if handle is not one.
+        fn IRRead(handle: IRHandle) -> i32 = -1;
+    }
+
+    family Latch "latches, parallel port, analogue inputs", source "RoBIOS 6 library, latches, parallel port and A/D" {
+        /// Reads an input latch. n: which one, 0 to 3. Returns its byte, 0 for another n.
+        fn OSReadInLatch(n: i32) -> u8 = 0;
+
+        /// Writes an output latch: new = (old & mask) | value.
+        /// n: which one, 0 to 3. Returns the old byte, 0 for another n.
+        fn OSWriteOutLatch(n: i32, mask: Byte, value: Byte) -> u8 = 0;
+
+        /// Reads an output latch. n: which one, 0 to 3. Returns its byte, 0 for another n.
+        fn OSReadOutLatch(n: i32) -> u8 = 0;
+
+        /// Reads the data byte of the parallel port.
+        fn OSReadParData() -> u8 = 0;
+
+        /// Writes the data byte of the parallel port.
+        fn OSWriteParData(value: Byte) -> () = ();
+
+        /// Reads the status byte of the parallel port.
+        fn OSReadParSR() -> u8 = 0;
+
+        /// Writes the control byte of the parallel port.
+        fn OSWriteParCTRL(value: Byte) -> () = ();
+
+        /// Reads the control byte of the parallel port.
+        fn OSReadParCTRL() -> u8 = 0;
+
+        /// An analogue input: 0 to 1023, -1 for another channel. channel: 0 to 15.
+        fn OSGetAD(channel: i32) -> i32 = -1;
+
+        /// Switches the analogue converter off. mode: 1 idle, 0 off. Returns 0.
+        fn OSOffAD(mode: i32) -> i32 = -1;
+    }
+
+    family COMPASS "the compass", source "RoBIOS 6 library, compass" {
+        /// Makes the compass ready. semantics: COMPASS. Returns 0, or not 0 if the robot has none.
+        fn COMPASSInit(semantics: DeviceSemantics) -> i32 = -1;
+
+        /// Starts measuring. cycle: TRUE measures on and on, FALSE once. Returns 0, or 1 if it is not ready.
+        fn COMPASSStart(cycle: Bool) -> i32 = 1;
+
+        /// Whether a result is there: 1 if it is, else 0.
+        fn COMPASSCheck() -> i32 = 0;
+
+        /// Ends measuring. Returns 0, or 1 if it is not ready.
+        fn COMPASSStop() -> i32 = 1;
+
+        /// Releases the compass. Returns 0, or 1 if it is not ready.
+        fn COMPASSRelease() -> i32 = 1;
+
+        /// The last result: 0 to 359 degrees, clockwise from north (the world's +y); -1 if there is none.
+        fn COMPASSGet() -> i32 = -1;
+
+        /// Calibrates. mode: 1 resets the calibration, 0 is called in two opposite headings.
+        /// Returns 0, or 1 if it is not ready.
+        fn COMPASSCalibrate(mode: i32) -> i32 = 1;
+    }
+
+    family IRTV "TV remote control", source "RoBIOS 6 library, infrared remote control" {
+        /// Starts receiving with the settings of the table of devices.
+        /// semantics: IRTV. Returns 0, or not 0 if the robot has no receiver.
+        fn IRTVInitHDT(semantics: DeviceSemantics) -> i32 = -1;
+
+        /// Starts receiving.
+        /// type_code: SPACE_CODE, PULSE_CODE, MANCHESTER_CODE or RAW_CODE. length: bits of a code.
+        /// tog_mask: bits that toggle. inv_mask: bits that are inverted. mode: DEFAULT_MODE, SLOPPY_MODE or
+        /// REPCODE_MODE. bufsize: codes that are kept, 1 to 4. delay: hundredths of a second before a key repeats.
+        /// Returns 0, or not 0 if the robot has no receiver.
+        fn IRTVInit(type_code: i32, length: i32, tog_mask: i32, inv_mask: i32, mode: i32, bufsize: i32, delay: i32)
+            -> i32 = -1;
+
+        /// Stops receiving.
+        fn IRTVTerm() -> () = ();
+
+        /// The code that is being received, without waiting; 0 if there is none.
+        fn IRTVPressed() -> i32 = 0;
+
+        /// The next code that has been received, without waiting; 0 if there is none.
+        fn IRTVRead() -> i32 = 0;
+
+        /// Waits for the next code and returns it; 0 at once if nothing is being received.
+        fn IRTVGet() -> i32 = 0;
+
+        /// Drops the codes that have been received.
+        fn IRTVFlush() -> () = ();
+
+        /// The settings of IRTVInit; a pointer may be 0.
+        fn IRTVGetStatus(
+            type_code: Out<i32>, length: Out<i32>, tog_mask: Out<i32>, inv_mask: Out<i32>, mode: Out<i32>,
+            bufsize: Out<i32>, delay: Out<i32>
+        ) -> () = ();
+    }
+
+    family RADIO "radio between robots", source "RoBIOS 6 library, radio communication; fields of RadioStatus: our choice" {
+        /// Starts the radio. Returns 0, or not 0 on failure.
+        fn RADIOInit() -> i32 = -1;
+
+        /// Ends the radio. Returns 0, or not 0 on failure.
+        fn RADIOTerm() -> i32 = -1;
+
+        /// Sends a message; does not wait.
+        /// id: the receiver, BROADCAST for everybody. byteCount: at most MAXMSGLEN.
+        /// Returns 0, or 1 if the buffer is full or the message is too long.
+        fn RADIOSend(id: Byte, buffer: Bytes) -> i32 = 1, c "int RADIOSend(BYTE id, int byteCount, BYTE *buffer)";
+
+        /// How many messages wait to be received.
+        fn RADIOCheck() -> i32 = 0;
+
+        /// Waits for a message.
+        /// id: its sender. bytesReceived: its length. buffer: at least MAXMSGLEN bytes.
+        /// Returns 0, or not 0 at once on failure or if buffer is 0; the other pointers may be 0.
+        fn RADIORecv(id: Out<Byte>, bytesReceived: Out<i32>, buffer: OutBytes) -> i32 = -1,
+            c "int RADIORecv(BYTE *id, int *bytesReceived, BYTE *buffer)";
+
+        /// The settings of the radio. Returns 0, or not 0 on failure or if p is 0.
+        fn RADIOGetIoctl(p: Out<RadioIOParameters>) -> i32 = -1;
+
+        /// Changes the settings of the radio, before RADIOInit. Returns 0, or not 0 on failure or if p is 0.
+        fn RADIOSetIoctl(p: In<RadioIOParameters>) -> i32 = -1;
+
+        /// State of the radio. Returns 0, or not 0 on failure or if s is 0.
+        fn RADIOGetStatus(s: Out<RadioStatus>) -> i32 = -1;
+    }
+}

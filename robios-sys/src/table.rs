@@ -1,0 +1,325 @@
+//! The macro that makes of one list of functions: the C table, the host's trait, the thunks between them, and the
+//! description from which headers and shim are written.
+
+use std::any::Any;
+use std::ffi::c_void;
+use std::fmt::{self, Display, Formatter};
+
+use crate::abi::Stop;
+
+/// What the thunks need of whoever implements a table's trait: one robot of a host.
+///
+/// The `robot` pointer that a program hands back in each call leads to an implementor. It is shared, not exclusive:
+/// a timer callback makes calls while the call that it interrupts is still in progress.
+pub trait CallContext: Sized {
+    /// The robot that a call is for; `None` answers the call with [`Status::STOP`](crate::Status::STOP).
+    ///
+    /// A host that shares one image between robots takes the current robot of its thread instead, for which programs
+    /// pass null.
+    ///
+    /// # Safety
+    /// `context` is what the host has passed to the program's `run`, and the robot outlives the call.
+    unsafe fn from_context<'a>(context: *mut c_void) -> Option<&'a Self> {
+        // SAFETY: the host passed a pointer to `Self` (or null) to `run`, valid until `run` has returned.
+        unsafe { context.cast::<Self>().as_ref() }
+    }
+
+    /// Whether [`log_call`](Self::log_call) wants to hear of calls: asked once after each.
+    fn is_logging(&self) -> bool {
+        false
+    }
+
+    /// Hears of a call that has returned.
+    fn log_call(&self, record: &CallRecord<'_>) {
+        let _ = record;
+    }
+
+    /// Hears of a call to a function that the host leaves at its default, the documented failure.
+    fn unavailable(&self, name: &'static str) {
+        let _ = name;
+    }
+
+    /// Hears of a panic of the host itself inside a call; the program is then stopped. The panic hook has run.
+    fn panicked(&self, name: &'static str, payload: Box<dyn Any + Send>) {
+        let _ = (name, payload);
+    }
+}
+
+/// A call that has returned, shown as `VWDriveStraight(1, 0.5, 0.2) = 0`; nothing is formatted before that.
+pub struct CallRecord<'a> {
+    /// The function.
+    pub name: &'static str,
+    /// The arguments, outputs with the value they were given.
+    pub arguments: &'a [&'a dyn Display],
+    /// The result; `None` when the program was stopped.
+    pub result: Option<&'a dyn Display>,
+}
+
+impl Display for CallRecord<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{}(", self.name)?;
+        for (index, argument) in self.arguments.iter().enumerate() {
+            write!(f, "{}{argument}", if index == 0 { "" } else { ", " })?;
+        }
+        match self.result {
+            Some(result) => write!(f, ") = {result}"),
+            None => f.write_str(") stopped"),
+        }
+    }
+}
+
+impl fmt::Debug for CallRecord<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        Display::fmt(self, f)
+    }
+}
+
+/// One function of a list, as headers, shims and cost tables need it.
+#[derive(Debug)]
+pub struct Function {
+    /// Its name in C and in the trait.
+    pub name: &'static str,
+    /// The family that it belongs to, such as `VW`.
+    pub family: &'static str,
+    /// Its documentation, a line each, with the leading blank of the doc comment.
+    pub doc: &'static [&'static str],
+    /// Its parameters in order.
+    pub parameters: &'static [Parameter],
+    /// The Rust type that it returns, as the list has it.
+    pub returns: &'static str,
+    /// The prototype in C where it does not follow from the parameters; its shim is then written by hand.
+    pub prototype: Option<&'static str>,
+}
+
+/// One parameter of a [`Function`].
+#[derive(Clone, Copy, Debug)]
+pub struct Parameter {
+    /// Its name, with its unit.
+    pub name: &'static str,
+    /// Its Rust type, as the list has it.
+    pub kind: &'static str,
+}
+
+/// One family of a list: functions of one device or service.
+#[derive(Debug)]
+pub struct Family {
+    /// Its name, the prefix of most of its functions.
+    pub name: &'static str,
+    /// What it is, one line.
+    pub title: &'static str,
+    /// Where its functions are described.
+    pub source: &'static str,
+}
+
+/// The first element, if there is one: how the macro makes an `Option` of an optional part of the list.
+pub(crate) const fn first(elements: &'static [&'static str]) -> Option<&'static str> {
+    if let [first, ..] = elements { Some(*first) } else { None }
+}
+
+/// Runs a method of the host, so that its panic does not cross the ABI.
+pub(crate) fn guarded<H: CallContext, R>(
+    host: &H,
+    name: &'static str,
+    method: impl FnOnce() -> Result<R, Stop>,
+) -> Result<R, Stop> {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(method)).unwrap_or_else(|payload| {
+        host.panicked(name, payload);
+        Err(Stop)
+    })
+}
+
+/// Makes of one list of functions the table, the trait, the thunks, the enum of calls and the description.
+///
+/// ```text
+/// function_table! {
+///     /// Doc of the table.
+///     table Table, trait Trait, call Call, version 1;
+///     family VW "driving in metres and radians", source "RoBIOS 6 library, VW interface" {
+///         /// Doc of the function: goes to rustdoc and to the C header.
+///         fn VWDriveStraight(h: VWHandle, delta_m: Metre, v_mps: MetrePerSecond) -> i32 = -1;
+///         /// `c`: the prototype in C where it does not follow from the parameters.
+///         fn LCDPrintf(text: Text) -> i32 = -1, c "int LCDPrintf(const char *format, ...)";
+///     }
+/// }
+/// ```
+///
+/// The value behind `=` is the documented failure: what the trait's default method answers.
+macro_rules! function_table {
+    (
+        $(#[$table_attribute:meta])*
+        table $Table:ident, trait $Trait:ident, call $Call:ident, version $version:literal;
+        $(
+            family $family:ident $title:literal, source $source:literal {
+                $(
+                    $(#[doc = $doc:expr])*
+                    fn $name:ident ( $($parameter:ident : $kind:ty),* $(,)? ) -> $result:ty = $failure:expr
+                        $(, c $prototype:literal)? ;
+                )*
+            }
+        )*
+    ) => {
+        $(#[$table_attribute])*
+        ///
+        /// Each entry is a C function `(robot, arguments..., result) -> Status`: `robot` is what the program's `run`
+        /// got, `result` is written unless the status is `STOP` and may be null. Callable from any task of the
+        /// robot, on the thread that runs it, also from within a callback. No pointer is kept after the return.
+        #[allow(non_snake_case, reason = "the names of RoBIOS")]
+        #[repr(C)]
+        pub struct $Table {
+            /// Bytes of this struct in the host.
+            pub size: u32,
+            /// Version of this table, for messages: `size` says what it has.
+            pub version: u32,
+            $($(
+                #[doc = concat!("Calls [`", stringify!($Trait), "::", stringify!($name), "`].")]
+                pub $name: unsafe extern "C" fn(
+                    robot: *mut ::std::ffi::c_void,
+                    $($parameter: <$kind as $crate::param::Param>::Abi,)*
+                    result: *mut $result,
+                ) -> $crate::abi::Status,
+            )*)*
+        }
+
+        impl $Table {
+            /// Version of this table.
+            pub const VERSION: u32 = $version;
+
+            /// The table whose entries call the methods of `H`; `robot` must then lead to an `H`, see
+            /// [`CallContext::from_context`](crate::table::CallContext::from_context).
+            pub const fn of<H: $Trait>() -> Self {
+                Self {
+                    size: size_of::<Self>() as u32,
+                    version: Self::VERSION,
+                    $($($name: thunk::$name::<H>,)*)*
+                }
+            }
+        }
+
+        /// The host's side of the table: one method a function, named as in C.
+        ///
+        /// The methods take `&self`: a callback makes calls while the call that it interrupts is in progress. They
+        /// must not keep a lock over a wait or a callback. Those not implemented answer with the documented failure,
+        /// after [`CallContext::unavailable`](crate::table::CallContext::unavailable).
+        ///
+        /// # Errors
+        /// Every method returns [`Stop`](crate::Stop) when the program must be left, and only then.
+        #[allow(non_snake_case, reason = "the names of RoBIOS")]
+        #[allow(clippy::missing_errors_doc, reason = "said once, at the trait")]
+        #[allow(clippy::too_many_arguments, reason = "the functions of RoBIOS have as many")]
+        pub trait $Trait: $crate::table::CallContext {
+            $($(
+                $(#[doc = $doc])*
+                #[doc = concat!("\n[any task of the robot] Source: ", $source, ".")]
+                fn $name(
+                    &self,
+                    $($parameter: <$kind as $crate::param::Param>::View<'_>,)*
+                ) -> Result<$result, $crate::abi::Stop> {
+                    $(let _ = $parameter;)*
+                    self.unavailable(stringify!($name));
+                    Ok($failure)
+                }
+            )*)*
+        }
+
+        /// A function of the table, by number: dense from 0 in the order of the list.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[allow(non_camel_case_types, reason = "the names of RoBIOS")]
+        #[repr(u16)]
+        pub enum $Call {
+            $($(
+                #[doc = concat!("[`", stringify!($Trait), "::", stringify!($name), "`]")]
+                $name,
+            )*)*
+        }
+
+        impl $Call {
+            /// All functions, each at its [`index`](Self::index).
+            pub const ALL: &'static [Self] = &[$($(Self::$name,)*)*];
+
+            /// The families in the order of the list.
+            pub const FAMILIES: &'static [$crate::table::Family] = &[$(
+                $crate::table::Family { name: stringify!($family), title: $title, source: $source },
+            )*];
+
+            /// Its number.
+            pub const fn index(self) -> usize {
+                self as usize
+            }
+
+            /// Its name in C.
+            pub const fn name(self) -> &'static str {
+                self.function().name
+            }
+
+            /// The name of its family.
+            pub const fn family(self) -> &'static str {
+                self.function().family
+            }
+
+            /// The function of this name.
+            pub fn from_name(name: &str) -> Option<Self> {
+                Self::ALL.iter().copied().find(|call| call.name() == name)
+            }
+
+            /// Its description.
+            pub const fn function(self) -> &'static $crate::table::Function {
+                const FUNCTIONS: &[$crate::table::Function] = &[$($(
+                    $crate::table::Function {
+                        name: stringify!($name),
+                        family: stringify!($family),
+                        doc: &[$($doc),*],
+                        parameters: &[$(
+                            $crate::table::Parameter { name: stringify!($parameter), kind: stringify!($kind) }
+                        ),*],
+                        returns: stringify!($result),
+                        prototype: $crate::table::first(&[$($prototype)?]),
+                    },
+                )*)*];
+                &FUNCTIONS[self as usize]
+            }
+        }
+
+        /// The C functions between the table and the trait.
+        #[allow(non_snake_case, reason = "the names of RoBIOS")]
+        #[allow(clippy::too_many_arguments, reason = "the functions of RoBIOS have as many")]
+        mod thunk {
+            use super::*;
+            use $crate::param::{Param, ShownArgument, ShownResult};
+            $($(
+                /// # Safety
+                /// `robot` is what the host has passed to the program's `run`; every other pointer is null or valid
+                /// as its kind says.
+                pub unsafe extern "C" fn $name<H: $Trait>(
+                    robot: *mut ::std::ffi::c_void,
+                    $($parameter: <$kind as Param>::Abi,)*
+                    result: *mut $result,
+                ) -> $crate::abi::Status {
+                    // SAFETY: the caller vouches for `robot`.
+                    let Some(host) = (unsafe { H::from_context(robot) }) else { return $crate::abi::Status::STOP };
+                    // SAFETY: the caller vouches for the pointers; the host's method does not run yet.
+                    $(let mut $parameter = ($parameter, unsafe { <$kind as Param>::take($parameter) });)*
+                    let outcome = $crate::table::guarded(host, stringify!($name), || {
+                        host.$name($(<$kind as Param>::view(&mut $parameter.1)),*)
+                    });
+                    if host.is_logging() {
+                        let shown = outcome.ok().map(ShownResult);
+                        host.log_call(&$crate::table::CallRecord {
+                            name: stringify!($name),
+                            arguments: &[$(&ShownArgument::<$kind>(&$parameter.1)),*],
+                            result: shown.as_ref().map(|shown| shown as &dyn ::std::fmt::Display),
+                        });
+                    }
+                    let Ok(value) = outcome else { return $crate::abi::Status::STOP };
+                    // SAFETY: the caller vouches for the pointers; the host's method has returned.
+                    $(unsafe { <$kind as Param>::give($parameter.0, $parameter.1) };)*
+                    if !result.is_null() {
+                        // SAFETY: not null, and the caller vouches for it.
+                        unsafe { result.write(value) };
+                    }
+                    $crate::abi::Status::OK
+                }
+            )*)*
+        }
+    };
+}
+pub(crate) use function_table;
