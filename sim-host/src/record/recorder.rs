@@ -1,6 +1,6 @@
 //! Merges the robots' journals at each slot's end and hands them to the sinks.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use parking_lot::Mutex;
@@ -24,11 +24,29 @@ pub enum RecordError {
         /// The system's own words.
         source: std::io::Error,
     },
+    /// A stream of the process cannot be written.
+    #[error("cannot write to {stream}: {source}")]
+    Print {
+        /// `standard output` or `standard error`.
+        stream: &'static str,
+        /// The system's own words.
+        source: std::io::Error,
+    },
+    /// The report holds what its schema does not allow.
+    #[error("cannot write the report: {0}")]
+    Report(serde_json::Error),
+}
+
+impl RecordError {
+    /// The system refused to write the `what` at `path`.
+    pub(crate) fn write(what: &'static str, path: &Path, source: std::io::Error) -> Self {
+        Self::Write { what, path: path.to_owned(), source }
+    }
 }
 
 /// Somebody who wants to see records.
 pub trait Sink: Send {
-    /// The kinds that it wants; a slot without any of them costs it nothing but [`Self::end_slot`].
+    /// The kinds that it wants, the same for the whole run; a slot without any of them costs it nothing but [`Self::end_slot`].
     fn interest(&self) -> KindSet;
 
     /// Takes one record of the slot; they come in order of (virtual time, robot, sequence).
@@ -79,7 +97,8 @@ impl<S: Sink> Sink for Arc<Mutex<S>> {
 /// [`Self::end_slot`].
 pub struct Recorder<'s> {
     digest: RunDigest,
-    sinks: Vec<Box<dyn Sink + 's>>,
+    /// Each sink with what it wants.
+    sinks: Vec<(KindSet, Box<dyn Sink + 's>)>,
     interest: KindSet,
     /// The pages of this slot's robots, then spare ones: the first `used` are in use.
     pages: Vec<(RobotId, Page)>,
@@ -98,7 +117,8 @@ struct Place {
 impl<'s> Recorder<'s> {
     /// A recorder of a run with `seed` and slots of length `slot`, for `sinks`.
     pub fn new(seed: u64, slot: Time, sinks: Vec<Box<dyn Sink + 's>>) -> Self {
-        let interest = sinks.iter().fold(KindSet::NONE, |set, sink| set.union(sink.interest()));
+        let sinks: Vec<_> = sinks.into_iter().map(|sink| (sink.interest(), sink)).collect();
+        let interest = sinks.iter().fold(KindSet::NONE, |set, (wanted, _)| set.union(*wanted));
         Self { digest: RunDigest::new(seed, slot), sinks, interest, pages: Vec::new(), used: 0, order: Vec::new() }
     }
 
@@ -140,15 +160,15 @@ impl<'s> Recorder<'s> {
         for place in &self.order {
             let (robot, page) = &self.pages[place.page as usize];
             let record = page.decode(*robot, &page.entries()[place.entry as usize]);
-            for sink in &mut self.sinks {
-                if sink.interest().contains(record.event.kind()) {
+            for (wanted, sink) in &mut self.sinks {
+                if wanted.contains(record.event.kind()) {
                     sink.record(&record)?;
                 }
             }
         }
         self.order.clear();
         self.used = 0;
-        self.sinks.iter_mut().try_for_each(|sink| sink.end_slot(end, digest))
+        self.sinks.iter_mut().try_for_each(|(_, sink)| sink.end_slot(end, digest))
     }
 
     /// The digest of the run up to the last slot that has ended.

@@ -1,0 +1,333 @@
+//! Lines on the terminal while a run goes on: `[r1 2.350 s] text` in the order of the run.
+//!
+//! What programs print and hints are always shown, calls where the user asked for them (`-v`).
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+use sim_core::RobotId;
+use sim_core::time::Time;
+
+use super::digest::Digest;
+use super::event::{Event, Kind, KindSet, Record};
+use super::recorder::{RecordError, Sink};
+
+/// Which lines are shown.
+#[derive(Clone, Debug, Default)]
+pub struct Filter {
+    /// Show calls too, and all that goes with them.
+    pub is_verbose: bool,
+    /// Patterns of the calls to show (`VW*`); all if empty.
+    pub only: Vec<Pattern>,
+    /// The robots to show; all if empty.
+    pub robots: Vec<RobotId>,
+}
+
+impl Filter {
+    /// True when lines of `robot` are shown.
+    pub fn shows_robot(&self, robot: RobotId) -> bool {
+        self.robots.is_empty() || self.robots.contains(&robot)
+    }
+
+    /// True when calls of `function` by `robot` are shown.
+    pub fn shows_call(&self, robot: RobotId, function: &str) -> bool {
+        let is_chosen = self.only.is_empty() || self.only.iter().any(|pattern| pattern.matches(function));
+        self.is_verbose && is_chosen && self.shows_robot(robot)
+    }
+}
+
+/// A pattern of names: `*` stands for any letters, `?` for one; case does not matter.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pattern(String);
+
+impl Pattern {
+    /// The patterns in `list`, separated by commas; blanks around them and empty ones are dropped.
+    pub fn parse_list(list: &str) -> Vec<Self> {
+        list.split(',').map(str::trim).filter(|word| !word.is_empty()).map(|word| Self(word.to_owned())).collect()
+    }
+
+    /// True when the whole of `name` fits.
+    pub fn matches(&self, name: &str) -> bool {
+        let (pattern, name) = (self.0.as_bytes(), name.as_bytes());
+        let (mut p, mut n) = (0, 0);
+        // After the last `*`: where to go on in the pattern, and up to where it has swallowed the name.
+        let mut retry: Option<(usize, usize)> = None;
+        while n < name.len() {
+            match pattern.get(p) {
+                Some(b'*') => {
+                    retry = Some((p + 1, n));
+                    p += 1;
+                }
+                Some(letter) if *letter == b'?' || letter.eq_ignore_ascii_case(&name[n]) => {
+                    p += 1;
+                    n += 1;
+                }
+                _ => {
+                    let Some((after_star, swallowed)) = retry else { return false };
+                    retry = Some((after_star, swallowed + 1));
+                    (p, n) = (after_star, swallowed + 1);
+                }
+            }
+        }
+        pattern[p..].iter().all(|letter| *letter == b'*')
+    }
+}
+
+/// A stream of the process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stream {
+    Out,
+    Err,
+}
+
+/// Prints lines: what programs write to their standard output goes to `out`, all else to `err`.
+pub struct Log {
+    filter: Filter,
+    out: Box<dyn Write + Send>,
+    err: Box<dyn Write + Send>,
+    /// Lines of this slot for `stream`, not yet written.
+    pending: String,
+    stream: Stream,
+    /// How often each hint came.
+    hints: BTreeMap<String, u32>,
+}
+
+impl Log {
+    /// A log that shows what `filter` lets through.
+    pub fn new(filter: Filter, out: Box<dyn Write + Send>, err: Box<dyn Write + Send>) -> Self {
+        Self { filter, out, err, pending: String::new(), stream: Stream::Out, hints: BTreeMap::new() }
+    }
+
+    /// Says how many robots gave hints that were shown only once.
+    ///
+    /// # Errors
+    /// [`RecordError::Print`] if a stream cannot be written.
+    pub fn finish(&mut self) -> Result<(), RecordError> {
+        self.choose(Stream::Err)?;
+        for (text, count) in std::mem::take(&mut self.hints) {
+            if count > 1 {
+                _ = writeln!(self.pending, "hint, {} times in all: {text}", count);
+            }
+        }
+        self.write_pending()
+    }
+
+    /// Makes `stream` the one that takes the next lines.
+    fn choose(&mut self, stream: Stream) -> Result<(), RecordError> {
+        if self.stream != stream {
+            self.write_pending()?;
+            self.stream = stream;
+        }
+        Ok(())
+    }
+
+    fn write_pending(&mut self) -> Result<(), RecordError> {
+        if self.pending.is_empty() {
+            return Ok(());
+        }
+        let (writer, stream) = match self.stream {
+            Stream::Out => (&mut self.out, "standard output"),
+            Stream::Err => (&mut self.err, "standard error"),
+        };
+        let written = writer.write_all(self.pending.as_bytes()).and_then(|()| writer.flush());
+        self.pending.clear();
+        match written {
+            // The reader has seen enough (`| head`): the run goes on without.
+            Err(source) if source.kind() == io::ErrorKind::BrokenPipe => {
+                *writer = Box::new(io::sink());
+                Ok(())
+            }
+            written => written.map_err(|source| RecordError::Print { stream, source }),
+        }
+    }
+
+    /// True the first time that `text` comes.
+    fn is_new_hint(&mut self, text: &str) -> bool {
+        match self.hints.get_mut(text) {
+            Some(count) => {
+                *count += 1;
+                false
+            }
+            None => self.hints.insert(text.to_owned(), 1).is_none(),
+        }
+    }
+}
+
+impl Sink for Log {
+    fn interest(&self) -> KindSet {
+        let always = KindSet::of(&[Kind::Stdout, Kind::Stderr, Kind::Hint]);
+        let verbose = KindSet::of(&[Kind::Call, Kind::Fault, Kind::Reason]);
+        if self.filter.is_verbose { always.union(verbose) } else { always }
+    }
+
+    fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
+        let is_shown = match record.event {
+            Event::Call { function, .. } => self.filter.shows_call(record.robot, function),
+            Event::Hint { text } => self.filter.shows_robot(record.robot) && self.is_new_hint(text),
+            _ => self.filter.shows_robot(record.robot),
+        };
+        if is_shown {
+            let is_output = matches!(record.event, Event::Stdout { .. });
+            self.choose(if is_output { Stream::Out } else { Stream::Err })?;
+            push_line(&mut self.pending, record);
+        }
+        Ok(())
+    }
+
+    fn end_slot(&mut self, _: Time, _: Option<Digest>) -> Result<(), RecordError> {
+        self.write_pending()
+    }
+}
+
+/// Appends the line of `record` to `lines`; nothing for kinds that are not for the terminal.
+fn push_line(lines: &mut String, record: &Record<'_>) {
+    let start = lines.len();
+    _ = write!(lines, "[{} {}] ", record.robot, record.time);
+    // Writing to a string cannot fail.
+    _ = match record.event {
+        Event::Stdout { text } | Event::Stderr { text } => write!(lines, "{}", Printable(text)),
+        Event::Hint { text } => write!(lines, "hint: {}", Printable(text)),
+        Event::Reason { text } => write!(lines, "end: {}", Printable(text)),
+        Event::Call { function, arguments, result: "" } => write!(lines, "{function}({})", Printable(arguments)),
+        Event::Call { function, arguments, result } => {
+            write!(lines, "{function}({}) = {}", Printable(arguments), Printable(result))
+        }
+        Event::Fault { what, location, last_call } => {
+            let at = if location.is_empty() { "" } else { " at " };
+            let after = if last_call.is_empty() { "" } else { ", last call " };
+            write!(lines, "{what}{at}{location}{after}{last_call}")
+        }
+        _ => {
+            lines.truncate(start);
+            return;
+        }
+    };
+    lines.push('\n');
+}
+
+/// Text of a program with control characters other than tabs escaped, so that it cannot play with the terminal.
+pub(crate) struct Printable<'a>(pub(crate) &'a str);
+
+impl std::fmt::Display for Printable<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let is_harmless = |c: char| !c.is_control() || c == '\t';
+        if self.0.chars().all(is_harmless) {
+            return f.write_str(self.0);
+        }
+        self.0
+            .chars()
+            .try_for_each(|c| if is_harmless(c) { f.write_char(c) } else { write!(f, "{}", c.escape_default()) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use parking_lot::Mutex;
+
+    use super::*;
+
+    fn pattern_matches(pattern: &str, name: &str) -> bool {
+        Pattern(pattern.to_owned()).matches(name)
+    }
+
+    #[test]
+    fn patterns_fit_whole_names() {
+        for (pattern, name) in [
+            ("PSDGet", "PSDGet"),
+            ("vw*", "VWDriveWait"),
+            ("*Get*", "PSDGetRaw"),
+            ("OS????", "OSWait"),
+            ("*", "x"),
+            ("a*b*c", "aXbYbZc"),
+        ] {
+            assert!(pattern_matches(pattern, name), "{pattern} {name}");
+        }
+        for (pattern, name) in
+            [("PSDGet", "PSDGetRaw"), ("VW*", "OSVW"), ("*Get", "PSDGetRaw"), ("OS?", "OSWait"), ("", "x")]
+        {
+            assert!(!pattern_matches(pattern, name), "{pattern} {name}");
+        }
+        assert_eq!(Pattern::parse_list(" PSDGet, ,VW*"), [Pattern("PSDGet".into()), Pattern("VW*".into())]);
+    }
+
+    /// Both streams as one terminal shows them, each write marked by its stream.
+    #[derive(Clone)]
+    struct Terminal(Arc<Mutex<String>>, &'static str);
+
+    impl Write for Terminal {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            for line in std::str::from_utf8(bytes).unwrap().lines() {
+                _ = writeln!(self.0.lock(), "{}{line}", self.1);
+            }
+            Ok(bytes.len())
+        }
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    fn shown(filter: Filter) -> String {
+        let text = Arc::new(Mutex::new(String::new()));
+        let stream = |mark| Box::new(Terminal(text.clone(), mark));
+        let mut log = Log::new(filter, stream("1> "), stream("2> "));
+        let events = [
+            (1, Event::Call { function: "VWDriveStraight", arguments: "1, 0.5, 0.2", result: "0" }),
+            (1, Event::Stdout { text: "wall\tahead \u{1b}[31m" }),
+            (2, Event::Stdout { text: "mine" }),
+            (2, Event::Hint { text: "0 is no handle" }),
+            (1, Event::Hint { text: "0 is no handle" }),
+            (2, Event::Call { function: "LCDClear", arguments: "", result: "" }),
+            (2, Event::Stderr { text: "oh" }),
+            (2, Event::Fault { what: "SIGSEGV", location: "maze.c:88", last_call: "PSDGet" }),
+            (1, Event::Reason { text: "waits for KEY4" }),
+        ];
+        for (id, event) in events {
+            let record = Record { time: Time(2_350_000), robot: RobotId(id), sequence: None, event };
+            if log.interest().contains(event.kind()) {
+                log.record(&record).unwrap();
+            }
+        }
+        log.end_slot(Time(2_400_000), None).unwrap();
+        log.finish().unwrap();
+        drop(log);
+        Arc::into_inner(text).unwrap().into_inner()
+    }
+
+    #[test]
+    fn lines_come_in_order_on_their_streams() {
+        insta::assert_snapshot!(shown(Filter { is_verbose: true, ..Filter::default() }));
+    }
+
+    #[test]
+    fn a_quiet_log_shows_output_and_hints() {
+        insta::assert_snapshot!(shown(Filter::default()));
+    }
+
+    #[test]
+    fn filters_choose_calls_and_robots() {
+        let filter = Filter { is_verbose: true, only: Pattern::parse_list("LCD*"), robots: vec![RobotId(2)] };
+        insta::assert_snapshot!(shown(filter));
+    }
+
+    #[test]
+    fn a_closed_pipe_does_not_end_the_run() {
+        struct Closed;
+        impl Write for Closed {
+            fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+                Err(io::ErrorKind::BrokenPipe.into())
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        let mut log = Log::new(Filter::default(), Box::new(Closed), Box::new(io::sink()));
+        let record = Record { time: Time(0), robot: RobotId(1), sequence: None, event: Event::Stdout { text: "x" } };
+        for _ in 0..2 {
+            log.record(&record).unwrap();
+            log.end_slot(Time(1), None).unwrap();
+        }
+    }
+}

@@ -1,0 +1,298 @@
+//! The report of a run: one JSON file at its end. Its schema is `docs/report.md`.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::Path;
+
+use serde::{Serialize, Serializer};
+use sha2::{Digest as _, Sha256};
+use sim_core::pose::Pose;
+
+use super::digest::Digest;
+use super::event::Outcome;
+use super::recorder::RecordError;
+
+/// Version of the report's schema.
+pub const REPORT_SCHEMA: u32 = 1;
+
+/// Number of text lines of the display.
+pub const LCD_LINES: usize = 7;
+
+/// What a run gave.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// [`REPORT_SCHEMA`].
+    pub schema: u32,
+    /// Version of the program that ran it.
+    pub eyesim_version: String,
+    /// The command line.
+    pub argv: Vec<String>,
+    /// Every file that was read.
+    pub inputs: Vec<Input>,
+    /// The master seed.
+    pub seed: u64,
+    /// Length of a slot, us.
+    pub slot_us: i64,
+    /// Simulated time at the end, s.
+    #[serde(serialize_with = "finite")]
+    pub sim_time_s: f64,
+    /// What the run took on the user's clock, s.
+    #[serde(serialize_with = "finite")]
+    pub real_time_s: f64,
+    /// Stands for everything that was recorded.
+    pub digest: Digest,
+    /// All robots in order of their ids.
+    pub robots: Vec<RobotReport>,
+}
+
+/// A file that was read.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Input {
+    /// As the user or the naming file wrote it, resolved.
+    pub path: String,
+    /// SHA-256 of its bytes, 64 lower-case hexadecimal digits.
+    pub sha256: String,
+}
+
+impl Input {
+    /// The input `path` with these bytes.
+    pub fn new(path: &Path, bytes: &[u8]) -> Self {
+        use std::fmt::Write as _;
+        let mut sha256 = String::with_capacity(64);
+        for byte in Sha256::digest(bytes) {
+            // Writing to a string cannot fail.
+            _ = write!(sha256, "{byte:02x}");
+        }
+        Self { path: path.display().to_string(), sha256 }
+    }
+}
+
+/// What became of a robot.
+#[derive(Clone, Debug, Serialize)]
+pub struct RobotReport {
+    /// Its number.
+    pub id: u32,
+    /// Its name.
+    pub name: String,
+    /// Its program as the sim file names it.
+    pub program: String,
+    /// How the program stands.
+    pub outcome: Outcome,
+    /// Why, in words, where there is something to say.
+    pub reason: Option<String>,
+    /// The program's exit code, where it gave one.
+    pub exit_code: Option<i32>,
+    /// Virtual time of the robot, s.
+    #[serde(serialize_with = "finite")]
+    pub virtual_time_s: f64,
+    /// Where it truly is.
+    pub pose: PlanarPose,
+    /// Where it believes to be, in the frame of its own odometry; none if it never had any.
+    pub odometry: Option<PlanarPose>,
+    /// Length of the path of its axle's centre, m.
+    #[serde(serialize_with = "finite")]
+    pub path_m: f64,
+    /// How often it began to touch something.
+    pub contacts: u64,
+    /// The text lines of the display, from the top.
+    pub lcd: [String; LCD_LINES],
+}
+
+/// A pose in the units of the report.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PlanarPose {
+    /// m
+    #[serde(serialize_with = "finite")]
+    pub x_m: f64,
+    /// m
+    #[serde(serialize_with = "finite")]
+    pub y_m: f64,
+    /// In [-pi, pi), counter-clockwise from x, rad.
+    #[serde(serialize_with = "finite")]
+    pub phi_rad: f64,
+}
+
+impl From<Pose> for PlanarPose {
+    /// Whole turns are left out.
+    fn from(pose: Pose) -> Self {
+        Self { x_m: pose.position.x, y_m: pose.position.y, phi_rad: pose.heading.remainder() }
+    }
+}
+
+/// JSON has no word for the others, and none of them can come from a run that is in order.
+fn finite<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    if number.is_finite() {
+        serializer.serialize_f64(*number)
+    } else {
+        Err(serde::ser::Error::custom(format!("a number of the report is {number}")))
+    }
+}
+
+impl Report {
+    /// The report's text.
+    ///
+    /// # Errors
+    /// [`RecordError::Report`] if a number is not finite.
+    pub fn to_json(&self) -> Result<String, RecordError> {
+        let mut json = serde_json::to_string_pretty(self).map_err(RecordError::Report)?;
+        json.push('\n');
+        Ok(json)
+    }
+
+    /// Writes the report to `path`, as a whole or not at all.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`] if it cannot be written, [`RecordError::Report`] if a number is not finite.
+    pub fn write(&self, path: &Path) -> Result<(), RecordError> {
+        let json = self.to_json()?;
+        write_whole(path, json.as_bytes()).map_err(|source| RecordError::write("report", path, source))
+    }
+}
+
+/// Replaces the file `path` by one with these bytes, so that no reader ever sees a part of it.
+///
+/// What is not a file, such as `/dev/stdout`, is written to; a link is followed.
+pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    match fs::metadata(path) {
+        Ok(metadata) if !metadata.is_file() => fs::OpenOptions::new().write(true).open(path)?.write_all(bytes),
+        Ok(metadata) => replace(&path.canonicalize()?, bytes, metadata.permissions()),
+        Err(_) => replace(path, bytes, new_file_permissions()),
+    }
+}
+
+/// Writes a temporary file beside `path` and renames it.
+fn replace(path: &Path, bytes: &[u8], permissions: fs::Permissions) -> io::Result<()> {
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    let mut file = tempfile::Builder::new().prefix(".eyesim-").permissions(permissions).tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    file.persist(path)?;
+    Ok(())
+}
+
+/// What the user's umask is applied to, as for every other new file.
+fn new_file_permissions() -> fs::Permissions {
+    use std::os::unix::fs::PermissionsExt as _;
+    fs::Permissions::from_mode(0o666)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn report() -> Report {
+        let lcd = ["Square", "", "", "", "", "done", "GO          END"].map(str::to_owned);
+        let robot = RobotReport {
+            id: 1,
+            name: "eve".into(),
+            program: "square.c".into(),
+            outcome: Outcome::Waiting,
+            reason: Some("waits for KEY4 since 2.31 s at maze.c:88 (try --keys \"3:KEY4\")".into()),
+            exit_code: None,
+            virtual_time_s: 2.35,
+            pose: Pose::new(0.1, 0.2, 7.0).into(),
+            odometry: None,
+            path_m: 1.6,
+            contacts: 2,
+            lcd,
+        };
+        let odometry = Some(PlanarPose { x_m: 0.0, y_m: -0.0, phi_rad: 1.0 });
+        let other = RobotReport {
+            id: 2,
+            outcome: Outcome::Finished,
+            reason: None,
+            exit_code: Some(0),
+            odometry,
+            ..robot.clone()
+        };
+        Report {
+            schema: REPORT_SCHEMA,
+            eyesim_version: "0.1.0".into(),
+            argv: ["eyesim", "run", "square.sim"].map(str::to_owned).to_vec(),
+            inputs: vec![Input::new(Path::new("sims/square.sim"), b"abc")],
+            seed: u64::MAX,
+            slot_us: 50_000,
+            sim_time_s: 2.35,
+            real_time_s: 0.001,
+            digest: Digest([0xab; 32]),
+            robots: vec![robot, other],
+        }
+    }
+
+    #[test]
+    fn the_schema_is_the_documented_one() {
+        insta::assert_snapshot!(report().to_json().unwrap());
+    }
+
+    /// Names of all keys in `value`.
+    fn keys(value: &serde_json::Value, found: &mut std::collections::BTreeSet<String>) {
+        match value {
+            serde_json::Value::Object(map) => map.iter().for_each(|(key, value)| {
+                found.insert(key.clone());
+                keys(value, found);
+            }),
+            serde_json::Value::Array(list) => list.iter().for_each(|value| keys(value, found)),
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn the_page_documents_every_field() {
+        let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/report.md")).unwrap();
+        let mut found = std::collections::BTreeSet::new();
+        keys(&serde_json::to_value(report()).unwrap(), &mut found);
+        assert!(found.len() > 20);
+        for key in found {
+            assert!(page.contains(&format!("| `{key}` |")), "docs/report.md has no row of `{key}`");
+        }
+        for outcome in ["finished", "running", "waiting", "interrupted", "failed", "timeout"] {
+            assert!(page.contains(&format!("`{outcome}`")), "docs/report.md does not explain `{outcome}`");
+        }
+    }
+
+    #[test]
+    fn poses_keep_their_bits() {
+        let mut report = report();
+        let x_m = 0.1 + 0.2;
+        report.robots[0].pose = PlanarPose { x_m, y_m: 1e-300, phi_rad: -0.0 };
+        let value: serde_json::Value = serde_json::from_str(&report.to_json().unwrap()).unwrap();
+        let pose = &value["robots"][0]["pose"];
+        assert_eq!(pose["x_m"].as_f64().map(f64::to_bits), Some(x_m.to_bits()));
+        assert_eq!(pose["y_m"].as_f64().map(f64::to_bits), Some(1e-300_f64.to_bits()));
+        assert_eq!(pose["phi_rad"].as_f64().map(f64::to_bits), Some((-0.0_f64).to_bits()));
+    }
+
+    #[test]
+    fn a_number_that_json_cannot_say_is_refused() {
+        let mut report = report();
+        report.robots[1].path_m = f64::NAN;
+        assert_eq!(report.to_json().unwrap_err().to_string(), "cannot write the report: a number of the report is NaN");
+    }
+
+    #[test]
+    fn a_written_report_replaces_the_old_one_and_leaves_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("r.json");
+        fs::write(&path, "old").unwrap();
+        report().write(&path).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), report().to_json().unwrap());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_report_that_cannot_be_written_names_its_path() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("missing/r.json");
+        let message = report().write(&path).unwrap_err().to_string();
+        assert!(message.starts_with(&format!("cannot write the report `{}`: ", path.display())), "{message}");
+    }
+
+    #[test]
+    fn inputs_are_hashed_as_everywhere() {
+        // The test vector of FIPS 180-2 for "abc".
+        let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(Input::new(Path::new("a"), b"abc"), Input { path: "a".into(), sha256: expected.into() });
+    }
+}

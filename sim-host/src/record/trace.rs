@@ -1,0 +1,284 @@
+//! The trace: one JSON object a line, streamed while the run goes on. Its schema is `docs/trace.md`.
+//!
+//! Everything up to the last complete slot has left the process when the next slot begins: at each slot's end the lines
+//! are handed to the operating system in one write, so that a crash or `kill -9` of the process loses nothing before that.
+//! They are not forced to the disk (no fsync): a loss of power may take the last seconds.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use sim_core::time::Time;
+
+use super::digest::Digest;
+use super::event::{Kind, KindSet, Record};
+use super::recorder::{RecordError, Sink};
+
+/// Version of the trace's schema.
+pub const TRACE_SCHEMA: u32 = 1;
+
+/// The first line of a trace, besides schema and version of the program.
+#[derive(Clone, Debug, Serialize)]
+pub struct TraceHeader {
+    /// The master seed of the run.
+    pub seed: u64,
+    /// Length of a slot, us.
+    pub slot_us: i64,
+    /// All robots in order of their ids.
+    pub robots: Vec<TraceRobot>,
+}
+
+/// A robot in the first line of a trace.
+#[derive(Clone, Debug, Serialize)]
+pub struct TraceRobot {
+    /// Number of the robot.
+    pub id: u32,
+    /// Its name.
+    pub name: String,
+    /// Its program as the sim file names it.
+    pub program: String,
+}
+
+/// Writes a trace.
+pub struct Trace {
+    out: BufWriter<Box<dyn Write + Send>>,
+    path: PathBuf,
+    has_new_lines: bool,
+}
+
+/// The lines that are not events of a robot.
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+enum Frame<'a> {
+    Header {
+        schema: u32,
+        eyesim_version: &'static str,
+        #[serde(flatten)]
+        header: &'a TraceHeader,
+    },
+    Slot {
+        t_s: f64,
+        digest: Digest,
+    },
+    End {
+        t_s: f64,
+        digest: Digest,
+    },
+}
+
+impl Trace {
+    /// Creates the file `path`, or empties it, and writes the first line.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`] if the file cannot be written.
+    pub fn create(path: &Path, header: &TraceHeader) -> Result<Self, RecordError> {
+        let file = File::create(path).map_err(|source| RecordError::write("trace", path, source))?;
+        Self::new(Box::new(file), path, header)
+    }
+
+    /// A trace that goes to `out`; messages call it `path`.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`] if the first line cannot be written.
+    pub fn new(out: Box<dyn Write + Send>, path: &Path, header: &TraceHeader) -> Result<Self, RecordError> {
+        let mut trace =
+            Self { out: BufWriter::with_capacity(1 << 16, out), path: path.to_owned(), has_new_lines: false };
+        trace.write_line(&Frame::Header { schema: TRACE_SCHEMA, eyesim_version: env!("CARGO_PKG_VERSION"), header })?;
+        trace.flush()?;
+        Ok(trace)
+    }
+
+    /// Writes the last line, which says that the trace is complete.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`] if it cannot be written.
+    pub fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
+        self.write_line(&Frame::End { t_s: end.seconds(), digest })?;
+        self.flush()
+    }
+
+    fn write_line(&mut self, line: &impl Serialize) -> Result<(), RecordError> {
+        self.has_new_lines = true;
+        let written = serde_json::to_writer(&mut self.out, line).map_err(io::Error::from);
+        written.and_then(|()| self.out.write_all(b"\n")).map_err(|source| self.error(source))
+    }
+
+    fn flush(&mut self) -> Result<(), RecordError> {
+        self.has_new_lines = false;
+        self.out.flush().map_err(|source| self.error(source))
+    }
+
+    fn error(&self, source: io::Error) -> RecordError {
+        RecordError::write("trace", &self.path, source)
+    }
+}
+
+impl Sink for Trace {
+    fn interest(&self) -> KindSet {
+        KindSet::ALL.without(Kind::Call)
+    }
+
+    fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
+        self.write_line(record)
+    }
+
+    fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
+        if let Some(digest) = digest {
+            self.write_line(&Frame::Slot { t_s: end.seconds(), digest })?;
+        }
+        if self.has_new_lines { self.flush() } else { Ok(()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use parking_lot::Mutex;
+    use sim_core::RobotId;
+
+    use super::*;
+    use crate::record::event::{Event, Obstacle, Outcome};
+    use crate::record::{Journal, Recorder};
+
+    /// Memory that tests can look at while the trace writes to it.
+    #[derive(Clone, Default)]
+    struct Shared(Arc<Mutex<Vec<u8>>>);
+
+    impl Write for Shared {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0.lock().extend_from_slice(bytes);
+            Ok(bytes.len())
+        }
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Shared {
+        fn text(&self) -> String {
+            String::from_utf8(self.0.lock().clone()).unwrap()
+        }
+    }
+
+    fn header() -> TraceHeader {
+        let robot = |id, name: &str| TraceRobot { id, name: name.into(), program: "maze.c".into() };
+        TraceHeader { seed: 42, slot_us: 50_000, robots: vec![robot(1, "eve"), robot(2, "S4")] }
+    }
+
+    /// One event of each kind.
+    fn every_event() -> Vec<Event<'static>> {
+        vec![
+            Event::ProgramStarted { program: "maze.c" },
+            Event::ProgramEnded { outcome: Outcome::Failed, exit_code: Some(3) },
+            Event::Pose { x_m: 0.5, y_m: -0.25, phi_rad: 1.5, turns: -1 },
+            Event::Contact { at_s: 2.35, with: Obstacle::Robot(2), x_m: 0.5, y_m: 1.0 },
+            Event::DriveSpeed { v_m_per_s: 0.3, omega_rad_per_s: -1.0 },
+            Event::DriveStraight { distance_m: 0.4, v_m_per_s: 0.1 },
+            Event::DriveTurn { angle_rad: 3.1, omega_rad_per_s: 1.0 },
+            Event::DriveCurve { distance_m: 0.4, angle_rad: 0.7, v_m_per_s: 0.1 },
+            Event::SetOdometry { x_m: 0.0, y_m: 1.0, phi_rad: -1.0 },
+            Event::ControlStarted { v_gain: 7.0, v_reset_s: 0.3, omega_gain: 7.0, omega_reset_s: 0.1 },
+            Event::ControlStopped {},
+            Event::Motor { device: "MOTOR_LEFT", percent: -100 },
+            Event::Servo { device: "SERVO1", position: 127 },
+            Event::Output { device: "latch 0", value: 255 },
+            Event::Distance { device: "PSD_FRONT", distance_m: None, measured_s: 0.06 },
+            Event::Angle { device: "COMPASS", angle_rad: Some(0.5) },
+            Event::Reading { device: "QUAD_LEFT", value: -12 },
+            Event::Odometry { x_m: 0.1, y_m: 0.2, phi_rad: 0.3 },
+            Event::OdometrySpeed { v_m_per_s: 0.1, omega_rad_per_s: 0.0 },
+            Event::LcdText { row: 2, column: 0, text: "a \"b\"\n\u{e4}" },
+            Event::LcdClear {},
+            Event::LcdGraphics { function: "LCDLine", changed_pixels: 40 },
+            Event::LcdMenu { position: 4, text: "END" },
+            Event::Tone { frequency_hz: 440.0, duration_s: 0.2 },
+            Event::Beep {},
+            Event::Sample { length_bytes: 8000 },
+            Event::Key { key: "KEY4" },
+            Event::SerialSent { port: "SERIAL1", data: &[0, 255] },
+            Event::SerialReceived { port: "SERIAL2", data: &[65] },
+            Event::TimerAttached { timer: 1, period_s: 0.01 },
+            Event::TimerDetached { timer: 1 },
+            Event::Stdout { text: "hello" },
+            Event::Stderr { text: "thread main panicked" },
+            Event::Fault { what: "SIGSEGV", location: "maze.c:88", last_call: "KEYGet" },
+            Event::Reason { text: "fault" },
+            Event::Hint { text: "metres" },
+            Event::Call { function: "OSWait", arguments: "5", result: "0" },
+        ]
+    }
+
+    /// A trace with one event of each kind in its first slot.
+    fn trace_of_everything() -> String {
+        let shared = Shared::default();
+        let mut trace = Trace::new(Box::new(shared.clone()), Path::new("t.jsonl"), &header()).unwrap();
+        let mut journal = Journal::new(RobotId(1), true);
+        let slot = Time::from_millis(50);
+        let mut recorder = Recorder::new(42, slot, vec![Box::new(&mut trace)]);
+        for event in every_event() {
+            journal.record(Time(2_350), &event);
+        }
+        recorder.collect(&mut journal);
+        recorder.end_slot(slot).unwrap();
+        recorder.end_slot(slot + slot).unwrap();
+        let digest = recorder.digest();
+        trace.finish(slot + slot, digest).unwrap();
+        shared.text()
+    }
+
+    #[test]
+    fn every_kind_has_its_line() {
+        assert_eq!(every_event().iter().map(Event::kind).collect::<Vec<_>>(), Kind::ALL);
+        insta::assert_snapshot!(trace_of_everything());
+    }
+
+    #[test]
+    fn every_line_is_an_object_with_an_event() {
+        for line in trace_of_everything().lines() {
+            let value: serde_json::Value = serde_json::from_str(line).unwrap();
+            assert!(value["event"].is_string(), "{line}");
+        }
+    }
+
+    #[test]
+    fn a_complete_slot_has_left_the_process_before_the_next_one() {
+        let shared = Shared::default();
+        let mut trace = Trace::new(Box::new(shared.clone()), Path::new("t.jsonl"), &header()).unwrap();
+        assert_eq!(shared.text().lines().count(), 1);
+        let slot = Time::from_millis(50);
+        let mut recorder = Recorder::new(42, slot, vec![Box::new(&mut trace)]);
+        let mut journal = Journal::new(RobotId(1), false);
+        journal.record(Time(1), &Event::Beep {});
+        recorder.collect(&mut journal);
+        recorder.end_slot(slot).unwrap();
+        assert_eq!(shared.text().lines().count(), 3);
+    }
+
+    #[test]
+    fn a_full_disk_ends_the_record_with_a_message() {
+        let Ok(full) = File::create("/dev/full") else {
+            println!("skipped: no /dev/full here");
+            return;
+        };
+        let error = Trace::new(Box::new(full), Path::new("t.jsonl"), &header()).err().expect("the device is full");
+        let message = error.to_string();
+        assert!(message.starts_with("cannot write the trace `t.jsonl`: No space left"), "{message}");
+    }
+
+    #[test]
+    fn the_page_documents_every_kind_and_field() {
+        let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/trace.md")).unwrap();
+        // Their order is that of the numbers in the digest.
+        let mut rows = page.lines();
+        for kind in Kind::ALL {
+            let heading = format!("| `{}` |", kind.name());
+            let row = rows.find(|line| line.starts_with(&heading));
+            let row = row.unwrap_or_else(|| panic!("docs/trace.md has no row of `{}` at its place", kind.name()));
+            for field in kind.fields() {
+                assert!(row.contains(&format!("`{field}`")), "docs/trace.md: no field `{field}` of `{}`", kind.name());
+            }
+        }
+    }
+}
