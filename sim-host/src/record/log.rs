@@ -99,20 +99,6 @@ impl Log {
         Self { filter, out, err, pending: String::new(), stream: Stream::Out, hints: BTreeMap::new() }
     }
 
-    /// Says how many robots gave hints that were shown only once.
-    ///
-    /// # Errors
-    /// [`RecordError::Print`] if a stream cannot be written.
-    pub fn finish(&mut self) -> Result<(), RecordError> {
-        self.choose(Stream::Err)?;
-        for (text, count) in std::mem::take(&mut self.hints) {
-            if count > 1 {
-                _ = writeln!(self.pending, "hint, {} times in all: {text}", count);
-            }
-        }
-        self.write_pending()
-    }
-
     /// Makes `stream` the one that takes the next lines.
     fn choose(&mut self, stream: Stream) -> Result<(), RecordError> {
         if self.stream != stream {
@@ -176,6 +162,18 @@ impl Sink for Log {
     }
 
     fn end_slot(&mut self, _: Time, _: Option<Digest>) -> Result<(), RecordError> {
+        self.write_pending()
+    }
+
+    /// Says how often hints came that were shown only once.
+    fn finish(&mut self, _: Time, _: Digest) -> Result<(), RecordError> {
+        self.choose(Stream::Err)?;
+        for (text, count) in std::mem::take(&mut self.hints) {
+            if count > 1 {
+                // Writing to a string cannot fail.
+                _ = writeln!(self.pending, "hint, {count} times in all: {}", Printable(&text));
+            }
+        }
         self.write_pending()
     }
 }
@@ -291,7 +289,7 @@ mod tests {
             }
         }
         log.end_slot(Time(2_400_000), None).unwrap();
-        log.finish().unwrap();
+        log.finish(Time(2_400_000), Digest([0; 32])).unwrap();
         drop(log);
         Arc::into_inner(text).unwrap().into_inner()
     }

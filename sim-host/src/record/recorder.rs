@@ -60,6 +60,14 @@ pub trait Sink: Send {
     /// # Errors
     /// If what was recorded cannot be kept.
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError>;
+
+    /// The run has ended at `end` with `digest`: completes what the sink keeps.
+    ///
+    /// # Errors
+    /// If it cannot be completed.
+    fn finish(&mut self, _end: Time, _digest: Digest) -> Result<(), RecordError> {
+        Ok(())
+    }
 }
 
 impl<S: Sink + ?Sized> Sink for &mut S {
@@ -73,6 +81,10 @@ impl<S: Sink + ?Sized> Sink for &mut S {
 
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
         (**self).end_slot(end, digest)
+    }
+
+    fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
+        (**self).finish(end, digest)
     }
 }
 
@@ -88,6 +100,10 @@ impl<S: Sink> Sink for Arc<Mutex<S>> {
 
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
         self.lock().end_slot(end, digest)
+    }
+
+    fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
+        self.lock().finish(end, digest)
     }
 }
 
@@ -169,6 +185,16 @@ impl<'s> Recorder<'s> {
         self.order.clear();
         self.used = 0;
         self.sinks.iter_mut().try_for_each(|(_, sink)| sink.end_slot(end, digest))
+    }
+
+    /// Ends the run at `end`: every sink completes what it keeps, even where another one cannot.
+    ///
+    /// # Errors
+    /// The first of the sinks' errors.
+    pub fn finish(&mut self, end: Time) -> Result<Digest, RecordError> {
+        let digest = self.digest();
+        let results = self.sinks.iter_mut().map(|(_, sink)| sink.finish(end, digest));
+        results.fold(Ok(()), Result::and).map(|()| digest)
     }
 
     /// The digest of the run up to the last slot that has ended.

@@ -89,15 +89,6 @@ impl Trace {
         Ok(trace)
     }
 
-    /// Writes the last line, which says that the trace is complete.
-    ///
-    /// # Errors
-    /// [`RecordError::Write`] if it cannot be written.
-    pub fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
-        self.write_line(&Frame::End { t_s: end.seconds(), digest })?;
-        self.flush()
-    }
-
     fn write_line(&mut self, line: &impl Serialize) -> Result<(), RecordError> {
         self.has_new_lines = true;
         let written = serde_json::to_writer(&mut self.out, line).map_err(io::Error::from);
@@ -128,6 +119,12 @@ impl Sink for Trace {
             self.write_line(&Frame::Slot { t_s: end.seconds(), digest })?;
         }
         if self.has_new_lines { self.flush() } else { Ok(()) }
+    }
+
+    /// Writes the last line, which says that the trace is complete.
+    fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
+        self.write_line(&Frame::End { t_s: end.seconds(), digest })?;
+        self.flush()
     }
 }
 
@@ -223,8 +220,7 @@ mod tests {
         recorder.collect(&mut journal);
         recorder.end_slot(slot).unwrap();
         recorder.end_slot(slot + slot).unwrap();
-        let digest = recorder.digest();
-        trace.finish(slot + slot, digest).unwrap();
+        recorder.finish(slot + slot).unwrap();
         shared.text()
     }
 
