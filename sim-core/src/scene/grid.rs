@@ -6,6 +6,25 @@ use glam::DVec2;
 
 use super::bounds::{Bounds, PARALLEL};
 
+/// Coordinates beyond this, in metres, would overflow in products.
+pub(super) const FARTHEST: f64 = 1e100;
+
+/// Rounding errors of a coordinate, in units of its last place, that may part a ray from a point which it was meant to
+/// touch: the ray's origin and direction, the point and the products of the test each contribute one or two.
+pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// Farthest that a ray from `origin` may pass from a point inside `bounds` which, but for rounding, it meets.
+#[inline]
+pub(super) fn doubt(origin: DVec2, bounds: &Bounds) -> f64 {
+    let reach = (bounds.min - origin).abs().max((bounds.max - origin).abs());
+    ROUNDING * (origin.abs().element_sum() + reach.element_sum())
+}
+
+/// A margin above twice the [`doubt`] of every ray that starts inside `bounds`, and above the rounding of its cells.
+pub(super) fn rounding_margin(bounds: &Bounds) -> f64 {
+    16.0 * ROUNDING * bounds.min.abs().max(bounds.max.abs()).max_element()
+}
+
 /// Square cells over a rectangle, numbered row by row from the lower left.
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
@@ -28,6 +47,11 @@ impl Grid {
     /// Number of cells.
     pub fn len(&self) -> usize {
         self.columns * self.rows
+    }
+
+    /// What the cells cover.
+    pub fn bounds(&self) -> &Bounds {
+        &self.bounds
     }
 
     pub fn column(&self, x: f64) -> usize {
@@ -123,5 +147,62 @@ impl Axis {
     #[inline]
     fn exit(&self, index: usize) -> f64 {
         self.first + index as f64 * self.per_border
+    }
+}
+
+/// What lies in each cell: one list, cell by cell.
+#[derive(Clone, Debug)]
+pub(super) struct Cells<T> {
+    /// Where the entries of each cell begin; one more than there are cells.
+    starts: Vec<u32>,
+    entries: Vec<T>,
+}
+
+impl<T> Default for Cells<T> {
+    fn default() -> Self {
+        Self { starts: Vec::new(), entries: Vec::new() }
+    }
+}
+
+impl<T: Copy> Cells<T> {
+    /// Enters each of `items` into the cells, below `count`, that `cells_of` names for it; in their order within a cell.
+    pub fn fill(
+        &mut self,
+        count: usize,
+        items: impl DoubleEndedIterator<Item = T> + Clone,
+        cells_of: impl Fn(T, &mut dyn FnMut(usize)),
+    ) {
+        self.starts.clear();
+        self.starts.resize(count + 1, 0);
+        for item in items.clone() {
+            cells_of(item, &mut |cell| self.starts[cell] += 1);
+        }
+        let mut total = 0;
+        for start in &mut self.starts {
+            total += *start;
+            *start = total;
+        }
+        self.entries.clear();
+        let Some(any) = items.clone().next() else { return };
+        self.entries.resize(total as usize, any);
+        // Backwards, so that each start moves from the end of its cell to the beginning.
+        for item in items.rev() {
+            cells_of(item, &mut |cell| {
+                self.starts[cell] -= 1;
+                self.entries[self.starts[cell] as usize] = item;
+            });
+        }
+    }
+
+    /// Entries of a cell.
+    #[inline]
+    pub fn of(&self, cell: usize) -> &[T] {
+        self.of_range(cell, cell)
+    }
+
+    /// Entries of the cells from `first` to `last`.
+    #[inline]
+    pub fn of_range(&self, first: usize, last: usize) -> &[T] {
+        &self.entries[self.starts[first] as usize..self.starts[last + 1] as usize]
     }
 }

@@ -6,9 +6,11 @@
 
 mod bounds;
 mod grid;
+mod moving;
 mod segment;
 mod walls;
 
 pub use bounds::Bounds;
+pub use moving::Moving;
 pub use segment::Segment;
 pub use walls::{Hit, WallId, Walls};

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use glam::{DVec2, Vec2Swizzles};
 
-use super::grid::Grid;
+use super::grid::{Cells, FARTHEST, Grid, ROUNDING, doubt, rounding_margin};
 use super::{Bounds, Segment};
 
 /// A wall's number: its place in the list that [`Walls::new`] was given.
@@ -20,18 +20,11 @@ pub struct Hit {
     pub wall: WallId,
 }
 
-/// Rounding errors of a coordinate, in units of its last place, that may part a ray from a point which it was meant to
-/// touch: the ray's origin and direction, the point and the products of the test each contribute one or two.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
-
 /// Cells of the grid for each wall.
 const CELLS_PER_WALL: f64 = 4.0;
 
 /// Entries of walls in cells for each wall, on average, that long walls may cost.
 const ENTRIES_PER_WALL: f64 = 8.0;
-
-/// Coordinates beyond this, in metres, would overflow in the products of the ray test.
-const FARTHEST: f64 = 1e100;
 
 /// All walls of a scene, immutable, with a uniform grid over them for rays.
 ///
@@ -54,10 +47,7 @@ pub struct Walls {
     grid: Grid,
     /// Margin by which walls are larger when they are entered into cells: more than all rounding of rays and cells.
     margin: f64,
-    /// Where the entries of each cell begin; one more than there are cells.
-    starts: Vec<u32>,
-    /// Walls of all cells, cell by cell, in ascending order within a cell.
-    entries: Vec<Entry>,
+    cells: Cells<Entry>,
 }
 
 /// A wall in a cell, with its coordinates at hand.
@@ -85,8 +75,11 @@ impl Walls {
             Some(bounds) => lay_out(bounds, &entries),
             None => (Grid::new(Bounds { min: DVec2::ZERO, max: DVec2::ZERO }, 1.0), 0.0),
         };
-        let (starts, entries) = sort_into_cells(&grid, margin, &entries);
-        Self { segments, bounds, grid, margin, starts, entries }
+        let mut cells = Cells::default();
+        cells.fill(grid.len(), entries.iter().copied(), |entry, visit| {
+            for_each_cell(&grid, margin, &entry.segment, visit)
+        });
+        Self { segments, bounds, grid, margin, cells }
     }
 
     /// Number of walls, those that no ray can meet included.
@@ -130,7 +123,7 @@ impl Walls {
         let mut ray = Ray::new(origin, direction, range, bounds);
         if ray.doubt < self.margin {
             self.grid.walk(origin, direction, range, |cell, exit| {
-                for entry in &self.entries[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
+                for entry in self.cells.of(cell) {
                     ray.test(&entry.segment, entry.wall);
                 }
                 if ray.nearest <= exit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -166,7 +159,7 @@ impl Walls {
         for row in rows {
             let (first, last) = (self.grid.index(*columns.start(), row), self.grid.index(*columns.end(), row));
             // The cells of a row are neighbours, so are their entries.
-            let entries = &self.entries[self.starts[first] as usize..self.starts[last + 1] as usize];
+            let entries = self.cells.of_range(first, last);
             ids.extend(entries.iter().map(|entry| entry.wall));
         }
         ids.sort_unstable();
@@ -188,9 +181,8 @@ fn is_usable(segment: &Segment) -> bool {
 fn lay_out(bounds: Bounds, entries: &[Entry]) -> (Grid, f64) {
     let count = entries.len() as f64;
     let size = bounds.max - bounds.min;
-    let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
     let lengths: f64 = entries.iter().map(|entry| (entry.segment.b - entry.segment.a).abs().element_sum()).sum();
-    let rounding = 64.0 * f64::EPSILON * farthest;
+    let rounding = rounding_margin(&bounds);
     let cell = (size.x * size.y / (CELLS_PER_WALL * count))
         .sqrt()
         .max(lengths / (ENTRIES_PER_WALL * count))
@@ -199,29 +191,6 @@ fn lay_out(bounds: Bounds, entries: &[Entry]) -> (Grid, f64) {
         .max(1e-9);
     let margin = (1e-6 * cell).max(rounding);
     (Grid::new(bounds.grown(2.0 * margin), cell), margin)
-}
-
-/// The entries of each cell, one cell after another, and where those of each cell start.
-fn sort_into_cells(grid: &Grid, margin: f64, walls: &[Entry]) -> (Vec<u32>, Vec<Entry>) {
-    let mut starts = vec![0_u32; grid.len() + 1];
-    for wall in walls {
-        for_each_cell(grid, margin, &wall.segment, |cell| starts[cell] += 1);
-    }
-    let mut total = 0;
-    for start in &mut starts {
-        total += *start;
-        *start = total;
-    }
-    let Some(&any) = walls.first() else { return (starts, Vec::new()) };
-    let mut entries = vec![any; total as usize];
-    // Backwards, so that each start moves from the end of its cell to the beginning and walls stay in order.
-    for wall in walls.iter().rev() {
-        for_each_cell(grid, margin, &wall.segment, |cell| {
-            starts[cell] -= 1;
-            entries[starts[cell] as usize] = *wall;
-        });
-    }
-    (starts, entries)
 }
 
 /// Visits each cell that the wall, made larger by `margin` on all sides, meets.
@@ -282,9 +251,7 @@ impl Ray {
     #[inline]
     fn new(origin: DVec2, direction: DVec2, range: f64, bounds: Bounds) -> Self {
         let at_origin = ROUNDING * origin.abs().element_sum();
-        let reach = (bounds.min - origin).abs().max((bounds.max - origin).abs());
-        let doubt = at_origin + ROUNDING * reach.element_sum();
-        Self { origin, direction, at_origin, doubt, nearest: range, wall: None }
+        Self { origin, direction, at_origin, doubt: doubt(origin, &bounds), nearest: range, wall: None }
     }
 
     /// Takes the wall into account.

@@ -1,0 +1,229 @@
+//! Bodies that move during a slot, and which of them may be near a place, a ray or one another.
+
+use std::ops::ControlFlow;
+
+use glam::DVec2;
+
+use super::Bounds;
+use super::grid::{Cells, FARTHEST, Grid, doubt, rounding_margin};
+use crate::RobotId;
+
+/// The rectangles that moving bodies stay in during a slot, with a uniform grid over them.
+///
+/// It is filled anew each slot, in time and memory proportional to the number of bodies however large they are, and
+/// keeps its memory. It knows rectangles only: whether a body itself is met is for the caller to find out.
+#[derive(Clone, Debug, Default)]
+pub struct Moving {
+    /// In ascending order of the ids.
+    bodies: Vec<(RobotId, Bounds)>,
+    /// `None` without bodies.
+    grid: Option<Grid>,
+    /// Margin by which bodies are larger when they are entered into cells: more than all rounding of rays and cells.
+    margin: f64,
+    /// Places in `bodies`.
+    cells: Cells<u32>,
+}
+
+impl Moving {
+    /// Forgets all bodies and takes `bodies`, each with its own id and a rectangle that it does not leave.
+    ///
+    /// A rectangle without a point, or with a coordinate that is NaN, is never found; one without end is cut at
+    /// 10^100 m.
+    ///
+    /// # Panics
+    /// If there are 2^32 bodies or more.
+    pub fn rebuild(&mut self, bodies: &[(RobotId, Bounds)]) {
+        let limits = Bounds { min: DVec2::splat(-FARTHEST), max: DVec2::splat(FARTHEST) };
+        self.bodies.clear();
+        self.bodies.extend(
+            bodies
+                .iter()
+                .filter(|(_, bounds)| bounds.overlaps(&limits) && bounds.min.cmple(bounds.max).all())
+                .map(|&(id, Bounds { min, max })| (id, Bounds { min: min.max(limits.min), max: max.min(limits.max) })),
+        );
+        if !self.bodies.is_sorted_by_key(|body| body.0) {
+            self.bodies.sort_by_key(|body| body.0);
+        }
+        self.lay_out();
+        let Some(grid) = &self.grid else { return };
+        let all_bodies = &self.bodies;
+        let places = 0..u32::try_from(all_bodies.len()).expect("a scene has fewer than 2^32 robots");
+        self.cells.fill(grid.len(), places, |place, visit| {
+            let (columns, rows) = grid.span(&all_bodies[place as usize].1.grown(self.margin));
+            for row in rows {
+                for column in columns.clone() {
+                    visit(grid.index(column, row));
+                }
+            }
+        });
+    }
+
+    /// Number of bodies that can be found.
+    pub fn len(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// Whether no body can be found.
+    pub fn is_empty(&self) -> bool {
+        self.bodies.is_empty()
+    }
+
+    /// Visits each body whose rectangle meets the ray from `origin` along the unit vector `direction` within `range`
+    /// metres, once, in about the order in which the ray meets the rectangles.
+    ///
+    /// Rectangles that the ray misses by no more than rounding may be visited too. Arguments that are no ray (see
+    /// [`Walls::cast`](super::Walls::cast)) visit nothing.
+    pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, mut visit: impl FnMut(RobotId)) {
+        let Some(grid) = &self.grid else { return };
+        // Negated, so that NaN is refused as well.
+        if !((direction.length_squared() - 1.0).abs() < 1e-6 && origin.is_finite() && range >= 0.0) {
+            return;
+        }
+        let entry_of = |bounds: &Bounds| {
+            let stretch = bounds.grown(2.0 * doubt(origin, bounds)).clip(origin, direction, range);
+            stretch.map(|(entry, _)| entry)
+        };
+        if 2.0 * doubt(origin, grid.bounds()) < self.margin {
+            let mut last_exit = f64::NEG_INFINITY;
+            grid.walk(origin, direction, range, |cell, exit| {
+                for &place in self.cells.of(cell) {
+                    let (id, bounds) = &self.bodies[place as usize];
+                    // A body that lies in several cells is reported by the one in which the ray enters its rectangle.
+                    if entry_of(bounds).is_some_and(|entry| entry > last_exit && entry <= exit) {
+                        visit(*id);
+                    }
+                }
+                last_exit = last_exit.max(exit);
+                ControlFlow::Continue(())
+            });
+        } else if entry_of(grid.bounds()).is_some() {
+            for (id, bounds) in &self.bodies {
+                if entry_of(bounds).is_some() {
+                    visit(*id);
+                }
+            }
+        }
+    }
+
+    /// Visits each body whose rectangle meets `bounds`, once, in ascending order.
+    pub fn for_each_in(&self, bounds: Bounds, mut visit: impl FnMut(RobotId)) {
+        let mut places = Vec::new();
+        self.overlapping(&bounds, 0, &mut places);
+        for place in places {
+            visit(self.bodies[place as usize].0);
+        }
+    }
+
+    /// Visits each pair of bodies whose rectangles meet, once: the lower id first, pairs in ascending order.
+    pub fn pairs(&self, mut visit: impl FnMut(RobotId, RobotId)) {
+        let mut places = Vec::new();
+        for (after, (id, bounds)) in (1..).zip(&self.bodies) {
+            self.overlapping(bounds, after, &mut places);
+            for &place in &places {
+                visit(*id, self.bodies[place as usize].0);
+            }
+        }
+    }
+
+    /// Fills `places`, in ascending order, with the bodies from place `first` on whose rectangles meet `bounds`.
+    fn overlapping(&self, bounds: &Bounds, first: u32, places: &mut Vec<u32>) {
+        places.clear();
+        let Some(grid) = &self.grid else { return };
+        if !grid.bounds().overlaps(bounds) {
+            return;
+        }
+        let (columns, rows) = grid.span(bounds);
+        for row in rows {
+            let of_row = self.cells.of_range(grid.index(*columns.start(), row), grid.index(*columns.end(), row));
+            let meets = |place: u32| place >= first && self.bodies[place as usize].1.overlaps(bounds);
+            places.extend(of_row.iter().filter(|&&place| meets(place)));
+        }
+        places.sort_unstable();
+        places.dedup();
+    }
+
+    /// Chooses the grid: on average a body meets a few cells, and there are a few cells a body at most.
+    fn lay_out(&mut self) {
+        self.grid = None;
+        if self.bodies.is_empty() {
+            return;
+        }
+        let count = self.bodies.len() as f64;
+        let extent = self.bodies.iter().fold(Bounds::EMPTY, |all, (_, bounds)| all.union(*bounds));
+        let (mut sides, mut areas) = (0.0, 0.0);
+        for (_, bounds) in &self.bodies {
+            let size = bounds.max - bounds.min;
+            sides += 0.5 * (size.x + size.y);
+            areas += size.x * size.y;
+        }
+        let size = extent.max - extent.min;
+        let rounding = rounding_margin(&extent);
+        let cell = (sides / count)
+            .max((areas / count).sqrt())
+            .max((0.5 * size.x * size.y / count).sqrt())
+            .max((size.x + size.y) / (8.0 * count + 64.0))
+            .max(1e6 * rounding)
+            .max(1e-9);
+        self.margin = (1e-6 * cell).max(rounding);
+        self.grid = Some(Grid::new(extent.grown(2.0 * self.margin), cell));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bodies(discs: &[(u32, f64, f64, f64)]) -> Moving {
+        let list: Vec<_> =
+            discs.iter().map(|&(id, x, y, radius)| (RobotId(id), Bounds::of_disc(DVec2::new(x, y), radius))).collect();
+        let mut moving = Moving::default();
+        moving.rebuild(&list);
+        moving
+    }
+
+    fn along(moving: &Moving, origin: DVec2, direction: DVec2, range: f64) -> Vec<u32> {
+        let mut ids = Vec::new();
+        moving.along_ray(origin, direction, range, |id| ids.push(id.0));
+        ids
+    }
+
+    fn pairs(moving: &Moving) -> Vec<(u32, u32)> {
+        let mut pairs = Vec::new();
+        moving.pairs(|i, j| pairs.push((i.0, j.0)));
+        pairs
+    }
+
+    #[test]
+    fn a_ray_finds_the_bodies_on_its_way_once() {
+        let moving = bodies(&[(1, 0.0, 0.0, 0.5), (2, 5.0, 0.2, 0.5), (3, 3.0, 3.0, 0.5), (4, 2.0, -0.4, 0.5)]);
+        assert_eq!(along(&moving, DVec2::ZERO, DVec2::X, f64::INFINITY), [1, 4, 2]);
+        assert_eq!(along(&moving, DVec2::ZERO, DVec2::X, 1.4), [1]);
+        assert_eq!(along(&moving, DVec2::new(-1e9, 0.0), DVec2::X, f64::INFINITY), [1, 2, 4]);
+        assert_eq!(along(&moving, DVec2::new(-9.0, 0.0), DVec2::NEG_X, f64::INFINITY), [0; 0]);
+        assert_eq!(along(&moving, DVec2::ZERO, DVec2::NAN, 2.0), [0; 0]);
+    }
+
+    #[test]
+    fn pairs_come_once_and_in_order() {
+        let moving = bodies(&[(3, 1.0, 0.0, 0.5), (1, 0.0, 0.0, 0.5), (2, 0.5, 0.5, 0.1), (9, 7.0, 7.0, 0.1)]);
+        assert_eq!(pairs(&moving), [(1, 2), (1, 3), (2, 3)], "those that touch included");
+    }
+
+    #[test]
+    fn bodies_without_end_are_found_and_those_without_a_place_are_not() {
+        let everywhere = Bounds { min: DVec2::NEG_INFINITY, max: DVec2::INFINITY };
+        let nowhere = Bounds { min: DVec2::NAN, max: DVec2::NAN };
+        let mut moving = Moving::default();
+        moving.rebuild(&[
+            (RobotId(1), Bounds::of_disc(DVec2::ONE, 0.1)),
+            (RobotId(2), everywhere),
+            (RobotId(3), nowhere),
+            (RobotId(4), Bounds::EMPTY),
+        ]);
+        assert_eq!(pairs(&moving), [(1, 2)]);
+        assert_eq!(along(&moving, DVec2::ZERO, DVec2::NEG_Y, 1.0), [2]);
+        moving.rebuild(&[]);
+        assert_eq!(pairs(&moving), []);
+        assert_eq!(along(&moving, DVec2::ZERO, DVec2::NEG_Y, 1.0), [0; 0]);
+    }
+}
