@@ -1,3 +1,4 @@
 //! The host of robot programs: files, programs, executors, slot loop, what each RoBIOS call does, recording.
 
+pub mod program;
 pub mod record;

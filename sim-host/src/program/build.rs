@@ -1,0 +1,299 @@
+//! Builds what was found: C sources through the cache, Cargo packages through cargo.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, OnceLock};
+
+use super::cache::Cache;
+use super::cargo::{CargoError, build_package};
+use super::compile::{Compilation, CompileError, Compiled, ShimKit};
+use super::compiler::{Compiler, CompilerError};
+use super::find::ProgramSource;
+use super::words::{WordsError, split_words};
+
+/// Changes when the layout of the cache changes.
+const CACHE_VERSION: u32 = 1;
+
+/// What the user's environment says of the tools.
+#[derive(Clone, Debug, Default)]
+pub struct Tools {
+    /// `$CC`: the C compiler, with arguments if any.
+    pub cc: Option<String>,
+    /// `$EYESIM_CFLAGS`: flags of the compilation, behind all others.
+    pub cflags: Option<String>,
+    /// `$CARGO`: cargo, else `cargo` on the search path.
+    pub cargo: Option<PathBuf>,
+}
+
+impl Tools {
+    /// The tools that the environment of this process names.
+    pub fn of_environment() -> Self {
+        let text = |name: &str| std::env::var(name).ok().filter(|value| !value.trim().is_empty());
+        Self { cc: text("CC"), cflags: text("EYESIM_CFLAGS"), cargo: text("CARGO").map(PathBuf::from) }
+    }
+}
+
+/// A program that is ready to be loaded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Built {
+    /// The shared library.
+    pub library: PathBuf,
+    /// What it was made from.
+    pub source: ProgramSource,
+    /// What the compiler said: warnings. Also when it was built earlier.
+    pub output: String,
+    /// Whether a compiler ran now; `false` if the library was there and nothing has changed.
+    pub compiled: bool,
+}
+
+/// A program that cannot be built.
+#[derive(Debug, thiserror::Error)]
+pub enum BuildError {
+    /// There is no C compiler, or it does not work.
+    #[error(transparent)]
+    Compiler(#[from] CompilerError),
+    /// The sources do not become a program.
+    #[error(transparent)]
+    Compile(#[from] CompileError),
+    /// A Cargo package that does not become a program.
+    #[error(transparent)]
+    Cargo(#[from] CargoError),
+    /// `$EYESIM_CFLAGS` cannot be split into words.
+    #[error("$EYESIM_CFLAGS: {0}")]
+    Flags(#[from] WordsError),
+    /// A source cannot be read.
+    #[error("cannot read `{}`: {error}", path.display())]
+    Source {
+        /// The source.
+        path: PathBuf,
+        /// Why.
+        error: io::Error,
+    },
+    /// The cache cannot be read or written.
+    #[error("cannot use the cache `{}`: {error}", root.display())]
+    Cache {
+        /// The cache's folder.
+        root: PathBuf,
+        /// Why.
+        error: io::Error,
+    },
+}
+
+/// Builds programs. One for a run: it finds the compiler once.
+#[derive(Debug)]
+pub struct Builder {
+    cache: Cache,
+    kit: ShimKit,
+    tools: Tools,
+    compiler: OnceLock<Compiler>,
+    /// Held while the compiler is looked for, so that only one thread does.
+    looking: Mutex<()>,
+}
+
+impl Builder {
+    /// A builder that keeps what it builds in `cache` and gives C programs the headers and shims of `kit`.
+    pub fn new(cache: Cache, kit: ShimKit, tools: Tools) -> Self {
+        Self { cache, kit, tools, compiler: OnceLock::new(), looking: Mutex::new(()) }
+    }
+
+    /// Makes a library of `source`, or takes the one that is there if nothing has changed since.
+    ///
+    /// # Errors
+    /// [`BuildError`], with the compiler's own messages where it is the compiler that refuses.
+    pub fn build(&self, source: &ProgramSource) -> Result<Built, BuildError> {
+        match source {
+            ProgramSource::Library(library) => {
+                Ok(Built { library: library.clone(), source: source.clone(), output: String::new(), compiled: false })
+            }
+            ProgramSource::C(sources) => self.build_c(source, sources),
+            ProgramSource::Cargo(folder) => {
+                let package = build_package(folder, self.tools.cargo.as_deref(), &self.cache)?;
+                Ok(Built {
+                    library: package.library,
+                    source: source.clone(),
+                    output: package.output,
+                    compiled: !package.fresh,
+                })
+            }
+        }
+    }
+
+    /// Builds each of `sources` once, on as many threads as there are processors; the results are in their order.
+    pub fn build_all(&self, sources: &[ProgramSource]) -> Vec<Result<Built, BuildError>> {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(sources.len());
+        if threads < 2 {
+            return sources.iter().map(|source| self.build(source)).collect();
+        }
+        let next = std::sync::atomic::AtomicUsize::new(0);
+        let results: Vec<OnceLock<_>> = sources.iter().map(|_| OnceLock::new()).collect();
+        std::thread::scope(|scope| {
+            for _ in 0..threads {
+                scope.spawn(|| {
+                    while let index = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed)
+                        && let Some(source) = sources.get(index)
+                    {
+                        // Each index is taken by one thread only.
+                        let _ = results[index].set(self.build(source));
+                    }
+                });
+            }
+        });
+        results.into_iter().filter_map(OnceLock::into_inner).collect()
+    }
+
+    /// Compiles `sources` to the file `out` without the cache, with `flags` behind all others.
+    ///
+    /// Gives the commands run, one a line, and the compiler's warnings.
+    ///
+    /// # Errors
+    /// [`BuildError`].
+    pub fn build_to(&self, sources: &[PathBuf], out: &Path, flags: &[String]) -> Result<(String, String), BuildError> {
+        let mut extra_flags = self.extra_flags()?;
+        extra_flags.extend_from_slice(flags);
+        let sources = absolute(sources)?;
+        let folder = self.cache.build_folder().map_err(|error| self.cache_error(error))?;
+        let compiled = self.compile(&sources, &extra_flags, folder.path())?;
+        let written = fs::copy(&compiled.library, out);
+        written.map_err(|error| CompileError::Io { program: out.to_owned(), error })?;
+        Ok((compiled.commands, compiled.output))
+    }
+
+    fn build_c(&self, source: &ProgramSource, sources: &[PathBuf]) -> Result<Built, BuildError> {
+        let sources = absolute(sources)?;
+        let extra_flags = self.extra_flags()?;
+        let built = |entry: super::cache::Entry, compiled| Built {
+            library: entry.library,
+            source: source.clone(),
+            output: entry.output,
+            compiled,
+        };
+        // A source that is saved while the compiler reads it is compiled again: the key must tell what was read.
+        let mut attempts = 0;
+        loop {
+            attempts += 1;
+            let sources_key = self.sources_key(&sources, &extra_flags)?;
+            if let Some(note) = self.cache.note(&sources_key)
+                && let Some(key) = program_key(&sources_key, &note)
+                && let Some(entry) = self.cache.entry(&key)
+            {
+                return Ok(built(entry, false));
+            }
+            let folder = self.cache.build_folder().map_err(|error| self.cache_error(error))?;
+            let started = std::time::SystemTime::now();
+            let compiled = self.compile(&sources, &extra_flags, folder.path())?;
+            let note: String = compiled.read.iter().map(|path| format!("{}\n", path.display())).collect();
+            let changed = attempts < 3
+                && compiled.read.iter().any(|path| {
+                    fs::metadata(path).and_then(|metadata| metadata.modified()).is_ok_and(|modified| modified > started)
+                });
+            if changed {
+                continue;
+            }
+            let gone = || io::Error::new(io::ErrorKind::NotFound, "a source is gone since it was compiled");
+            let key = program_key(&sources_key, &note).ok_or_else(gone).map_err(|error| self.cache_error(error))?;
+            let entry = self
+                .cache
+                .insert(&key, folder, &compiled.library, &compiled.output)
+                .and_then(|entry| self.cache.set_note(&sources_key, &note).map(|()| entry))
+                .map_err(|error| self.cache_error(error))?;
+            return Ok(built(entry, true));
+        }
+    }
+
+    fn compile(&self, sources: &[PathBuf], extra_flags: &[String], folder: &Path) -> Result<Compiled, BuildError> {
+        let compiler = self.compiler()?;
+        let kit_folder = self.kit_folder().map_err(|error| self.cache_error(error))?;
+        let compilation =
+            Compilation { compiler, kit: &self.kit, kit_folder: &kit_folder, sources, extra_flags, folder };
+        Ok(compilation.run()?)
+    }
+
+    fn compiler(&self) -> Result<&Compiler, BuildError> {
+        let _looking = self.looking.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some(compiler) = self.compiler.get() {
+            return Ok(compiler);
+        }
+        let compiler = Compiler::find(self.tools.cc.as_deref(), &self.cache)?;
+        Ok(self.compiler.get_or_init(|| compiler))
+    }
+
+    fn extra_flags(&self) -> Result<Vec<String>, BuildError> {
+        Ok(self.tools.cflags.as_deref().map(split_words).transpose()?.unwrap_or_default())
+    }
+
+    /// The kit's files, written into the cache: a place that stays, for debuggers and editors.
+    fn kit_folder(&self) -> io::Result<PathBuf> {
+        let folder = self.cache.folder("kits")?.join(self.kit.digest());
+        let headers = self.kit.headers.iter().map(|(name, text)| (folder.join("include").join(name), text));
+        let shims = self.kit.shims.iter().map(|(name, text)| (folder.join(name), text));
+        for (path, text) in headers.chain(shims) {
+            if fs::read(&path).is_ok_and(|there| there == text.as_bytes()) {
+                continue;
+            }
+            self.cache.write_atomically(&path, text.as_bytes())?;
+        }
+        Ok(folder)
+    }
+
+    /// Digest of all that decides what is built, except the contents of the headers included.
+    fn sources_key(&self, sources: &[PathBuf], extra_flags: &[String]) -> Result<String, BuildError> {
+        let compiler = self.compiler()?;
+        let mut hasher = blake3::Hasher::new();
+        let mut add = |bytes: &[u8]| {
+            hasher.update(&(bytes.len() as u64).to_le_bytes());
+            hasher.update(bytes);
+        };
+        add(format!("eyesim {CACHE_VERSION}").as_bytes());
+        add(self.kit.digest().as_bytes());
+        add(compiler.identity().as_bytes());
+        for flag in compiler.compile_flags().chain(compiler.link_flags()) {
+            add(flag.as_bytes());
+        }
+        for flag in extra_flags {
+            add(flag.as_bytes());
+        }
+        for name in ["CPATH", "C_INCLUDE_PATH", "LIBRARY_PATH", "GCC_EXEC_PREFIX", "COMPILER_PATH", "SOURCE_DATE_EPOCH"]
+        {
+            add(std::env::var_os(name).unwrap_or_default().as_encoded_bytes());
+        }
+        for source in sources {
+            add(source.as_os_str().as_encoded_bytes());
+            add(&fs::read(source).map_err(|error| BuildError::Source { path: source.clone(), error })?);
+            // A header that is new beside a source may hide one that was included from elsewhere.
+            for header in headers_beside(source) {
+                add(header.as_os_str().as_encoded_bytes());
+            }
+        }
+        Ok(hasher.finalize().to_hex()[..32].to_owned())
+    }
+
+    fn cache_error(&self, error: io::Error) -> BuildError {
+        BuildError::Cache { root: self.cache.root().to_owned(), error }
+    }
+}
+
+fn absolute(sources: &[PathBuf]) -> Result<Vec<PathBuf>, BuildError> {
+    let canonical =
+        |path: &PathBuf| fs::canonicalize(path).map_err(|error| BuildError::Source { path: path.clone(), error });
+    sources.iter().map(canonical).collect()
+}
+
+fn headers_beside(source: &Path) -> Vec<PathBuf> {
+    let entries = source.parent().map(fs::read_dir).and_then(Result::ok).into_iter().flatten().flatten();
+    let mut headers: Vec<PathBuf> =
+        entries.map(|entry| entry.path()).filter(|path| path.extension().is_some_and(|e| e == "h")).collect();
+    headers.sort();
+    headers
+}
+
+/// Digest of the sources' key and of the contents of every file that `note` lists, one a line; `None` if one is gone.
+fn program_key(sources_key: &str, note: &str) -> Option<String> {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(sources_key.as_bytes());
+    for path in note.lines() {
+        hasher.update(blake3::hash(path.as_bytes()).as_bytes());
+        hasher.update(blake3::hash(&fs::read(path).ok()?).as_bytes());
+    }
+    Some(hasher.finalize().to_hex()[..32].to_owned())
+}

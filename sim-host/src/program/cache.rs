@@ -1,0 +1,308 @@
+//! The folder in which built programs are kept, shared by concurrent runs.
+//!
+//! An entry is a folder that appears whole, by one rename, and is checked against its own digest when it is used: one
+//! that is broken or half written is built anew. Entries that nobody used for [`KEEP`] are removed.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+use serde::{Deserialize, Serialize};
+
+/// How long an entry stays after its last use.
+pub const KEEP: Duration = Duration::from_secs(60 * 24 * 3600);
+
+/// How long a folder of a build stays that never ended.
+const KEEP_UNFINISHED: Duration = Duration::from_secs(24 * 3600);
+
+const LIBRARY: &str = "program.so";
+const RECORD: &str = "entry.json";
+
+/// A cache folder.
+#[derive(Clone, Debug)]
+pub struct Cache {
+    root: PathBuf,
+}
+
+/// A built program in the cache.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// The shared library.
+    pub library: PathBuf,
+    /// What the compiler said when it was built (warnings), as it said it.
+    pub output: String,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Record {
+    library_blake3: String,
+    output: String,
+}
+
+impl Cache {
+    /// The cache in `root`, made if it is not there.
+    ///
+    /// # Errors
+    /// If the folder cannot be made or written to.
+    pub fn open(root: &Path) -> io::Result<Self> {
+        fs::create_dir_all(root)?;
+        tempfile::Builder::new().prefix("tmp-").tempfile_in(root)?;
+        Ok(Self { root: std::path::absolute(root)? })
+    }
+
+    /// The cache of this user: `$EYESIM_CACHE`, else `$XDG_CACHE_HOME/eyesim`, else `~/.cache/eyesim`; where none of
+    /// them can be written to, a folder of the user's own under the temporary folder.
+    ///
+    /// # Errors
+    /// If `$EYESIM_CACHE` is set and cannot be written to, or if none of the others can.
+    pub fn of_user() -> io::Result<Self> {
+        let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+        if let Some(root) = set("EYESIM_CACHE") {
+            return Self::open(&root).map_err(|error| {
+                io::Error::new(error.kind(), format!("$EYESIM_CACHE `{}` cannot be used: {error}", root.display()))
+            });
+        }
+        // A relative $XDG_CACHE_HOME is to be ignored: XDG Base Directory Specification, 0.8.
+        let user =
+            set("XDG_CACHE_HOME").filter(|root| root.is_absolute()).or_else(|| Some(set("HOME")?.join(".cache")));
+        if let Some(cache) = user.and_then(|user| Self::open(&user.join("eyesim")).ok()) {
+            return Ok(cache);
+        }
+        Self::open(&private_temporary_folder()?)
+    }
+
+    /// The folder of the cache, absolute.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// A new folder to build in, on the same file system as the entries, removed when dropped.
+    ///
+    /// # Errors
+    /// If it cannot be made.
+    pub fn build_folder(&self) -> io::Result<tempfile::TempDir> {
+        tempfile::Builder::new().prefix("tmp-").tempdir_in(&self.root)
+    }
+
+    /// A folder of the cache for a purpose of its own, made if it is not there.
+    ///
+    /// # Errors
+    /// If it cannot be made.
+    pub fn folder(&self, name: &str) -> io::Result<PathBuf> {
+        let folder = self.root.join(name);
+        fs::create_dir_all(&folder)?;
+        Ok(folder)
+    }
+
+    /// The entry of `key`, if it is there and whole. Marks it as used.
+    pub fn entry(&self, key: &str) -> Option<Entry> {
+        let folder = self.entry_folder(key);
+        let record: Record = serde_json::from_slice(&fs::read(folder.join(RECORD)).ok()?).ok()?;
+        let library = folder.join(LIBRARY);
+        let digest = blake3::hash(&fs::read(&library).ok()?).to_hex();
+        if digest.as_str() != record.library_blake3 {
+            return None;
+        }
+        mark_used(&folder.join(RECORD));
+        Some(Entry { library, output: record.output })
+    }
+
+    /// Takes the folder of a build, in which `library` is the file built, as the entry of `key`.
+    ///
+    /// If another run was faster its entry stays.
+    ///
+    /// # Errors
+    /// If a file cannot be written or renamed.
+    pub fn insert(&self, key: &str, build: tempfile::TempDir, library: &Path, output: &str) -> io::Result<Entry> {
+        let digest = blake3::hash(&fs::read(library)?).to_hex().to_string();
+        let whole = self.build_folder()?;
+        fs::rename(library, whole.path().join(LIBRARY))?;
+        let record = Record { library_blake3: digest, output: output.to_owned() };
+        fs::write(whole.path().join(RECORD), serde_json::to_vec(&record)?)?;
+        build.close()?;
+        let folder = self.entry_folder(key);
+        fs::create_dir_all(folder.parent().unwrap_or(&self.root))?;
+        // Each turn, another run may put its entry there first, or take a broken one away.
+        for _ in 0..8 {
+            match fs::rename(whole.path(), &folder) {
+                Ok(()) => {
+                    let _ = whole.keep();
+                    self.sweep();
+                    break;
+                }
+                Err(error) if !folder.exists() => return Err(error),
+                Err(_) => {}
+            }
+            if let Some(entry) = self.entry(key) {
+                return Ok(entry);
+            }
+            // What is there is broken.
+            let aside = self.build_folder()?;
+            let _ = fs::rename(&folder, aside.path().join("broken"));
+        }
+        self.entry(key).ok_or_else(|| io::Error::other(format!("the entry `{}` stays broken", folder.display())))
+    }
+
+    /// A small text kept beside the entries under `key`, such as the headers that a source included.
+    pub fn note(&self, key: &str) -> Option<String> {
+        let path = self.note_path(key);
+        let text = fs::read_to_string(&path).ok()?;
+        mark_used(&path);
+        Some(text)
+    }
+
+    /// Keeps `text` under `key`, in the place of an earlier one.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn set_note(&self, key: &str, text: &str) -> io::Result<()> {
+        self.write_atomically(&self.note_path(key), text.as_bytes())
+    }
+
+    /// Writes `path` (inside the cache) so that no reader ever sees a part of it.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn write_atomically(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        fs::create_dir_all(path.parent().unwrap_or(&self.root))?;
+        let mut file = tempfile::Builder::new().prefix("tmp-").tempfile_in(&self.root)?;
+        io::Write::write_all(&mut file, bytes)?;
+        file.persist(path).map(drop).map_err(|error| error.error)
+    }
+
+    fn entry_folder(&self, key: &str) -> PathBuf {
+        self.root.join("programs").join(key)
+    }
+
+    fn note_path(&self, key: &str) -> PathBuf {
+        self.root.join("notes").join(key)
+    }
+
+    /// Removes what has not been used for long. What cannot be removed stays: another run may be at it.
+    fn sweep(&self) {
+        let old = |path: &Path, keep: Duration| {
+            let used = fs::metadata(path).and_then(|metadata| metadata.modified());
+            used.is_ok_and(|used| SystemTime::now().duration_since(used).is_ok_and(|age| age > keep))
+        };
+        for folder in paths_in(&self.root.join("programs")) {
+            let record = folder.join(RECORD);
+            if old(if record.exists() { &record } else { &folder }, KEEP) {
+                let _ = fs::remove_dir_all(&folder);
+            }
+        }
+        for note in paths_in(&self.root.join("notes")).filter(|note| old(note, KEEP)) {
+            let _ = fs::remove_file(note);
+        }
+        let unfinished = |path: &PathBuf| {
+            let name = path.file_name().and_then(|name| name.to_str());
+            name.is_some_and(|name| name.starts_with("tmp-")) && old(path, KEEP_UNFINISHED)
+        };
+        for path in paths_in(&self.root).filter(unfinished) {
+            let _ = if path.is_dir() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
+        }
+    }
+}
+
+fn paths_in(folder: &Path) -> impl Iterator<Item = PathBuf> {
+    fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path())
+}
+
+fn mark_used(path: &Path) {
+    // A cache on a read-only disk still serves; it is only not known which entries are used.
+    let _ = fs::File::options().append(true).open(path).and_then(|file| file.set_modified(SystemTime::now()));
+}
+
+/// A folder under the temporary folder that is this user's and nobody else's: what lies in it is loaded and run.
+fn private_temporary_folder() -> io::Result<PathBuf> {
+    use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
+    // SAFETY: geteuid reads a number of this process, takes no argument and cannot fail.
+    let user = unsafe { libc::geteuid() };
+    let folder = std::env::temp_dir().join(format!("eyesim-{user}"));
+    match fs::DirBuilder::new().mode(0o700).create(&folder) {
+        Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
+        _ => {}
+    }
+    let metadata = fs::symlink_metadata(&folder)?;
+    if !metadata.is_dir() || metadata.uid() != user || metadata.mode() & 0o022 != 0 {
+        let text = format!("`{}` belongs to somebody else: set $EYESIM_CACHE to a folder of yours", folder.display());
+        return Err(io::Error::new(io::ErrorKind::PermissionDenied, text));
+    }
+    Ok(folder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cache() -> (tempfile::TempDir, Cache) {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let cache = Cache::open(&folder.path().join("cache")).expect("a cache");
+        (folder, cache)
+    }
+
+    fn put(cache: &Cache, key: &str, bytes: &[u8]) -> Entry {
+        let build = cache.build_folder().expect("a folder");
+        let library = build.path().join("built.so");
+        fs::write(&library, bytes).expect("a library");
+        cache.insert(key, build, &library, "a warning").expect("an entry")
+    }
+
+    #[test]
+    fn an_entry_is_found_again_and_the_first_one_stays() {
+        let (_folder, cache) = cache();
+        assert_eq!(cache.entry("k"), None);
+        let first = put(&cache, "k", b"one");
+        assert_eq!(cache.entry("k"), Some(first.clone()));
+        assert_eq!(first.output, "a warning");
+        assert_eq!(put(&cache, "k", b"two"), first);
+        assert_eq!(fs::read(&first.library).expect("the library"), b"one");
+        let left: Vec<PathBuf> = paths_in(cache.root()).collect();
+        assert_eq!(left, [cache.root().join("programs")], "no unfinished folder is left");
+    }
+
+    #[test]
+    fn a_broken_entry_is_replaced() {
+        let (_folder, cache) = cache();
+        let entry = put(&cache, "k", b"whole");
+        fs::write(&entry.library, b"wh").expect("cut short");
+        assert_eq!(cache.entry("k"), None);
+        put(&cache, "k", b"whole again");
+        assert_eq!(fs::read(cache.entry("k").expect("an entry").library).expect("the library"), b"whole again");
+        fs::remove_file(cache.root().join("programs/k").join(RECORD)).expect("half written");
+        assert_eq!(cache.entry("k"), None);
+        put(&cache, "k", b"a third time");
+        assert_eq!(fs::read(cache.entry("k").expect("an entry").library).expect("the library"), b"a third time");
+    }
+
+    #[test]
+    fn what_nobody_used_for_long_is_swept() {
+        let (_folder, cache) = cache();
+        let long_ago = SystemTime::now() - KEEP - Duration::from_secs(60);
+        put(&cache, "old", b"old");
+        cache.set_note("old", "note").expect("a note");
+        for path in [cache.root().join("programs/old").join(RECORD), cache.root().join("notes/old")] {
+            let file = fs::File::options().append(true).open(path).expect("a file");
+            file.set_modified(long_ago).expect("an old time");
+        }
+        put(&cache, "new", b"new");
+        assert!(!cache.root().join("programs/old").exists());
+        assert_eq!(cache.note("old"), None);
+        assert!(cache.entry("new").is_some());
+    }
+
+    #[test]
+    fn runs_that_store_the_same_entry_at_once_all_get_a_whole_one() {
+        let (_folder, cache) = cache();
+        std::thread::scope(|scope| {
+            for _ in 0..8 {
+                scope.spawn(|| {
+                    for key in 0..20 {
+                        let entry = put(&cache, &key.to_string(), b"the same");
+                        assert_eq!(fs::read(entry.library).expect("the library"), b"the same");
+                    }
+                });
+            }
+        });
+    }
+}

@@ -1,0 +1,327 @@
+//! Compiles and links C sources to the library of one robot program.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use super::compiler::Compiler;
+
+/// The texts that every C program is built with: the headers it may include, and the shim that is linked to it.
+#[derive(Clone, Debug)]
+pub struct ShimKit {
+    /// RoBIOS generation of the kit.
+    pub generation: u32,
+    /// Headers: file name and text.
+    pub headers: Vec<(&'static str, &'static str)>,
+    /// C sources linked to every program: file name and text.
+    pub shims: Vec<(&'static str, &'static str)>,
+    /// Further flags of the compilation of the program's own sources.
+    pub compile_flags: Vec<String>,
+    /// Further flags of the link.
+    pub link_flags: Vec<String>,
+}
+
+impl ShimKit {
+    /// A digest of everything in the kit, in hex.
+    pub fn digest(&self) -> String {
+        let mut hasher = blake3::Hasher::new();
+        for (name, text) in self.headers.iter().chain(&self.shims) {
+            hasher.update(format!("{name}\0{}\0{text}\0", text.len()).as_bytes());
+        }
+        hasher.update(format!("{} {:?} {:?}", self.generation, self.compile_flags, self.link_flags).as_bytes());
+        hasher.finalize().to_hex()[..32].to_owned()
+    }
+}
+
+/// Defined for the shim when the program's `main` returns nothing.
+pub const VOID_MAIN: &str = "-DEYESIM_VOID_MAIN";
+
+/// One library to build.
+#[derive(Debug)]
+pub struct Compilation<'a> {
+    /// The compiler.
+    pub compiler: &'a Compiler,
+    /// The kit, whose files lie in `kit_folder`.
+    pub kit: &'a ShimKit,
+    /// Where the kit's files lie: headers in `include/`, shims beside it.
+    pub kit_folder: &'a Path,
+    /// The sources, absolute.
+    pub sources: &'a [PathBuf],
+    /// The user's further flags of the compilation, behind all others.
+    pub extra_flags: &'a [String],
+    /// A folder for what is built.
+    pub folder: &'a Path,
+}
+
+/// What a compilation gave.
+#[derive(Debug)]
+pub struct Compiled {
+    /// The library, in the folder of the compilation.
+    pub library: PathBuf,
+    /// The compiler's warnings.
+    pub output: String,
+    /// Every file that was read for the program's sources: they and their headers, absolute.
+    pub read: Vec<PathBuf>,
+    /// The commands run, one a line.
+    pub commands: String,
+}
+
+/// Sources that do not become a program.
+#[derive(Debug, thiserror::Error)]
+pub enum CompileError {
+    /// The compiler refuses a source; its messages follow as they are.
+    #[error("`{}` does not compile (paths below are seen from `{}`):\n{output}", source_file.display(), folder.display())]
+    Refused {
+        /// The source.
+        source_file: PathBuf,
+        /// The folder the compiler ran in.
+        folder: PathBuf,
+        /// What the compiler said.
+        output: String,
+    },
+    /// The linker finds functions or variables used and not defined, or defined twice.
+    #[error("`{}` does not link:\n{output}{}", program.display(), undefined_hint(undefined))]
+    Unlinked {
+        /// The first source.
+        program: PathBuf,
+        /// What the linker said.
+        output: String,
+        /// The symbols it named as undefined.
+        undefined: Vec<String>,
+    },
+    /// A file cannot be written, or the compiler cannot be started.
+    #[error("cannot build `{}`: {error}", program.display())]
+    Io {
+        /// The first source.
+        program: PathBuf,
+        /// What went wrong.
+        error: io::Error,
+    },
+}
+
+fn undefined_hint(undefined: &[String]) -> String {
+    match undefined {
+        [] => String::new(),
+        [main] if main == "main" => "\n  the program has no function `main`".into(),
+        names => {
+            let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+            format!(
+                "\n  not defined: {}; a program of several files is named with all of them (`main.c,map.c`) or by its \
+                 folder",
+                names.join(", ")
+            )
+        }
+    }
+}
+
+impl Compilation<'_> {
+    /// Compiles each source, then the shims, then links.
+    ///
+    /// The compiler runs in the folder of the first source and sees sources by their names from there, so that
+    /// `__FILE__` does not depend on where the user stands.
+    ///
+    /// # Errors
+    /// [`CompileError`].
+    pub fn run(&self) -> Result<Compiled, CompileError> {
+        let program = self.sources.first().cloned().unwrap_or_default();
+        self.try_run().map_err(|failure| match failure {
+            Failure::Refused { source_file, output } => {
+                CompileError::Refused { source_file, folder: self.source_folder().to_owned(), output }
+            }
+            Failure::Unlinked { output } => {
+                let undefined = undefined_symbols(&output);
+                CompileError::Unlinked { program, output, undefined }
+            }
+            Failure::Io(error) => CompileError::Io { program, error },
+        })
+    }
+
+    fn source_folder(&self) -> &Path {
+        let folder = self.sources.first().and_then(|source| source.parent());
+        folder.unwrap_or(Path::new("/"))
+    }
+
+    fn try_run(&self) -> Result<Compiled, Failure> {
+        let mut compiled = Compiled {
+            library: self.folder.join("program.so"),
+            output: String::new(),
+            read: Vec::new(),
+            commands: String::new(),
+        };
+        let mut objects = Vec::new();
+        let mut void_main = false;
+        for (index, source) in self.sources.iter().enumerate() {
+            let object = self.folder.join(format!("{index}.o"));
+            let dependencies = self.folder.join(format!("{index}.d"));
+            let mut command = self.compile_command();
+            command.args(&self.kit.compile_flags).args(self.extra_flags);
+            command.arg("-I").arg(self.kit_folder.join("include"));
+            command.arg("-MD").arg("-MF").arg(&dependencies).args(["-MT", "o"]);
+            command.arg("-c").arg(self.seen_from_folder(source)).arg("-o").arg(&object);
+            let output = compiled
+                .call(&mut command)?
+                .map_err(|output| Failure::Refused { source_file: source.clone(), output })?;
+            void_main |= returns_nothing_from_main(&output);
+            compiled.output.push_str(&output);
+            let listed = parse_dependencies(&fs::read_to_string(&dependencies)?);
+            compiled.read.extend(listed.iter().map(|path| self.source_folder().join(path)));
+            objects.push(object);
+        }
+        for (name, _) in &self.kit.shims {
+            let source = self.kit_folder.join(name);
+            let object = self.folder.join(format!("{name}.o"));
+            let mut command = self.compile_command();
+            command.args(void_main.then_some(VOID_MAIN));
+            command.arg("-I").arg(self.kit_folder.join("include"));
+            command.arg("-c").arg(&source).arg("-o").arg(&object);
+            compiled.call(&mut command)?.map_err(|output| Failure::Refused { source_file: source, output })?;
+            objects.push(object);
+        }
+        let mut command = self.compiler.command();
+        command.current_dir(self.source_folder()).args(self.compiler.link_flags()).args(&self.kit.link_flags);
+        command.args(&objects).arg("-lm").arg("-o").arg(&compiled.library);
+        let output = compiled.call(&mut command)?.map_err(|output| Failure::Unlinked { output })?;
+        compiled.output.push_str(&output);
+        compiled.read.sort();
+        compiled.read.dedup();
+        Ok(compiled)
+    }
+
+    fn compile_command(&self) -> Command {
+        let mut command = self.compiler.command();
+        command.current_dir(self.source_folder()).args(self.compiler.compile_flags());
+        command
+    }
+
+    fn seen_from_folder<'p>(&self, source: &'p Path) -> &'p Path {
+        match source.strip_prefix(self.source_folder()) {
+            // A name that starts with `-` would be an option.
+            Ok(name) if !name.as_os_str().as_encoded_bytes().starts_with(b"-") => name,
+            _ => source,
+        }
+    }
+}
+
+enum Failure {
+    Refused { source_file: PathBuf, output: String },
+    Unlinked { output: String },
+    Io(io::Error),
+}
+
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Self {
+        Self::Io(error)
+    }
+}
+
+impl Compiled {
+    /// Runs `command`: what it printed, as `Err` if it failed.
+    fn call(&mut self, command: &mut Command) -> io::Result<Result<String, String>> {
+        self.commands.push_str(&shown(command));
+        self.commands.push('\n');
+        let output = command.output()?;
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        Ok(match output.status.success() {
+            true => Ok(said),
+            false if said.trim().is_empty() => Err(format!("the compiler ended with {}", output.status)),
+            false => Err(said),
+        })
+    }
+}
+
+/// A command as one may type it.
+fn shown(command: &Command) -> String {
+    let words = std::iter::once(command.get_program()).chain(command.get_args());
+    let words: Vec<String> = words
+        .map(|word| {
+            let word = word.to_string_lossy();
+            let plain = word.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"-_./=,+:@%".contains(&byte));
+            if plain && !word.is_empty() { word.into_owned() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+        })
+        .collect();
+    words.join(" ")
+}
+
+/// Whether the compiler says of a source that its `main` does not return `int` (gcc and clang, `LC_ALL=C`).
+fn returns_nothing_from_main(output: &str) -> bool {
+    output.lines().any(|line| {
+        line.contains("return type of 'main'") && (line.contains("[-Wmain]") || line.contains("[-Wmain-return-type]"))
+    })
+}
+
+/// The symbols that GNU ld, gold, lld or mold name as undefined, each once.
+fn undefined_symbols(output: &str) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for line in output.lines() {
+        let name = ["undefined reference to ", "undefined symbol: "]
+            .iter()
+            .find_map(|phrase| Some(line.split_once(phrase)?.1.trim_matches(['`', '\'', ' '])));
+        if let Some(name) = name
+            && !names.iter().any(|known| known == name)
+        {
+            names.push(name.to_owned());
+        }
+    }
+    names
+}
+
+/// The files that a dependency list of `-MD` (a rule of make) names.
+fn parse_dependencies(text: &str) -> Vec<PathBuf> {
+    let mut paths = Vec::new();
+    let mut path = String::new();
+    let text = text.split_once(':').map_or("", |(_, rest)| rest);
+    let mut characters = text.chars().peekable();
+    while let Some(character) = characters.next() {
+        match (character, characters.peek()) {
+            ('\\', Some('\n')) => {
+                characters.next();
+            }
+            ('\\', Some(&escaped @ (' ' | '#' | '\\'))) | ('$', Some(&escaped @ '$')) => {
+                path.push(escaped);
+                characters.next();
+            }
+            (blank, _) if blank.is_whitespace() => {
+                paths.extend((!path.is_empty()).then(|| PathBuf::from(std::mem::take(&mut path))));
+            }
+            (other, _) => path.push(other),
+        }
+    }
+    paths.extend((!path.is_empty()).then(|| PathBuf::from(path)));
+    paths
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dependency_lists_are_read_with_their_escapes() {
+        let text = "o: maze.c \\\n /usr/include/stdio.h my\\ map.h \\\n  a\\#b.h cost$$.h\n";
+        let expected = ["maze.c", "/usr/include/stdio.h", "my map.h", "a#b.h", "cost$.h"].map(PathBuf::from);
+        assert_eq!(parse_dependencies(text), expected);
+    }
+
+    #[test]
+    fn undefined_symbols_are_read_from_each_linker() {
+        let gnu = "ld: 0.o: in function `main':\nmaze.c:3: undefined reference to `Plan'\nmaze.c:4: undefined reference to `Plan'";
+        let lld = "ld.lld: error: undefined symbol: Plan\n>>> referenced by maze.c:3";
+        assert_eq!(undefined_symbols(gnu), ["Plan"]);
+        assert_eq!(undefined_symbols(lld), ["Plan"]);
+        assert!(undefined_symbols("maze.c:3: multiple definition of `main'").is_empty());
+    }
+
+    #[test]
+    fn a_void_main_is_told_from_other_warnings_about_main() {
+        assert!(returns_nothing_from_main("a.c:1:6: warning: return type of 'main' is not 'int' [-Wmain]"));
+        assert!(returns_nothing_from_main("a.c:1:1: warning: return type of 'main' is not 'int' [-Wmain-return-type]"));
+        assert!(!returns_nothing_from_main("a.c:1:5: warning: 'main' takes only zero or two arguments [-Wmain]"));
+    }
+
+    #[test]
+    fn commands_are_shown_as_one_may_type_them() {
+        let mut command = Command::new("cc");
+        command.args(["-Dx='y z'", "a b.c", "-O2"]);
+        assert_eq!(shown(&command), r"cc '-Dx='\''y z'\''' 'a b.c' -O2");
+    }
+}

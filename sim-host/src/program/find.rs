@@ -1,0 +1,513 @@
+//! Finds the program that a sim file or the command line names: a library, C sources, or a Cargo package.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Read as _;
+use std::path::{Component, Path, PathBuf};
+
+use super::kind::{FileKind, HEAD_BYTES, file_kind};
+
+/// The folders in which programs are looked for, in this order: the sim file's, the working folder, the others.
+#[derive(Clone, Debug, Default)]
+pub struct SearchPath {
+    /// Folder of the sim file that names the program; `None` for a program named on the command line.
+    pub sim_folder: Option<PathBuf>,
+    /// The working folder of this process.
+    pub working_folder: PathBuf,
+    /// Further folders, as given with `--programs` or the like.
+    pub folders: Vec<PathBuf>,
+    /// What `%sim%` stands for, and below which absolute names that do not exist are looked for.
+    pub installation: Option<PathBuf>,
+}
+
+/// What a program is made from.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum ProgramSource {
+    /// A shared library, loaded as it is.
+    Library(PathBuf),
+    /// C sources, compiled together.
+    C(Vec<PathBuf>),
+    /// The folder of a Cargo package with a `cdylib` target.
+    Cargo(PathBuf),
+}
+
+impl ProgramSource {
+    /// The path that stands for the program in messages: the library, the first source, or the package's folder.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Library(path) | Self::Cargo(path) => path,
+            Self::C(sources) => sources.first().map_or(Path::new(""), PathBuf::as_path),
+        }
+    }
+}
+
+/// A program that was found, with what the user should know about how.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Found {
+    /// What to build or load.
+    pub source: ProgramSource,
+    /// Remarks such as "`maze.dll` is a Windows library: its source `maze.c` is used instead".
+    pub notes: Vec<String>,
+}
+
+/// One place that was looked at in vain.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Attempt {
+    /// The path that was tried.
+    pub path: PathBuf,
+    /// What is wrong with what is there; `None` when nothing is there.
+    pub is: Option<String>,
+}
+
+/// A program reference for which nothing usable was found: every attempt, and names that are near.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FindError {
+    /// The reference, as the user wrote it.
+    pub reference: String,
+    /// Every place tried, in order.
+    pub attempts: Vec<Attempt>,
+    /// Programs that exist in the folders searched and have a similar name.
+    pub near: Vec<String>,
+}
+
+impl std::error::Error for FindError {}
+
+impl std::fmt::Display for FindError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let foreign: Vec<&Attempt> = self.attempts.iter().filter(|attempt| attempt.is.is_some()).collect();
+        match foreign.as_slice() {
+            [] => write!(f, "program `{}` is not found", self.reference)?,
+            _ => write!(f, "program `{}` cannot be run here", self.reference)?,
+        }
+        for Attempt { path, is } in &self.attempts {
+            match is {
+                Some(what) => write!(f, "\n  `{}` is {what}", path.display())?,
+                None => write!(f, "\n  tried `{}`", path.display())?,
+            }
+        }
+        if !foreign.is_empty() {
+            f.write_str(
+                "\n  put its source beside it: a `.c` file, or a folder with a Cargo package, of the same name",
+            )?;
+        }
+        match self.near.as_slice() {
+            [] => Ok(()),
+            near => write!(f, "\n  did you mean {}?", quoted(near)),
+        }
+    }
+}
+
+fn quoted(names: &[String]) -> String {
+    let mut text = String::new();
+    for (index, name) in names.iter().enumerate() {
+        let between = if index == 0 { "" } else { " or " };
+        // Writing to a string does not fail.
+        let _ = write!(text, "{between}`{name}`");
+    }
+    text
+}
+
+/// Finds the program that `reference` names.
+///
+/// `reference` is a path to a shared library, a `.c` file, several of them separated by commas (`main.c,map.c`), a
+/// folder of C files, or the folder of a Cargo package (or its `Cargo.toml`). Back-slashes separate folders too, and
+/// `%sim%` is the installation. In each folder of the [`SearchPath`] the name itself is tried first; if it is not there,
+/// or if what is there cannot be loaded here, the source beside it: `maze.c`, then the package `maze/`.
+///
+/// # Errors
+/// [`FindError`] with every place tried if nothing usable is there.
+pub fn find_program(reference: &str, search: &SearchPath) -> Result<Found, FindError> {
+    let mut finder = Finder { search, attempts: Vec::new(), notes: Vec::new() };
+    if let Some(source) = finder.find(reference) {
+        return Ok(Found { source, notes: finder.notes });
+    }
+    let parts: Vec<&str> = reference.split(',').map(str::trim).collect();
+    if parts.len() > 1 && parts.iter().all(|part| has_extension(Path::new(part), "c")) {
+        finder.attempts.clear();
+        let sources: Option<Vec<PathBuf>> = parts.iter().map(|part| finder.find_c_file(part)).collect();
+        if let Some(sources) = sources {
+            return Ok(Found { source: ProgramSource::C(sources), notes: finder.notes });
+        }
+    }
+    let near = finder.near_names(reference);
+    Err(FindError { reference: reference.to_owned(), attempts: finder.attempts, near })
+}
+
+struct Finder<'a> {
+    search: &'a SearchPath,
+    attempts: Vec<Attempt>,
+    notes: Vec<String>,
+}
+
+impl Finder<'_> {
+    fn find(&mut self, reference: &str) -> Option<ProgramSource> {
+        self.candidates(reference).into_iter().find_map(|path| self.look_at(&path))
+    }
+
+    fn find_c_file(&mut self, part: &str) -> Option<PathBuf> {
+        match self.find(part)? {
+            ProgramSource::C(mut sources) if sources.len() == 1 => sources.pop(),
+            _ => None,
+        }
+    }
+
+    /// The paths at which `reference` is looked for, in order and each once.
+    fn candidates(&self, reference: &str) -> Vec<PathBuf> {
+        let search = self.search;
+        let mut name = reference.trim().replace('\\', "/");
+        if let Some(rest) = strip_prefix_ignoring_case(&name, "%sim%") {
+            name = match &search.installation {
+                Some(installation) => format!("{}/{}", installation.display(), rest.trim_start_matches('/')),
+                None => rest.trim_start_matches('/').to_owned(),
+            };
+        }
+        let mut bases: Vec<&Path> = Vec::new();
+        bases.extend(search.sim_folder.as_deref());
+        bases.push(&search.working_folder);
+        bases.extend(search.folders.iter().map(PathBuf::as_path));
+        let mut paths = Vec::new();
+        let drive = matches!(name.as_bytes(), [letter, b':', ..] if letter.is_ascii_alphabetic());
+        if drive {
+            // `C:\eyesim\maze.dll`: that disk is not here; the file may be.
+            name = name.rsplit(['/', ':']).next().unwrap_or_default().to_owned();
+        }
+        if Path::new(&name).is_absolute() {
+            paths.push(PathBuf::from(&name));
+            // `/programs/maze.so` in old sim files means below the installation.
+            bases.clear();
+            bases.extend(search.installation.as_deref());
+            bases.extend(search.sim_folder.as_deref());
+        }
+        let relative = name.trim_start_matches('/');
+        if !relative.is_empty() {
+            paths.extend(bases.iter().map(|base| tidy(&base.join(relative))));
+        }
+        let mut seen = Vec::new();
+        paths.retain(|path| {
+            !seen.contains(path) && {
+                seen.push(path.clone());
+                true
+            }
+        });
+        paths
+    }
+
+    /// What `path` names, if it can be used; what stands in the way is noted.
+    fn look_at(&mut self, path: &Path) -> Option<ProgramSource> {
+        let obstacle = match self.usable(path) {
+            Ok(source) => return Some(source),
+            Err(obstacle) => obstacle,
+        };
+        self.attempts.push(Attempt { path: path.to_owned(), is: obstacle.clone() });
+        for beside in sources_beside(path) {
+            match self.usable(&beside) {
+                Ok(source) => {
+                    if let Some(what) = obstacle {
+                        let (path, source) = (path.display(), beside.display());
+                        self.notes.push(format!("`{path}` is {what}: its source `{source}` is used instead"));
+                    }
+                    return Some(source);
+                }
+                Err(is) => self.attempts.push(Attempt { path: beside, is }),
+            }
+        }
+        None
+    }
+
+    /// The program at `path`, or what is there instead (`None`: nothing).
+    fn usable(&mut self, path: &Path) -> Result<ProgramSource, Option<String>> {
+        let Ok(metadata) = fs::metadata(path) else { return Err(None) };
+        if metadata.is_dir() {
+            return usable_folder(path);
+        }
+        if path.file_name().is_some_and(|name| name == "Cargo.toml") {
+            return Ok(ProgramSource::Cargo(path.parent().unwrap_or(Path::new(".")).to_owned()));
+        }
+        if has_extension(path, "c") {
+            return Ok(ProgramSource::C(vec![path.to_owned()]));
+        }
+        if let Some(language) = source_language(path) {
+            return Err(Some(language.to_owned()));
+        }
+        match file_kind(&read_head(path).map_err(|error| Some(format!("unreadable ({error})")))?) {
+            FileKind::Library => {
+                self.note_newer_source(path);
+                Ok(ProgramSource::Library(path.to_owned()))
+            }
+            FileKind::Foreign(what) => Err(Some(what)),
+        }
+    }
+
+    fn note_newer_source(&mut self, library: &Path) {
+        let modified = |path: &Path| fs::metadata(path).and_then(|metadata| metadata.modified()).ok();
+        let source = library.with_extension("c");
+        if let (Some(built), Some(written)) = (modified(library), modified(&source))
+            && written > built
+        {
+            let (library, source) = (library.display(), source.display());
+            self.notes.push(format!("`{library}` is older than `{source}` beside it: name the `.c` file to build it"));
+        }
+    }
+
+    /// Up to three programs in the folders searched whose names are near to the one asked for.
+    fn near_names(&self, reference: &str) -> Vec<String> {
+        let mut near: Vec<(usize, String)> = Vec::new();
+        for path in self.candidates(reference) {
+            let (Some(folder), Some(wanted)) = (path.parent(), path.file_stem().and_then(|stem| stem.to_str())) else {
+                continue;
+            };
+            for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+                let path = entry.path();
+                let Some(stem) = path.file_stem().and_then(|stem| stem.to_str()) else { continue };
+                let distance = edit_distance(&stem.to_lowercase(), &wanted.to_lowercase());
+                if distance <= (wanted.chars().count() / 3).max(1) && looks_like_program(&path) {
+                    near.push((distance, path.display().to_string()));
+                }
+            }
+        }
+        near.sort();
+        near.dedup();
+        near.into_iter().map(|(_, name)| name).take(3).collect()
+    }
+}
+
+fn usable_folder(folder: &Path) -> Result<ProgramSource, Option<String>> {
+    if folder.join("Cargo.toml").is_file() {
+        return Ok(ProgramSource::Cargo(folder.to_owned()));
+    }
+    let entries = fs::read_dir(folder).map_err(|error| Some(format!("an unreadable folder ({error})")))?;
+    let mut sources: Vec<PathBuf> =
+        entries.flatten().map(|entry| entry.path()).filter(|path| has_extension(path, "c") && path.is_file()).collect();
+    sources.sort();
+    if sources.is_empty() {
+        Err(Some("a folder without `Cargo.toml` or `.c` files".into()))
+    } else {
+        Ok(ProgramSource::C(sources))
+    }
+}
+
+/// The places where the source of the library or program `path` may lie.
+fn sources_beside(path: &Path) -> Vec<PathBuf> {
+    if has_extension(path, "c") || path.file_name().is_none() {
+        return Vec::new();
+    }
+    let stem = path.with_extension("");
+    let mut places = vec![stem.with_added_extension("c")];
+    if stem != path {
+        places.push(stem);
+    }
+    // A Rust library is `libmaze.so`, its package `maze`.
+    places
+}
+
+/// What the extension tells of a source that is no C, completing "it is ...".
+fn source_language(path: &Path) -> Option<&'static str> {
+    let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+    match extension.as_str() {
+        "cc" | "cpp" | "cxx" | "c++" => {
+            Some("a C++ source, which is not built here: write it in C, or build a library")
+        }
+        "py" => Some("a Python program, and only C and Rust programs can be run"),
+        "rs" => Some("a Rust source: name the folder of its Cargo package"),
+        "h" => Some("a C header: name the `.c` file"),
+        _ => None,
+    }
+}
+
+fn looks_like_program(path: &Path) -> bool {
+    let by_name = path
+        .extension()
+        .and_then(|extension| extension.to_str())
+        .is_some_and(|extension| ["c", "so"].contains(&extension.to_ascii_lowercase().as_str()));
+    by_name || path.is_dir() && path.join("Cargo.toml").is_file()
+}
+
+fn read_head(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    fs::File::open(path)?.take(HEAD_BYTES as u64).read_to_end(&mut head)?;
+    Ok(head)
+}
+
+fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+}
+
+fn strip_prefix_ignoring_case<'a>(text: &'a str, prefix: &str) -> Option<&'a str> {
+    let head = text.get(..prefix.len())?;
+    head.eq_ignore_ascii_case(prefix).then(|| &text[prefix.len()..])
+}
+
+/// `path` without `.` and empty components; `..` stays, since a folder may be a link.
+fn tidy(path: &Path) -> PathBuf {
+    let tidied: PathBuf = path.components().filter(|component| *component != Component::CurDir).collect();
+    if tidied.as_os_str().is_empty() { PathBuf::from(".") } else { tidied }
+}
+
+/// Number of characters to insert, remove, replace or swap with the next to make `a` into `b`.
+///
+/// Source: optimal string alignment, Damerau (1964), Levenshtein (1966).
+pub fn edit_distance(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];
+    for i in 0..=a.len() {
+        for j in 0..=b.len() {
+            rows[i][j] = if i == 0 || j == 0 {
+                i + j
+            } else {
+                let replaced = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+                let swapped = if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                    rows[i - 2][j - 2] + 1
+                } else {
+                    usize::MAX
+                };
+                replaced.min(swapped).min(rows[i - 1][j] + 1).min(rows[i][j - 1] + 1)
+            };
+        }
+    }
+    rows[a.len()][b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Place {
+        folder: tempfile::TempDir,
+        search: SearchPath,
+    }
+
+    impl Place {
+        /// A folder with `files` (empty text where a path ends in `/`: a folder), searched as `sims/` then `.`.
+        fn with(files: &[(&str, &[u8])]) -> Self {
+            let folder = tempfile::tempdir().expect("a temporary folder");
+            for (path, bytes) in files {
+                let path = folder.path().join(path);
+                fs::create_dir_all(path.parent().expect("a parent")).expect("folders");
+                fs::write(path, bytes).expect("a file");
+            }
+            let search = SearchPath {
+                sim_folder: Some(folder.path().join("sims")),
+                working_folder: folder.path().to_owned(),
+                folders: vec![folder.path().join("more")],
+                installation: Some(folder.path().join("home")),
+            };
+            Self { folder, search }
+        }
+
+        fn check(&self, reference: &str, expected: &[&str]) -> Found {
+            let found = find_program(reference, &self.search).unwrap_or_else(|error| panic!("{error}"));
+            let paths = match &found.source {
+                ProgramSource::C(sources) => sources.clone(),
+                other => vec![other.path().to_owned()],
+            };
+            let expected: Vec<PathBuf> = expected.iter().map(|path| self.folder.path().join(path)).collect();
+            assert_eq!(paths, expected, "{reference}");
+            found
+        }
+
+        fn check_missing(&self, reference: &str) -> String {
+            find_program(reference, &self.search).expect_err("not found").to_string()
+        }
+    }
+
+    /// The head of this test program with the type of a shared library.
+    fn library() -> Vec<u8> {
+        let mut bytes = read_head(&std::env::current_exe().expect("this program")).expect("its bytes");
+        bytes[16] = 3;
+        bytes
+    }
+
+    #[test]
+    fn the_sim_folder_comes_first_then_the_working_folder_then_the_others() {
+        let place = Place::with(&[("sims/a.c", b""), ("a.c", b""), ("b.c", b""), ("more/b.c", b""), ("more/c.c", b"")]);
+        place.check("a.c", &["sims/a.c"]);
+        place.check("b.c", &["b.c"]);
+        place.check("c.c", &["more/c.c"]);
+        place.check("../b.c", &["sims/../b.c"]);
+        place.check(r"..\b.c", &["sims/../b.c"]);
+        place.check(r".\a.c", &["sims/a.c"]);
+    }
+
+    #[test]
+    fn a_library_that_is_not_there_is_its_source_beside() {
+        let place = Place::with(&[("sims/maze.c", b""), ("sims/wall/Cargo.toml", b""), ("sims/wall/src/lib.rs", b"")]);
+        for name in ["maze.dll", "maze.so", "maze.x", "maze.hex", "maze.o", "maze", "MAZE/../maze.dll"] {
+            if name.starts_with("MAZE") {
+                continue;
+            }
+            place.check(name, &["sims/maze.c"]);
+        }
+        for name in ["wall.so", "wall.dll", "wall", "wall/", "wall/Cargo.toml"] {
+            assert!(matches!(place.check(name, &["sims/wall"]).source, ProgramSource::Cargo(_)), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_file_of_another_system_gives_way_to_its_source() {
+        let place =
+            Place::with(&[("sims/maze.dll", b"MZ\x90\0"), ("sims/maze.c", b""), ("sims/alone.dll", b"MZ\x90\0")]);
+        let found = place.check("maze.dll", &["sims/maze.c"]);
+        assert!(found.notes[0].contains("maze.dll` is a Windows library or program: its source"), "{:?}", found.notes);
+        let message = place.check_missing("alone.dll");
+        assert!(message.starts_with("program `alone.dll` cannot be run here"), "{message}");
+        assert!(message.contains("alone.dll` is a Windows library or program"), "{message}");
+        assert!(message.contains("put its source beside it"), "{message}");
+    }
+
+    #[test]
+    fn a_library_of_this_system_is_taken_as_it_is() {
+        let place = Place::with(&[("sims/maze.c", b""), ("sims/maze.so", &library())]);
+        let found = place.check("maze.so", &["sims/maze.so"]);
+        assert!(matches!(found.source, ProgramSource::Library(_)));
+    }
+
+    #[test]
+    fn several_sources_are_named_with_commas_or_by_their_folder() {
+        let place = Place::with(&[("sims/main.c", b""), ("map.c", b""), ("sims/bug/b.c", b""), ("sims/bug/a.c", b"")]);
+        place.check("main.c,map.c", &["sims/main.c", "map.c"]);
+        place.check("main.c, map.c", &["sims/main.c", "map.c"]);
+        place.check("bug", &["sims/bug/a.c", "sims/bug/b.c"]);
+        assert!(place.check_missing("main.c,mop.c").contains("mop.c"));
+    }
+
+    #[test]
+    fn old_spellings_of_the_installation_are_understood() {
+        let place = Place::with(&[("home/programs/a.c", b""), ("sims/b.c", b"")]);
+        place.check(r"%sim%\programs\a.dll", &["home/programs/a.c"]);
+        place.check("%SIM%/programs/a.c", &["home/programs/a.c"]);
+        place.check("/programs/a.so", &["home/programs/a.c"]);
+        place.check(r"C:\eyesim\b.dll", &["sims/b.c"]);
+    }
+
+    #[test]
+    fn every_attempt_and_near_names_are_listed() {
+        let place = Place::with(&[("sims/maze.c", b""), ("sims/mace.txt", b""), ("sims/other.c", b"")]);
+        let message = place.check_missing("mzae.dll");
+        let root = place.folder.path().display();
+        let expected = format!(
+            "program `mzae.dll` is not found\n  tried `{root}/sims/mzae.dll`\n  tried `{root}/sims/mzae.c`\n  \
+             tried `{root}/sims/mzae`\n  tried `{root}/mzae.dll`\n  tried `{root}/mzae.c`\n  tried `{root}/mzae`\n  \
+             tried `{root}/more/mzae.dll`\n  tried `{root}/more/mzae.c`\n  tried `{root}/more/mzae`\n  \
+             did you mean `{root}/sims/maze.c`?"
+        );
+        assert_eq!(message, expected);
+    }
+
+    #[test]
+    fn sources_of_other_languages_are_named() {
+        let place = Place::with(&[("sims/a.py", b""), ("sims/b.rs", b""), ("sims/c.cpp", b""), ("sims/d/x.txt", b"")]);
+        assert!(place.check_missing("a.py").contains("a Python program"));
+        assert!(place.check_missing("b.rs").contains("name the folder of its Cargo package"));
+        assert!(place.check_missing("c.cpp").contains("a C++ source"));
+        assert!(place.check_missing("d").contains("a folder without `Cargo.toml` or `.c` files"));
+    }
+
+    #[test]
+    fn edit_distance_counts_single_slips() {
+        for (a, b, distance) in
+            [("maze", "maze", 0), ("maze", "mazes", 1), ("maze", "mzae", 1), ("", "abc", 3), ("ab", "ca", 2)]
+        {
+            assert_eq!(edit_distance(a, b), distance, "{a} {b}");
+        }
+    }
+}

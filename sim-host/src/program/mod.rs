@@ -1,0 +1,18 @@
+//! Robot programs: finds what a sim file names, builds it where it is a source, loads a private copy for each robot.
+//!
+//! It does not run them (the executive does) and knows nothing of what a RoBIOS call does. What a program may be, the
+//! search order, the flags and the cache are described in `docs/programs.md`.
+
+mod abi;
+pub mod build;
+pub mod cache;
+pub mod cargo;
+pub mod compile;
+pub mod compiler;
+pub mod find;
+pub mod image;
+pub mod kind;
+pub mod load;
+#[cfg(test)]
+mod tests;
+pub mod words;

@@ -1,0 +1,396 @@
+//! Building and loading with the real compiler. Where there is none, the tests say so and end.
+
+use std::ffi::{CStr, c_char, c_int};
+use std::fs;
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::{Path, PathBuf};
+use std::ptr;
+use std::sync::Arc;
+
+use super::build::{BuildError, Builder, Built, Tools};
+use super::cache::Cache;
+use super::compile::{CompileError, ShimKit};
+use super::compiler::{Compiler, CompilerError};
+use super::find::ProgramSource;
+use super::image::{ImageError, ProgramImage};
+use super::load::{LoadError, LoadedProgram, Loader, c_arguments, check_mappings};
+
+/// A kit that needs no host: `run` calls `main` and returns what it returns.
+fn kit() -> ShimKit {
+    ShimKit {
+        generation: 6,
+        headers: vec![
+            ("eyebot.h", "#include <stdio.h>\nint TestAnswer(void);\n"),
+            ("hdt_sem.h", "#define PSD_FRONT -200\n"),
+        ],
+        shims: vec![(
+            "shim.c",
+            r#"
+            #ifdef EYESIM_VOID_MAIN
+            extern void main(int argc, char **argv);
+            #else
+            extern int main(int argc, char **argv);
+            #endif
+            int TestAnswer(void) { return 42; }
+            static int run(const void *host, void *robot, int argc, char **argv) {
+                (void)host; (void)robot;
+            #ifdef EYESIM_VOID_MAIN
+                main(argc, argv);
+                return 0;
+            #else
+                return main(argc, argv);
+            #endif
+            }
+            const struct { unsigned size, abi, generation, flags, language, support, robios;
+                           int (*run)(const void *, void *, int, char **); }
+                eyesim_program = { sizeof eyesim_program, 1, 6, 0, 1, 0, 0, run };
+            "#,
+        )],
+        compile_flags: Vec::new(),
+        link_flags: Vec::new(),
+    }
+}
+
+struct Bench {
+    folder: tempfile::TempDir,
+    cache: tempfile::TempDir,
+    tools: Tools,
+}
+
+impl Bench {
+    /// A folder with `files`, or `None` with a printed reason where no C compiler is installed.
+    fn with(files: &[(&str, &str)]) -> Option<Self> {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let cache = tempfile::tempdir().expect("a temporary folder");
+        let bench = Self { folder, cache, tools: Tools::default() };
+        for (name, text) in files {
+            bench.write(name, text);
+        }
+        match Compiler::find(None, &bench.cache()) {
+            Err(CompilerError::Missing { .. }) => {
+                println!("skipped: no C compiler is installed");
+                None
+            }
+            found => found.map(|_| bench).map_err(|error| panic!("{error}")).ok(),
+        }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.path(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("folders");
+        fs::write(&path, text).expect("a file");
+        path
+    }
+
+    fn cache(&self) -> Cache {
+        Cache::open(self.cache.path()).expect("a cache")
+    }
+
+    fn builder(&self) -> Builder {
+        Builder::new(self.cache(), kit(), self.tools.clone())
+    }
+
+    fn sources(&self, names: &[&str]) -> ProgramSource {
+        ProgramSource::C(names.iter().map(|name| self.path(name)).collect())
+    }
+
+    fn build(&self, names: &[&str]) -> Result<Built, BuildError> {
+        self.builder().build(&self.sources(names))
+    }
+
+    fn built(&self, names: &[&str]) -> Built {
+        self.build(names).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    fn image(&self, names: &[&str]) -> Arc<ProgramImage> {
+        let built = self.built(names);
+        Arc::new(ProgramImage::read(&built.library, Some(self.folder.path())).expect("an image"))
+    }
+
+    fn loaded(&self, names: &[&str]) -> LoadedProgram {
+        Loader::new().expect("a run folder").load(&self.image(names)).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// A script that runs the compiler and counts how often it does more than tell its version.
+    fn count_compilations(&mut self) -> impl Fn() -> usize + use<> {
+        let log = self.path("calls");
+        let text = format!("#!/bin/sh\n[ \"$1\" = --version ] || echo \"$@\" >> '{}'\nexec cc \"$@\"\n", log.display());
+        let wrapper = self.write("wrapper", &text);
+        fs::set_permissions(&wrapper, fs::Permissions::from_mode(0o755)).expect("an executable script");
+        self.tools.cc = Some(wrapper.display().to_string());
+        move || fs::read_to_string(&log).map_or(0, |calls| calls.lines().count())
+    }
+}
+
+fn run(program: &LoadedProgram, arguments: &[&str]) -> c_int {
+    let strings = c_arguments("program", arguments.iter().copied()).expect("no NUL");
+    let mut argv: Vec<*const c_char> = strings.iter().map(|word| word.as_ptr()).collect();
+    argv.push(ptr::null());
+    // SAFETY: the kit's `run` does not look at host and robot; argv has argc strings and a null behind them.
+    unsafe { program.run()(ptr::null(), ptr::null_mut(), argv.len() as c_int - 1, argv.as_ptr()) }
+}
+
+#[test]
+fn a_plain_program_builds_and_runs_with_its_arguments() {
+    let Some(bench) = Bench::with(&[(
+        "args.c",
+        "#include \"eyebot.h\"\n#include <string.h>\nint main(int argc, char **argv)\n{\n  return argc == 3 && !strcmp(argv[2], \"0.5\") && !argv[3] ? TestAnswer() : 1;\n}\n",
+    )]) else {
+        return;
+    };
+    let program = bench.loaded(&["args.c"]);
+    assert_eq!(run(&program, &["--kp", "0.5"]), 42);
+    assert_eq!(run(&program, &[]), 1);
+}
+
+#[test]
+fn old_c_compiles_with_warnings() {
+    let old = "#include \"eyebot.h\"\n#include \"hdt_sem.h\"\ncount;\nadd(a, b)\nint a, b;\n{\n  return a + b;\n}\nmain()\n{\n  char *text = 7;\n  count = add(40, (int)(long)text);\n  undeclared(count);\n  return count + (PSD_FRONT == -200);\n}\nundeclared(n) { return n; }\n";
+    let Some(bench) = Bench::with(&[("old.c", old)]) else { return };
+    let built = bench.built(&["old.c"]);
+    assert!(built.output.contains("old.c:13:3: warning: implicit declaration"), "{}", built.output);
+    assert_eq!(run(&bench.loaded(&["old.c"]), &[]), 48);
+}
+
+#[test]
+fn a_void_main_ends_with_zero() {
+    let Some(bench) = Bench::with(&[("void.c", "void main()\n{\n  volatile int i = 3;\n  while (i) i--;\n}\n")]) else {
+        return;
+    };
+    assert!(bench.built(&["void.c"]).output.contains("-Wmain"));
+    assert_eq!(run(&bench.loaded(&["void.c"]), &[]), 0);
+}
+
+#[test]
+fn a_main_that_returns_nothing_explicitly_gives_zero() {
+    let Some(bench) = Bench::with(&[("zero.c", "int main(void)\n{\n  volatile int i = 7;\n  i++;\n}\n")]) else {
+        return;
+    };
+    assert_eq!(run(&bench.loaded(&["zero.c"]), &[]), 0);
+}
+
+#[test]
+fn several_files_become_one_program() {
+    let main = "extern int plan(int); int shared; int main(void) { shared = 2; return plan(40); }\n";
+    let Some(bench) =
+        Bench::with(&[("main.c", main), ("plan.c", "int shared; int plan(int n) { return n + shared; }\n")])
+    else {
+        return;
+    };
+    assert_eq!(run(&bench.loaded(&["main.c", "plan.c"]), &[]), 42);
+}
+
+#[test]
+fn a_compile_error_is_shown_with_file_and_line() {
+    let Some(bench) = Bench::with(&[("bad.c", "int main(void)\n{\n  return speed;\n}\n")]) else { return };
+    let message = bench.build(&["bad.c"]).expect_err("an error").to_string();
+    assert!(message.contains("bad.c` does not compile"), "{message}");
+    assert!(message.contains("\nbad.c:3:10: error: 'speed' undeclared"), "{message}");
+}
+
+#[test]
+fn undefined_functions_are_named_when_building() {
+    let Some(bench) =
+        Bench::with(&[("bad.c", "int Plan(void);\nint main(void) { return Plan(); }\n"), ("no.c", "int x;\n")])
+    else {
+        return;
+    };
+    match bench.build(&["bad.c"]) {
+        Err(BuildError::Compile(CompileError::Unlinked { undefined, output, .. })) => {
+            assert_eq!(undefined, ["Plan"]);
+            assert!(output.contains("bad.c:2"), "{output}");
+        }
+        other => panic!("{other:?}"),
+    }
+    let message = bench.build(&["no.c"]).expect_err("no main").to_string();
+    assert!(message.ends_with("the program has no function `main`"), "{message}");
+}
+
+#[test]
+fn nothing_is_compiled_when_nothing_has_changed() {
+    let Some(mut bench) = Bench::with(&[
+        ("maze.c", "#include \"map.h\"\nint main(void) { return SIZE; }\n"),
+        ("map.h", "#define SIZE 3\n"),
+    ]) else {
+        return;
+    };
+    let compilations = bench.count_compilations();
+    let first = bench.built(&["maze.c"]);
+    let count = compilations();
+    assert!(first.compiled && count > 0);
+    let second = bench.built(&["maze.c"]);
+    assert!(!second.compiled);
+    assert_eq!((compilations(), second.library), (count, first.library));
+    // A header counts as much as a source.
+    bench.write("map.h", "#define SIZE 4\n");
+    assert!(bench.built(&["maze.c"]).compiled);
+    assert_eq!(run(&bench.loaded(&["maze.c"]), &[]), 4);
+    let count = compilations();
+    // A source or header that is as it was before is there already.
+    bench.write("map.h", "#define SIZE 3\n");
+    bench.built(&["maze.c"]);
+    assert_eq!(run(&bench.loaded(&["maze.c"]), &[]), 3);
+    // Flags count too.
+    bench.tools.cflags = Some("-DOTHER='a b'".into());
+    assert!(bench.built(&["maze.c"]).compiled);
+    assert!(compilations() > count);
+}
+
+#[test]
+fn a_header_that_is_put_beside_the_source_is_seen() {
+    let Some(bench) = Bench::with(&[("a.c", "#include \"hdt_sem.h\"\nint main(void) { return -PSD_FRONT; }\n")]) else {
+        return;
+    };
+    assert_eq!(run(&bench.loaded(&["a.c"]), &[]), 200);
+    bench.write("hdt_sem.h", "#define PSD_FRONT -7\n");
+    assert_eq!(run(&bench.loaded(&["a.c"]), &[]), 7);
+}
+
+#[test]
+fn a_broken_cache_entry_is_built_again() {
+    let Some(bench) = Bench::with(&[("a.c", "int main(void) { return 5; }\n")]) else { return };
+    let library = bench.built(&["a.c"]).library;
+    fs::write(&library, "half").expect("broken");
+    assert!(bench.built(&["a.c"]).compiled);
+    assert_eq!(run(&bench.loaded(&["a.c"]), &[]), 5);
+}
+
+#[test]
+fn concurrent_builds_share_the_cache() {
+    let Some(bench) = Bench::with(&[("a.c", "int main(void) { return 5; }\n")]) else { return };
+    let built: Vec<Built> = std::thread::scope(|scope| {
+        let runs: Vec<_> = (0..4).map(|_| scope.spawn(|| bench.built(&["a.c"]))).collect();
+        runs.into_iter().map(|run| run.join().expect("a build")).collect()
+    });
+    assert!(built.iter().all(|one| one.library == built[0].library && one.library.exists()));
+    let left: Vec<_> =
+        fs::read_dir(bench.cache().root()).expect("the cache").flatten().map(|e| e.file_name()).collect();
+    assert!(left.iter().all(|name| !name.to_string_lossy().starts_with("tmp-")), "{left:?}");
+}
+
+#[test]
+fn several_programs_are_built_in_order() {
+    let Some(bench) =
+        Bench::with(&[("a.c", "int main(void) { return 5; }\n"), ("b.c", "int main(void) { return x; }\n")])
+    else {
+        return;
+    };
+    let results =
+        bench.builder().build_all(&[bench.sources(&["a.c"]), bench.sources(&["b.c"]), bench.sources(&["a.c"])]);
+    assert_eq!(results.iter().map(Result::is_ok).collect::<Vec<_>>(), [true, false, true]);
+}
+
+#[test]
+fn a_broken_or_missing_compiler_is_told() {
+    let Some(mut bench) = Bench::with(&[("a.c", "int main(void) { return 5; }\n")]) else { return };
+    bench.tools.cc = Some("no-such-compiler -m32".into());
+    let message = bench.build(&["a.c"]).expect_err("no compiler").to_string();
+    assert!(message.starts_with("the C compiler `no-such-compiler -m32` set in $CC does not run"), "{message}");
+    let missing = CompilerError::Missing { tried: "`cc`".into() }.to_string();
+    assert!(missing.contains("apt install gcc libc6-dev"), "{missing}");
+}
+
+#[test]
+fn each_copy_has_its_own_globals() {
+    let counter = "int count;\nint main(void) { static int calls = 10; return ++count * 100 + ++calls; }\n";
+    let Some(bench) = Bench::with(&[("count.c", counter)]) else { return };
+    let image = bench.image(&["count.c"]);
+    let mut loader = Loader::new().expect("a run folder");
+    // More than are whole files, so that copies of the loaded part only are among them.
+    let programs: Vec<LoadedProgram> = (0..20).map(|_| loader.load(&image).expect("a copy")).collect();
+    for program in &programs {
+        assert_eq!(run(program, &[]), 111);
+        assert_eq!(run(program, &[]), 212);
+    }
+    let mut starts: Vec<usize> = programs.iter().map(|program| program.addresses().start).collect();
+    starts.sort_unstable();
+    starts.dedup();
+    assert_eq!(starts.len(), programs.len());
+}
+
+#[test]
+fn addresses_lead_to_source_lines() {
+    let text = "int depth;\n__attribute__((noinline)) int deeper(int n)\n{\n  depth += n;\n  return depth;\n}\nint main(void)\n{\n  return deeper(3);\n}\n";
+    let Some(bench) = Bench::with(&[("line.c", text)]) else { return };
+    let program = bench.loaded(&["line.c"]);
+    let entry = program.run() as usize;
+    let in_shim = program.source_line(entry).expect("the shim's line");
+    assert!(in_shim.file.ends_with("shim.c") && in_shim.function.as_deref() == Some("run"), "{in_shim:?}");
+    let deeper = (program.addresses().start..program.addresses().end)
+        .find(|&address| program.source_line(address).is_some_and(|line| line.function.as_deref() == Some("deeper")))
+        .expect("code of `deeper`");
+    let line = program.own_source_line(&[entry, deeper]).expect("a line");
+    assert_eq!((line.to_string(), line.function), ("line.c:3".into(), Some("deeper".into())));
+    assert_eq!(program.source_line(1), None);
+}
+
+#[test]
+fn libraries_that_do_not_fit_are_told_why() {
+    let classic = "extern int VWDriveStraight(void); int main(void) { return VWDriveStraight(); }\n";
+    let number = "const struct { unsigned size, abi, rest[8]; } eyesim_program = { 40, 99 };\n";
+    let short = "const struct { unsigned size, abi, rest[8]; } eyesim_program = { 8, 1 };\n";
+    let missing = "extern int Plan(void); const struct { unsigned size, abi; int (*f)(void); } eyesim_program = { 40, 1, Plan };\n";
+    let files = [("classic.c", classic), ("number.c", number), ("short.c", short), ("missing.c", missing)];
+    let Some(bench) = Bench::with(&files) else { return };
+    let message = |name: &str| {
+        let library = bench.path(name).with_extension("so");
+        let mut compiler = std::process::Command::new("cc");
+        compiler.args(["-shared", "-fPIC", "-o"]).arg(&library).arg(bench.path(name));
+        assert!(compiler.status().expect("a compiler").success());
+        let image = Arc::new(ProgramImage::read(&library, None).expect("an image"));
+        Loader::new().expect("a run folder").load(&image).expect_err("a misfit").to_string()
+    };
+    let classic = message("classic.c");
+    assert!(
+        classic.contains("does not export `eyesim_program`, and expects `VWDriveStraight` in the simulator"),
+        "{classic}"
+    );
+    assert!(
+        message("number.c").contains("built for version 99 of the program interface, and this eyesim has version 1")
+    );
+    assert!(message("short.c").contains("its description is too short"));
+    assert!(message("missing.c").contains("needs `Plan`, which neither it nor any library"));
+}
+
+#[test]
+fn files_that_are_no_library_are_refused() {
+    let Some(bench) = Bench::with(&[("a.c", "int main(void) { return 5; }\n")]) else { return };
+    let library = bench.built(&["a.c"]).library;
+    let bytes = fs::read(&library).expect("the library");
+    let cut = bench.path("cut.so");
+    fs::write(&cut, &bytes[..bytes.len() / 8]).expect("a file");
+    let refused = |path: &Path| ProgramImage::read(path, None).expect_err("refused");
+    assert!(matches!(refused(&cut), ImageError::Broken { .. }));
+    assert!(matches!(refused(&bench.path("a.c")), ImageError::Foreign { .. }));
+    assert!(matches!(refused(&bench.path("none.so")), ImageError::Read { .. }));
+    let this = std::env::current_exe().expect("this program");
+    assert!(refused(&this).to_string().contains("executable"));
+}
+
+#[test]
+fn too_many_copies_are_refused_before_the_run() {
+    let Some(bench) = Bench::with(&[("a.c", "int main(void) { return 5; }\n")]) else { return };
+    let image = bench.image(&["a.c"]);
+    assert!(check_mappings([(&*image, 10)], 2).is_ok());
+    match check_mappings([(&*image, 10), (&*image, 100_000_000)], 2) {
+        Err(LoadError::TooManyMappings { robots, needed, allowed, advised }) => {
+            assert_eq!(robots, 100_000_010);
+            assert!(allowed < needed && needed <= advised);
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn arguments_become_c_strings() {
+    let arguments = c_arguments("maze", ["--kp", "0.5"]).expect("no NUL");
+    assert_eq!(
+        arguments.iter().map(|word| CStr::to_str(word).expect("text")).collect::<Vec<_>>(),
+        ["maze", "--kp", "0.5"]
+    );
+    assert_eq!(c_arguments("maze", ["a\0b"]), Err(1));
+}
