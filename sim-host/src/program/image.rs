@@ -229,6 +229,6 @@ fn parts_of(bytes: &[u8]) -> Result<Parts, String> {
     }
     undefined.sort();
     undefined.dedup();
-    let address = |value: u64| usize::try_from(value).map_err(|_| "its addresses are too large".to_owned());
+    let address = |value: u64| usize::try_from(value).map_err(|error| format!("its addresses are too large ({error})"));
     Ok(Parts { loaded_len, span: address(span.start)?..address(span.end)?, segments, defined, undefined })
 }

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
+use robios_sys::{ABI_VERSION, Misfit, PROGRAM_SYMBOL, Program, Robios6Call, Run};
 
-use super::abi::{ABI_VERSION, PROGRAM_SYMBOL, Program, Run};
 use super::image::{ImageError, ProgramImage, SourceLine};
 
 /// So many copies of a run are whole files with their debug information, for debuggers and profilers; further ones hold
@@ -244,9 +244,10 @@ fn checked(image: &ProgramImage, program: *const Program) -> Result<(usize, &'st
     // SAFETY: the library says that a description of this version and at least this size is there; it is a constant
     // in an image that is never unmapped.
     let program = unsafe { &*program };
-    if program.generation != 6 {
-        return Err(misfit(&format!("it is written for RoBIOS {}, known is 6", program.generation)));
-    }
+    program.check().map_err(|why| match why {
+        Misfit::Abi { program } => LoadError::Abi { path: path(), program },
+        other => misfit(&other.to_string()),
+    })?;
     let base = base_of(std::ptr::from_ref(program).addr()).ok_or_else(|| misfit("its address is unknown"))?;
     Ok((base, program))
 }
@@ -263,17 +264,7 @@ fn base_of(address: usize) -> Option<usize> {
 
 /// The RoBIOS functions that a library expects the simulator to define.
 fn robios_functions(image: &ProgramImage) -> Vec<String> {
-    const FAMILIES: &[&str] = &[
-        "OS", "LCD", "KEY", "CAM", "AU", "VW", "PSD", "MOTOR", "QUAD", "ENCODER", "SERVO", "BUMP", "IR", "COMPASS",
-        "RADIO", "IP", "HDT", "SIM", "LIDAR", "SER", "USR", "MT", "SEMA",
-    ];
-    let is_robios = |name: &&String| {
-        FAMILIES.iter().any(|family| {
-            let rest = name.strip_prefix(family).unwrap_or_default();
-            rest.starts_with(|first: char| first.is_ascii_uppercase())
-                && rest.contains(|c: char| c.is_ascii_lowercase())
-        })
-    };
+    let is_robios = |name: &&String| Robios6Call::ALL.iter().any(|call| call.name() == name.as_str());
     image.undefined().iter().filter(is_robios).cloned().collect()
 }
 
@@ -339,5 +330,5 @@ fn check_against_limit<'a>(
 /// The place of the argument that holds a NUL.
 pub fn c_arguments<'a>(name: &'a str, arguments: impl IntoIterator<Item = &'a str>) -> Result<Vec<CString>, usize> {
     let words = std::iter::once(name).chain(arguments);
-    words.enumerate().map(|(at, word)| CString::new(word).map_err(|_| at)).collect()
+    words.enumerate().map(|(at, word)| CString::new(word).ok().ok_or(at)).collect()
 }

@@ -3,7 +3,6 @@
 //! It does not run them (the executive does) and knows nothing of what a RoBIOS call does. What a program may be, the
 //! search order, the flags and the cache are described in `docs/programs.md`.
 
-mod abi;
 pub mod build;
 pub mod cache;
 pub mod cargo;

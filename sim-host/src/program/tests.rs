@@ -324,7 +324,8 @@ fn addresses_lead_to_source_lines() {
         .find(|&address| program.source_line(address).is_some_and(|line| line.function.as_deref() == Some("deeper")))
         .expect("code of `deeper`");
     let line = program.own_source_line(&[entry, deeper]).expect("a line");
-    assert_eq!((line.to_string(), line.function), ("line.c:3".into(), Some("deeper".into())));
+    assert!(["line.c:3", "line.c:4"].contains(&line.to_string().as_str()), "{line:?}");
+    assert_eq!(line.function.as_deref(), Some("deeper"));
     assert_eq!(program.source_line(1), None);
 }
 
