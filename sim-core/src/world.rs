@@ -1,1 +1,220 @@
-//! (world)
+//! All robots in one world: what each can see of the others, and the end of a slot.
+//!
+//! During a slot nobody changes the world: robots look at what was made public at the start of the slot ([`World::cast`],
+//! [`World::touching`]), each at its own virtual time. At the end of the slot [`World::advance`] settles the contacts
+//! between bodies, makes public what has changed, and goes on to the next slot.
+
+mod settle;
+mod track;
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use crate::{
+    RobotId,
+    contact::{Body, TOUCH, Thing},
+    drive::{HISTORY, Leg, Motion},
+    scene::{Bounds, Moving, Walls},
+    time::Time,
+};
+use track::Track;
+
+/// What a ray meets first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayHit {
+    /// Distance from the ray's origin, m; 0 when the origin lies inside a body.
+    pub distance: f64,
+    /// What was met.
+    pub thing: Thing,
+}
+
+/// A contact that began in a slot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// The first microsecond not before it.
+    pub time: Time,
+    /// Whose body was stopped.
+    pub robot: RobotId,
+    /// What it met.
+    pub with: Thing,
+    /// The touched point, in the world.
+    pub point: DVec2,
+}
+
+/// The static walls and the public trajectories of all robots, for the present slot and the 100 ms before.
+#[derive(Clone, Debug)]
+pub struct World {
+    walls: Arc<Walls>,
+    slot: Time,
+    now: Time,
+    /// In the order of the robots' ids.
+    tracks: Vec<Track>,
+    /// Where the public trajectories lead from 100 ms before the present slot to its end.
+    moving: Moving,
+    /// The same in the order of the robots' ids, for the next rebuild.
+    bounds: Vec<(RobotId, Bounds)>,
+}
+
+impl World {
+    /// The world at the start of the run, with slots of the length `slot` and the robots of `motions`, in the order of
+    /// their ids from 1 on.
+    ///
+    /// # Panics
+    /// If `slot` is not positive or the ids are not 1, 2, ... in this order.
+    pub fn new<'a>(walls: Arc<Walls>, slot: Time, motions: impl IntoIterator<Item = &'a mut Motion>) -> Self {
+        assert!(slot > Time::ZERO, "a slot has a length");
+        let mut world = Self { walls, slot, now: Time::ZERO, tracks: Vec::new(), moving: Moving::default(), bounds: Vec::new() };
+        for (index, motion) in motions.into_iter().enumerate() {
+            assert_eq!(motion.id().index(), index, "robots are given in the order of their ids");
+            world.tracks.push(Track::new(motion, slot));
+        }
+        world.refresh_index();
+        world
+    }
+
+    /// The static walls.
+    pub fn walls(&self) -> &Arc<Walls> {
+        &self.walls
+    }
+
+    /// Length of a slot.
+    pub fn slot(&self) -> Time {
+        self.slot
+    }
+
+    /// Start of the present slot.
+    pub fn slot_start(&self) -> Time {
+        self.now
+    }
+
+    /// End of the present slot, which does not belong to it.
+    pub fn slot_end(&self) -> Time {
+        self.now + self.slot
+    }
+
+    /// The body of a robot at `at`, as it was public at `at`: not more than 100 ms before the present slot.
+    pub fn body(&self, robot: RobotId, at: Time) -> Body {
+        let track = &self.tracks[robot.index()];
+        Body { robot, centre: track.centre(at), radius: track.radius() }
+    }
+
+    /// What a ray from `origin` along the unit vector `direction` meets first within `range` metres at the instant `at`: a
+    /// wall or the body of another robot than `by`, by its public trajectory.
+    ///
+    /// Source: Koestler & Bräunl, section 4.1. A ray that starts inside another body reads 0; of a wall and a body at the
+    /// same distance the wall is met, of two bodies that of the lower id: our choice.
+    pub fn cast(&self, by: RobotId, origin: DVec2, direction: DVec2, range: f64, at: Time) -> Option<RayHit> {
+        let wall = self.walls.cast(origin, direction, range);
+        let mut nearest = wall.map(|hit| RayHit { distance: hit.distance, thing: Thing::Wall(hit.wall) });
+        let reach = nearest.map_or(range, |hit| hit.distance);
+        self.moving.along_ray(origin, direction, reach, |robot| {
+            if robot == by {
+                return;
+            }
+            let track = &self.tracks[robot.index()];
+            let Some(distance) = disc_distance(origin, direction, track.centre(at), track.radius()) else { return };
+            let thing = Thing::Robot(robot);
+            let is_nearer = |hit: RayHit| distance < hit.distance || (distance == hit.distance && thing < hit.thing);
+            if distance <= range && nearest.is_none_or(is_nearer) {
+                nearest = Some(RayHit { distance, thing });
+            }
+        });
+        nearest
+    }
+
+    /// The bodies of other robots that are in contact with `motion`'s at `at`, by their public trajectories and its own
+    /// truth, in the order of their ids: what [`Motion::command`] needs.
+    pub fn touching(&self, motion: &mut Motion, at: Time) -> Vec<Body> {
+        if self.tracks.len() < 2 {
+            return Vec::new();
+        }
+        let centre = motion.pose(at).position;
+        let radius = motion.radius();
+        let mut bodies = Vec::new();
+        self.moving.for_each_in(Bounds::of_disc(centre, radius + TOUCH), |robot| {
+            if robot != motion.id() {
+                let body = self.body(robot, at);
+                if (body.centre - centre).length() <= radius + body.radius + TOUCH {
+                    bodies.push(body);
+                }
+            }
+        });
+        bodies
+    }
+
+    /// Ends the present slot: settles the contacts between bodies within it, lets bodies go on whose way has become free,
+    /// makes public what has changed, and goes on to the next slot.
+    ///
+    /// `active` holds the motions of all robots that are [active](Motion::is_active), in any order; others may be left out.
+    /// Returns the contacts that began in the slot, in the order of (time, robot).
+    pub fn advance(&mut self, active: &mut [&mut Motion]) -> Vec<Contact> {
+        active.sort_by_key(|motion| motion.id());
+        let end = self.slot_end();
+        settle::settle(self, active);
+        let mut contacts = Vec::new();
+        for motion in active.iter_mut() {
+            let robot = motion.id();
+            contacts.extend(motion.commit(end).into_iter().filter(|impact| impact.fresh).map(|impact| Contact {
+                time: impact.time,
+                robot,
+                with: impact.thing,
+                point: impact.point,
+            }));
+        }
+        contacts.sort_by_key(|contact| (contact.time, contact.robot));
+        settle::resume(self, active, end);
+        self.now = end;
+        for motion in active.iter_mut() {
+            self.tracks[motion.id().index()].publish(motion, end, end + self.slot);
+        }
+        self.refresh_index();
+        contacts
+    }
+
+    /// Goes on to the slot that starts at `slot_start`, when no robot is [active](Motion::is_active) and none is to wake
+    /// before.
+    ///
+    /// # Panics
+    /// If `slot_start` is not the start of a slot, or lies before the present one.
+    pub fn advance_to(&mut self, slot_start: Time) {
+        assert!(slot_start >= self.now && slot_start.floor_to(self.slot) == slot_start, "{slot_start} starts no later slot");
+        self.now = slot_start;
+        self.refresh_index();
+    }
+
+    /// Enters the bounds of all public trajectories into the index, if any has changed.
+    fn refresh_index(&mut self) {
+        let (from, to) = (self.now - HISTORY, self.slot_end());
+        let mut changed = self.bounds.len() != self.tracks.len();
+        self.bounds.resize(self.tracks.len(), (RobotId(0), Bounds::EMPTY));
+        for (index, (track, bounds)) in self.tracks.iter_mut().zip(&mut self.bounds).enumerate() {
+            if let Some(now) = track.refresh(from, to) {
+                changed |= bounds.1 != now;
+                *bounds = (RobotId::from_index(index), now);
+            }
+        }
+        if changed {
+            self.moving.rebuild(&self.bounds);
+        }
+    }
+}
+
+/// Distance along a ray to a disc: 0 from inside, `None` when the ray misses it.
+fn disc_distance(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64) -> Option<f64> {
+    let offset = centre - origin;
+    if offset.length_squared() <= radius * radius {
+        return Some(0.0);
+    }
+    let along = offset.dot(direction);
+    // From the foot of the perpendicular, which keeps the digits of a disc far away.
+    let aside = (offset - direction * along).length_squared();
+    let half_chord = radius * radius - aside;
+    (along > 0.0 && half_chord >= 0.0).then(|| (along - half_chord.sqrt()).max(0.0))
+}
+
+/// The leg that holds at `at`: the last that has started, or the first.
+fn leg_at(legs: &[Leg], at: Time) -> &Leg {
+    let started = legs.iter().rposition(|leg| leg.start <= at);
+    &legs[started.unwrap_or(0)]
+}

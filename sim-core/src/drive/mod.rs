@@ -1,1 +1,17 @@
-//! (drive)
+//! How a robot moves: wheel kinematics, pieces of closed-form motion, and the chain of pieces that is a robot's motion.
+//!
+//! Everything is a function of virtual time in whole microseconds: no step, no slot length. Contact with static walls
+//! belongs to the plan of a motion; contact with other robots is the world's business ([`crate::world`]).
+
+mod control;
+mod model;
+mod motion;
+mod piece;
+mod plan;
+
+pub use control::Gains;
+pub use model::{DriveKind, Model, ModelError, Wheels};
+pub use motion::{HISTORY, Impact, Motion};
+pub(crate) use motion::{Input, Leg};
+pub use piece::{Cause, Piece, Rates, State};
+pub use plan::{Command, CommandError};

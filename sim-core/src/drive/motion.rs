@@ -1,0 +1,496 @@
+//! A robot's motion: the chain of its pieces, from the commands that it is given.
+
+use std::{collections::VecDeque, sync::Arc};
+
+use glam::DVec2;
+
+use super::{
+    control::{Actuation, Gains},
+    model::{Model, Wheels},
+    piece::{Cause, State},
+    plan::{Command, CommandError, Orders, Pending, Stage, centre_of},
+};
+use crate::{
+    RobotId,
+    contact::{Body, Obstacle, Path, Thing},
+    math,
+    pose::{Pose, Twist},
+    scene::Walls,
+    time::Time,
+};
+
+/// How far back a motion and the world remember.
+pub const HISTORY: Time = Time::from_millis(100);
+
+/// Number of impacts that a motion remembers.
+const IMPACTS: usize = 32;
+
+/// Ticks that [`Motion::drive_end`] looks ahead at most while wheels with a lag are not settled: 1,000 s.
+const LOOK_AHEAD: usize = 100_000;
+
+/// A body's contact with an obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impact {
+    /// The first microsecond not before it.
+    pub time: Time,
+    /// What was met.
+    pub thing: Thing,
+    /// The touched point, in the world.
+    pub point: DVec2,
+    /// Direction of the touched point from the robot's centre, in the robot's frame, rad counter-clockwise from ahead.
+    pub bearing: f64,
+    /// False when the body touched it already as it set off.
+    pub fresh: bool,
+}
+
+/// What the program of a robot does to its motion, in the order of time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Input {
+    Command(Command),
+    Odometry(Pose),
+    Control(Option<Gains>),
+}
+
+/// A disc on a path from `start` on, at rest from `after` seconds on, until `until`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Leg {
+    pub start: Time,
+    pub until: Time,
+    pub after: f64,
+    pub path: Path,
+}
+
+impl Leg {
+    /// Seconds that the disc has moved at `at`.
+    pub fn elapsed(&self, at: Time) -> f64 {
+        (at - self.start).seconds().clamp(0.0, self.after)
+    }
+
+    pub fn centre(&self, at: Time) -> DVec2 {
+        if self.path.is_resting() { self.path.origin } else { self.path.position(self.elapsed(at)) }
+    }
+}
+
+/// The motion of one robot in a static world, as a function of virtual time, with what it has been commanded.
+///
+/// Instants that are asked for lie at most [`HISTORY`] before the present slot; those ahead are answered by the present
+/// plan.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    id: RobotId,
+    model: Arc<Model>,
+    walls: Arc<Walls>,
+    /// Never empty; in ascending order of their starts.
+    stages: VecDeque<Stage>,
+    /// Inputs since the start of the slot.
+    journal: Vec<(Time, Input)>,
+    /// Start of the present slot: impacts before it are in the log.
+    committed: Time,
+    log: VecDeque<Impact>,
+    contacts: u32,
+    revision: u64,
+    /// Revision and answer of the last [`Motion::drive_end`].
+    drive_end: Option<(u64, Option<Time>)>,
+}
+
+impl Motion {
+    /// A robot at rest at `world_from_robot`, the pose of its centre, at the start of the run; odometry at 0.
+    ///
+    /// The model must have passed [`Model::check`].
+    pub fn new(id: RobotId, model: Arc<Model>, walls: Arc<Walls>, world_from_robot: Pose) -> Self {
+        let axle = DVec2::new(model.axis_offset, 0.0);
+        let state = State {
+            world_from_axle: Pose { position: world_from_robot.transform_point(axle), ..world_from_robot },
+            ..State::default()
+        };
+        let orders = Orders { pending: Pending::Idle, steering: 0.0, gains: None };
+        let stage = Stage::open(&model, Time::ZERO, state, orders, Actuation::default(), &[]);
+        Self {
+            id,
+            model,
+            walls,
+            stages: VecDeque::from([stage]),
+            journal: Vec::new(),
+            committed: Time::ZERO,
+            log: VecDeque::new(),
+            contacts: 0,
+            revision: 0,
+            drive_end: None,
+        }
+    }
+
+    /// Whose motion it is.
+    pub fn id(&self) -> RobotId {
+        self.id
+    }
+
+    /// The constant facts of the drive and body.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Counts the changes of the plan by commands, and by contacts with other robots when the world advances: as long as
+    /// it stays, so do all answers about the future.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Takes a command at `at`, not before the one before. `touching`: the bodies of the other robots that may be in
+    /// contact, from [`World::touching`](crate::world::World::touching); the command is blocked at once by one that it
+    /// would approach.
+    ///
+    /// # Errors
+    /// A [`CommandError`] for a command that this drive cannot obey; nothing changes then.
+    pub fn command(&mut self, at: Time, command: Command, touching: &[Body]) -> Result<(), CommandError> {
+        self.input(at, Input::Command(command), touching)
+    }
+
+    /// Starts the PI controllers at `at`; they have something to do only with a lag of the wheels.
+    ///
+    /// # Errors
+    /// [`CommandError::NotFinite`] for gains that are not [valid](Gains::is_valid).
+    pub fn start_control(&mut self, at: Time, gains: Gains) -> Result<(), CommandError> {
+        if !gains.is_valid() {
+            return Err(CommandError::NotFinite);
+        }
+        self.input(at, Input::Control(Some(gains)), &[])
+    }
+
+    /// Stops the PI controllers at `at`: the wheels follow what is commanded, open loop.
+    pub fn stop_control(&mut self, at: Time) {
+        // Nothing to refuse.
+        let _ = self.input(at, Input::Control(None), &[]);
+    }
+
+    /// Sets what the robot believes its pose to be at `at`; the true pose stays.
+    ///
+    /// # Errors
+    /// [`CommandError::NotFinite`] for a position that is not finite or beyond 10^12 m.
+    pub fn set_odometry(&mut self, at: Time, odometry: Pose) -> Result<(), CommandError> {
+        // Negated, so that NaN is refused as well.
+        if !(odometry.position.abs().max_element() <= 1e12 && odometry.position.is_finite()) {
+            return Err(CommandError::NotFinite);
+        }
+        self.input(at, Input::Odometry(odometry), &[])
+    }
+
+    /// True pose of the robot's centre at `at`.
+    pub fn pose(&mut self, at: Time) -> Pose {
+        let axle = self.stage_at(at).piece.world_from_axle(at);
+        centre_of(&self.model, &axle)
+    }
+
+    /// True pose of the axle's midpoint, wheel angles, odometry and path length at `at`.
+    pub fn state(&mut self, at: Time) -> State {
+        self.stage_at(at).piece.state(at)
+    }
+
+    /// The pose of the axle's midpoint that the robot believes in at `at`.
+    pub fn odometry(&mut self, at: Time) -> Pose {
+        self.state(at).odometry
+    }
+
+    /// Angles of the wheels at `at` since the start of the run, rad.
+    pub fn wheel_angles(&mut self, at: Time) -> Wheels {
+        self.state(at).wheels
+    }
+
+    /// Length of the path of the axle's midpoint until `at`, m.
+    pub fn path_length(&mut self, at: Time) -> f64 {
+        self.state(at).path
+    }
+
+    /// The twist that the wheels tell at `at`: what `VWGetSpeed` reads.
+    pub fn speed(&mut self, at: Time) -> Twist {
+        self.stage_at(at).piece.rates(at).belief
+    }
+
+    /// Steering angle of an Ackermann drive at `at`, rad.
+    pub fn steering(&mut self, at: Time) -> f64 {
+        self.stage_at(at).orders.steering
+    }
+
+    /// What the drive in progress still has to cover at `at`: arc length, m, or for a turn on the spot its angle, rad;
+    /// 0 without a drive.
+    pub fn drive_remaining(&mut self, at: Time) -> f64 {
+        match self.stage_at(at).orders_at(at).pending {
+            Pending::Drive { whole, remaining, .. } => Pending::progress(whole, remaining).max(0.0),
+            _ => 0.0,
+        }
+    }
+
+    /// True at `at` when no drive is in progress: it has reached its mark, or was replaced, or none was commanded.
+    pub fn is_drive_done(&mut self, at: Time) -> bool {
+        !matches!(self.stage_at(at).orders_at(at).pending, Pending::Drive { .. })
+    }
+
+    /// The first microsecond at which the drive in progress is done; `None` without one, or when it does not end on the
+    /// present plan because the body is stopped before.
+    ///
+    /// With wheels that never settle (a controller that oscillates), a drive of more than 1,000 s is answered by an
+    /// earlier instant: ask again then.
+    pub fn drive_end(&mut self) -> Option<Time> {
+        if let Some((revision, end)) = self.drive_end
+            && revision == self.revision
+        {
+            return end;
+        }
+        let end = self.find_drive_end();
+        self.drive_end = Some((self.revision, end));
+        end
+    }
+
+    /// True at `at` when the body is stopped by an obstacle with a command that it cannot obey.
+    pub fn is_stalled(&mut self, at: Time) -> bool {
+        let piece = &self.stage_at(at).piece;
+        matches!(piece.cause, Cause::Impact { .. }) && piece.has_ended(at)
+    }
+
+    /// The contact that stops the body at `at`.
+    pub fn contact(&mut self, at: Time) -> Option<Impact> {
+        let model = self.model.clone();
+        let stage = self.stage_at(at);
+        if stage.piece.has_ended(at) { impact_of(&model, stage) } else { None }
+    }
+
+    /// True when the body or a wheel moves at `at`.
+    pub fn is_moving(&mut self, at: Time) -> bool {
+        let rates = self.stage_at(at).piece.rates(at);
+        !rates.truth.is_zero() || rates.wheels.iter().any(|&rate| rate != 0.0)
+    }
+
+    /// Number of contacts until `at`: impacts with what was not touched already.
+    pub fn contacts(&mut self, at: Time) -> u32 {
+        self.contacts + self.uncommitted(at).iter().filter(|impact| impact.fresh).count() as u32
+    }
+
+    /// The impacts from `since` until `until`, both included, in the order of time: of the last 32 before the present
+    /// slot, and all within it.
+    pub fn impacts(&mut self, since: Time, until: Time) -> Vec<Impact> {
+        let recent = self.uncommitted(until);
+        let is_asked = |impact: &Impact| impact.time >= since && impact.time <= until;
+        self.log.iter().copied().chain(recent).filter(is_asked).collect()
+    }
+
+    /// The robot that blocks the body, if one does at the end of the plan made so far.
+    pub fn blocker(&self) -> Option<RobotId> {
+        self.last().blocker().and_then(|obstacle| match obstacle.thing {
+            Thing::Robot(id) => Some(id),
+            Thing::Wall(_) => None,
+        })
+    }
+
+    /// True when the world has to be given this motion to advance: it has had an input in the present slot, or moves in it,
+    /// or waits for another robot to clear its way.
+    pub fn is_active(&self) -> bool {
+        let piece = &self.last().piece;
+        let rests = piece.rates.truth.is_zero() && piece.rates.wheels == [0.0; 4] || piece.has_ended(self.committed);
+        !self.journal.is_empty() || !rests || self.last().blocker().is_some() || self.has_ticks()
+    }
+
+    // What follows is for the world.
+
+    pub(crate) fn radius(&self) -> f64 {
+        self.model.body_radius
+    }
+
+    pub(crate) fn journal(&self) -> &[(Time, Input)] {
+        &self.journal
+    }
+
+    /// The legs of the body's motion that touch the time from `from` to `to`, in order, the last without an end.
+    pub(crate) fn legs(&mut self, from: Time, to: Time, legs: &mut Vec<Leg>) {
+        let mut first = self.index_at(from);
+        self.index_at(to);
+        // Exploring the stage at `to` does not reach back; each stage on the way is explored to its successor.
+        legs.clear();
+        while first < self.stages.len() && (legs.is_empty() || self.stages[first].piece.start <= to) {
+            let until = self.stages.get(first + 1).map_or(Time::NEVER, |next| next.piece.start);
+            let stage = &mut self.stages[first];
+            stage.explore(&self.model, &self.walls, (until.min(to) - stage.piece.start).seconds());
+            legs.push(Leg { start: stage.piece.start, until, after: stage.piece.after, path: stage.path });
+            first += 1;
+        }
+    }
+
+    /// Stops the body at `obstacle` `seconds` after `base`, an instant of the present slot; forgets what was planned after.
+    pub(crate) fn block(&mut self, base: Time, seconds: f64, obstacle: Obstacle) {
+        while self.stages.len() > 1 && (self.last().piece.start - base).seconds() > seconds {
+            self.stages.pop_back();
+        }
+        let stage = self.stages.back_mut().expect("a motion has a stage");
+        let after = (base - stage.piece.start).seconds() + seconds;
+        stage.stop(after.clamp(0.0, stage.piece.after), obstacle, true);
+        self.revision += 1;
+    }
+
+    /// Obeys an input again that is in the journal already.
+    pub(crate) fn replay(&mut self, at: Time, input: Input, touching: &[Body]) {
+        // It was accepted before; where the steering made the difference it stays refused.
+        let _ = self.apply(at, input, touching);
+    }
+
+    /// Tries again at `at`, the end of the present slot, to obey what a robot had blocked; false if it still does.
+    pub(crate) fn resume(&mut self, at: Time, touching: &[Body]) -> bool {
+        let index = self.index_at(at);
+        let stage = &self.stages[index];
+        if stage.blocker().is_none() || !stage.piece.has_ended(at) {
+            return false;
+        }
+        let state = stage.piece.state(at);
+        let next =
+            Stage::open(&self.model, at, state, stage.orders_at(at), stage.actuation_before(at), touching);
+        if next.blocker().is_some() {
+            return false;
+        }
+        self.stages.truncate(index + 1);
+        self.stages.push_back(next);
+        self.revision += 1;
+        true
+    }
+
+    /// Ends the present slot at `end`: what has happened in it stands.
+    /// Returns the impacts.
+    pub(crate) fn commit(&mut self, end: Time) -> Vec<Impact> {
+        let impacts = self.uncommitted(end);
+        for &impact in &impacts {
+            self.contacts += u32::from(impact.fresh);
+            if self.log.len() == IMPACTS {
+                self.log.pop_front();
+            }
+            self.log.push_back(impact);
+        }
+        self.journal.clear();
+        self.committed = end;
+        while self.stages.len() > 1 && self.stages[1].piece.start <= end - HISTORY {
+            self.stages.pop_front();
+        }
+        impacts
+    }
+
+    // Helpers.
+
+    fn last(&self) -> &Stage {
+        self.stages.back().expect("a motion has a stage")
+    }
+
+    /// Wheels with a lag are not settled.
+    fn has_ticks(&self) -> bool {
+        let mut stage = *self.last();
+        stage.next(&self.model, &self.walls, Time::NEVER).is_some()
+    }
+
+    fn input(&mut self, at: Time, input: Input, touching: &[Body]) -> Result<(), CommandError> {
+        self.apply(at, input, touching)?;
+        self.journal.push((at, input));
+        Ok(())
+    }
+
+    fn apply(&mut self, at: Time, input: Input, touching: &[Body]) -> Result<(), CommandError> {
+        let index = self.index_at(at);
+        let stage = &self.stages[index];
+        let at = at.max(stage.piece.start);
+        let present = stage.orders_at(at);
+        let mut odometry = None;
+        let orders = match input {
+            Input::Command(command) => present.with(&self.model, command)?,
+            Input::Control(gains) => Orders { gains, ..present },
+            Input::Odometry(pose) => {
+                odometry = Some(pose);
+                present
+            }
+        };
+        let is_blocked = stage.blocker().is_some() && stage.piece.has_ended(at);
+        let is_same = orders == present && !matches!(orders.pending, Pending::Drive { .. });
+        if is_same && odometry.is_none() && !is_blocked && touching.is_empty() {
+            return Ok(());
+        }
+        let mut state = stage.piece.state(at);
+        state.odometry = odometry.unwrap_or(state.odometry);
+        let mut next = Stage::open(&self.model, at, state, orders, stage.actuation_before(at), touching);
+        if let (Some(before), Cause::Impact { with, fresh }) = (stage.blocker(), &mut next.piece.cause)
+            && is_blocked
+            && before.thing == with.thing
+        {
+            *fresh = false;
+        }
+        // A stage without length has been nothing but its orders, which are in the new one.
+        self.stages.truncate(if stage.piece.start == at { index } else { index + 1 });
+        self.stages.push_back(next);
+        self.revision += 1;
+        Ok(())
+    }
+
+    /// The stage in force at `at`, with its contacts known at least until then.
+    fn stage_at(&mut self, at: Time) -> &Stage {
+        let index = self.index_at(at);
+        &self.stages[index]
+    }
+
+    /// The place of the stage in force at `at`, with its contacts known at least until then.
+    fn index_at(&mut self, at: Time) -> usize {
+        loop {
+            let last = self.stages.back_mut().expect("a motion has a stage");
+            match last.next(&self.model, &self.walls, at) {
+                Some(next) => self.stages.push_back(next),
+                None => break,
+            }
+        }
+        let index = self.stages.iter().rposition(|stage| stage.piece.start <= at).unwrap_or(0);
+        let stage = &mut self.stages[index];
+        stage.explore(&self.model, &self.walls, (at - stage.piece.start).seconds());
+        index
+    }
+
+    fn find_drive_end(&mut self) -> Option<Time> {
+        if !matches!(self.last().orders.pending, Pending::Drive { .. }) {
+            return None;
+        }
+        let stage = self.stages.back_mut().expect("a motion has a stage");
+        if self.model.wheel_lag == 0.0 {
+            stage.explore(&self.model, &self.walls, stage.piece.after);
+            return matches!(stage.piece.cause, Cause::Arrived(_)).then(|| stage.piece.end());
+        }
+        // Ticks are run through without keeping them: whoever only waits needs no more than the instant.
+        let mut stage = *stage;
+        for _ in 0..LOOK_AHEAD {
+            match stage.next(&self.model, &self.walls, Time::NEVER) {
+                Some(next) => stage = next,
+                None => {
+                    stage.explore(&self.model, &self.walls, stage.piece.after);
+                    return matches!(stage.piece.cause, Cause::Arrived(_)).then(|| stage.piece.end());
+                }
+            }
+        }
+        Some(stage.piece.start)
+    }
+
+    /// The impacts of the present slot until `until`.
+    fn uncommitted(&mut self, until: Time) -> Vec<Impact> {
+        self.index_at(until);
+        let mut impacts = Vec::new();
+        for (index, stage) in self.stages.iter().enumerate() {
+            let piece = &stage.piece;
+            let bound = self.stages.get(index + 1).map_or(until, |next| next.piece.start.min(until));
+            let is_new = piece.start >= self.committed || !piece.has_ended(self.committed);
+            if piece.start <= until && is_new && piece.has_ended(bound) {
+                impacts.extend(impact_of(&self.model, stage));
+            }
+        }
+        impacts
+    }
+}
+
+/// The impact that ends a stage.
+fn impact_of(model: &Model, stage: &Stage) -> Option<Impact> {
+    let Cause::Impact { with, fresh } = stage.piece.cause else { return None };
+    let world_from_robot = centre_of(model, &stage.piece.state_after(stage.piece.after).world_from_axle);
+    let towards = world_from_robot.inverse_transform_point(with.point);
+    Some(Impact {
+        time: stage.piece.end(),
+        thing: with.thing,
+        point: with.point,
+        bearing: math::atan2(towards.y, towards.x),
+        fresh,
+    })
+}

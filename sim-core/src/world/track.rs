@@ -1,0 +1,117 @@
+//! What is public of one robot: its trajectory, as it was known at each instant of the last 100 ms.
+
+use std::collections::VecDeque;
+
+use glam::DVec2;
+
+use super::leg_at;
+use crate::{
+    drive::{Leg, Motion},
+    scene::Bounds,
+    time::Time,
+};
+
+/// A plan made public at the start of a slot: in force until the next one.
+#[derive(Clone, Debug)]
+struct Publication {
+    since: Time,
+    /// Never empty; in the order of time.
+    legs: Vec<Leg>,
+}
+
+/// The publications of one robot, and its disc.
+#[derive(Clone, Debug)]
+pub(super) struct Track {
+    radius: f64,
+    /// Never empty.
+    publications: VecDeque<Publication>,
+    /// Of the motion's plan that was published last.
+    revision: u64,
+    /// The index need not be told again: nothing moves any more in its span.
+    is_indexed: bool,
+    /// Legs that are not in use, for the next publication.
+    spare: Vec<Leg>,
+}
+
+impl Track {
+    pub fn new(motion: &mut Motion, until: Time) -> Self {
+        let mut legs = Vec::new();
+        motion.legs(Time::ZERO, until, &mut legs);
+        let publications = VecDeque::from([Publication { since: Time(i64::MIN), legs }]);
+        Self {
+            radius: motion.radius(),
+            publications,
+            revision: motion.revision(),
+            is_indexed: false,
+            spare: Vec::new(),
+        }
+    }
+
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Centre of the body at `at`, as it was public at `at`.
+    pub fn centre(&self, at: Time) -> DVec2 {
+        let in_force = self.publications.iter().rposition(|publication| publication.since <= at);
+        leg_at(&self.publications[in_force.unwrap_or(0)].legs, at).centre(at)
+    }
+
+    /// The legs published last.
+    pub fn legs(&self) -> &[Leg] {
+        &self.publications.back().expect("a track has a publication").legs
+    }
+
+    /// Makes public what `motion` plans for the slot from `since` to `until`.
+    pub fn publish(&mut self, motion: &mut Motion, since: Time, until: Time) {
+        let mut legs = std::mem::take(&mut self.spare);
+        motion.legs(since, until, &mut legs);
+        if legs == self.legs() {
+            self.spare = legs;
+            return;
+        }
+        self.is_indexed = false;
+        let last = self.publications.back_mut().expect("a track has a publication");
+        if self.revision == motion.revision() && legs.len() == 1 && last.legs.len() == 1 {
+            // The same plan, seen farther ahead: its past is what it was.
+            self.spare = std::mem::replace(&mut last.legs, legs);
+        } else {
+            self.revision = motion.revision();
+            self.publications.push_back(Publication { since, legs });
+        }
+    }
+
+    /// The rectangle of the body in all that is public from `from` to `to`, unless it is what it was.
+    pub fn refresh(&mut self, from: Time, to: Time) -> Option<Bounds> {
+        if self.is_indexed {
+            return None;
+        }
+        while self.publications.len() > 1 && self.publications[1].since <= from {
+            self.spare = self.publications.pop_front().expect("more than one publication").legs;
+        }
+        let mut bounds = Bounds::EMPTY;
+        let mut is_at_rest = self.publications.len() == 1;
+        for (index, publication) in self.publications.iter().enumerate() {
+            let next = self.publications.get(index + 1).map_or(to, |next| next.since);
+            let (from, to) = (from.max(publication.since), to.min(next));
+            if from <= to {
+                bounds = bounds.union(legs_bounds(&publication.legs, from, to));
+            }
+            is_at_rest &= publication.legs.iter().all(|leg| leg.path.is_resting() || leg.elapsed(from) >= leg.after);
+        }
+        self.is_indexed = is_at_rest;
+        Some(bounds.grown(self.radius))
+    }
+}
+
+/// The rectangle of the centre on `legs` from `from` to `to`.
+pub(super) fn legs_bounds(legs: &[Leg], from: Time, to: Time) -> Bounds {
+    let mut bounds = Bounds::EMPTY;
+    for leg in legs {
+        let (from, to) = (from.max(leg.start), to.min(leg.until));
+        if from <= to || leg.start > from && legs.len() == 1 {
+            bounds = bounds.union(leg.path.bounds(leg.elapsed(from), leg.elapsed(to)));
+        }
+    }
+    bounds
+}
