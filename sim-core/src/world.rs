@@ -64,7 +64,8 @@ impl World {
     /// If `slot` is not positive or the ids are not 1, 2, ... in this order.
     pub fn new<'a>(walls: Arc<Walls>, slot: Time, motions: impl IntoIterator<Item = &'a mut Motion>) -> Self {
         assert!(slot > Time::ZERO, "a slot has a length");
-        let mut world = Self { walls, slot, now: Time::ZERO, tracks: Vec::new(), moving: Moving::default(), bounds: Vec::new() };
+        let mut world =
+            Self { walls, slot, now: Time::ZERO, tracks: Vec::new(), moving: Moving::default(), bounds: Vec::new() };
         for (index, motion) in motions.into_iter().enumerate() {
             assert_eq!(motion.id().index(), index, "robots are given in the order of their ids");
             world.tracks.push(Track::new(motion, slot));
@@ -178,7 +179,10 @@ impl World {
     /// # Panics
     /// If `slot_start` is not the start of a slot, or lies before the present one.
     pub fn advance_to(&mut self, slot_start: Time) {
-        assert!(slot_start >= self.now && slot_start.floor_to(self.slot) == slot_start, "{slot_start} starts no later slot");
+        assert!(
+            slot_start >= self.now && slot_start.floor_to(self.slot) == slot_start,
+            "{slot_start} starts no later slot"
+        );
         self.now = slot_start;
         self.refresh_index();
     }

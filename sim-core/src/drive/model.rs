@@ -84,9 +84,8 @@ impl Model {
         let check = |field, value: f64, accepted, ok: bool| {
             if ok { Ok(()) } else { Err(ModelError { field, value, accepted }) }
         };
-        let positive = |field, value: f64| {
-            check(field, value, "a number greater than 0", value.is_finite() && value > 0.0)
-        };
+        let positive =
+            |field, value: f64| check(field, value, "a number greater than 0", value.is_finite() && value > 0.0);
         positive("wheel diameter", self.wheel_diameter)?;
         positive("maximum wheel rate", self.max_wheel_rate)?;
         positive("ticks per turn", self.ticks_per_turn)?;
@@ -165,11 +164,8 @@ impl Model {
     pub fn clamp_twist(&self, twist: Twist) -> Twist {
         let speed = twist.speed();
         let slow = if speed > self.max_speed { self.max_speed / speed } else { 1.0 };
-        let twist = Twist {
-            vx: twist.vx * slow,
-            vy: twist.vy * slow,
-            omega: twist.omega.clamp(-self.max_turn, self.max_turn),
-        };
+        let twist =
+            Twist { vx: twist.vx * slow, vy: twist.vy * slow, omega: twist.omega.clamp(-self.max_turn, self.max_turn) };
         let excess = self.wheel_excess(&self.wheels_from_twist(twist));
         if excess > 1.0 { twist.scaled(1.0 / excess) } else { twist }
     }

@@ -338,8 +338,7 @@ impl Motion {
             return false;
         }
         let state = stage.piece.state(at);
-        let next =
-            Stage::open(&self.model, at, state, stage.orders_at(at), stage.actuation_before(at), touching);
+        let next = Stage::open(&self.model, at, state, stage.orders_at(at), stage.actuation_before(at), touching);
         if next.blocker().is_some() {
             return false;
         }

@@ -164,7 +164,9 @@ impl Orders {
             // Some rounding beyond the limit is let pass, so that the tightest curve itself can be driven.
             if steering.abs() > model.max_steering + 1e-6 {
                 let min_radius = model.wheelbase / crate::math::tan(model.max_steering);
-                return Err(CommandError::TooTight { min_radius_mm: crate::unit::mm_from_metres(min_radius).ceil() as u32 });
+                return Err(CommandError::TooTight {
+                    min_radius_mm: crate::unit::mm_from_metres(min_radius).ceil() as u32,
+                });
             }
         }
         let duration = duration.max(model.shortest_duration(displacement));
