@@ -1,0 +1,109 @@
+//! The compass: degrees clockwise from north, measured in cycles of 100 ms.
+//!
+//! Source: RoBIOS 6 library, compass; the length of a cycle and the direction of north (along the world's y axis where the
+//! robi's companion does not say) are our choice, the sense of rotation is that of every compass.
+
+use sim_core::pose::Heading;
+use sim_core::time::Time;
+use sim_core::unit;
+
+use super::cycle::Cycle;
+
+/// Length of a measuring cycle.
+pub const CYCLE: Time = Time::from_millis(100);
+
+/// The compass of a robot.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Compass {
+    /// True between `COMPASSInit` and `COMPASSRelease`.
+    pub is_open: bool,
+    cycle: Option<Cycle>,
+    taken: Option<Time>,
+    /// Degrees measured at `taken`, once computed.
+    degrees: Option<i32>,
+}
+
+impl Compass {
+    /// Starts measuring at `now`, once or in cycles without end; false if it is already measuring or not open.
+    pub fn start(&mut self, is_continuous: bool, now: Time) -> bool {
+        self.advance(now);
+        let can_start = self.is_open && self.cycle.is_none();
+        if can_start {
+            (self.taken, self.degrees) = (None, None);
+            self.cycle = Some(Cycle::new(now, CYCLE, is_continuous));
+        }
+        can_start
+    }
+
+    /// Ends the measurement with the cycle in progress.
+    pub fn stop(&mut self, now: Time) {
+        self.advance(now);
+        if let Some(cycle) = &mut self.cycle {
+            cycle.stop(now);
+        }
+    }
+
+    /// True if a cycle has been completed since the last start.
+    pub fn is_valid(&mut self, now: Time) -> bool {
+        self.advance(now);
+        self.taken.is_some()
+    }
+
+    /// The latest value in degrees, `None` before the end of the first cycle. `measure` gives the value at an instant.
+    pub fn read(&mut self, now: Time, measure: impl FnOnce(Time) -> i32) -> Option<i32> {
+        self.advance(now);
+        let taken = self.taken?;
+        Some(*self.degrees.get_or_insert_with(|| measure(taken)))
+    }
+
+    /// When the measurement ends that is not without end, see [`super::psd::Psds::due`].
+    pub fn due(&self) -> Time {
+        self.cycle.map_or(Time::NEVER, |cycle| cycle.last_end())
+    }
+
+    fn advance(&mut self, now: Time) {
+        let Some(cycle) = self.cycle else { return };
+        let Some(taken) = cycle.latest(now) else { return };
+        if self.taken != Some(taken) {
+            (self.taken, self.degrees) = (Some(taken), None);
+        }
+        if cycle.is_over(now) {
+            self.cycle = None;
+        }
+    }
+}
+
+/// What a compass reads on a robot of this heading, 0 to 359: whole degrees clockwise from `north` (a world direction in
+/// radians, counter-clockwise from x).
+pub fn degrees_from_heading(heading: Heading, north: f64) -> i32 {
+    let clockwise = unit::degrees_from_radians(Heading::new(north).remainder() - heading.remainder());
+    (clockwise.round() as i32).rem_euclid(360)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    #[test]
+    fn degrees_run_clockwise_from_north() {
+        let reading = |heading: f64| degrees_from_heading(Heading::new(heading), PI / 2.0);
+        assert_eq!([PI / 2.0, 0.0, -PI / 2.0, PI].map(reading), [0, 90, 180, 270]);
+        assert_eq!(reading(PI / 2.0 + 0.001), 0, "359.94 rounds to 0, not to 360");
+    }
+
+    #[test]
+    fn a_value_needs_a_cycle() {
+        let mut compass = Compass { is_open: true, ..Compass::default() };
+        assert!(compass.start(true, Time(0)));
+        assert!(!compass.start(true, Time(10)), "already measuring");
+        assert_eq!(compass.read(Time(99_999), |_| 1), None);
+        assert_eq!(compass.read(Time(250_000), |at| at.0 as i32), Some(200_000));
+        compass.stop(Time(250_000));
+        assert_eq!(compass.due(), Time(300_000));
+        assert_eq!(compass.read(Time(900_000), |at| at.0 as i32), Some(300_000));
+        assert!(compass.start(false, Time(900_000)) && !compass.is_valid(Time(999_999)));
+        assert!(!Compass::default().start(true, Time(0)), "not open");
+    }
+}

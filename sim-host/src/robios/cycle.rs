@@ -1,0 +1,82 @@
+//! Periodic measurements: sensors whose value exists only once a cycle is complete.
+
+use sim_core::time::Time;
+
+/// A measurement in progress: cycle n (from 1) ends n periods after the start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cycle {
+    start: Time,
+    period: Time,
+    /// Number of the last cycle; `i64::MAX` in continuous mode.
+    last: i64,
+}
+
+impl Cycle {
+    /// A measurement that starts at `start`: one cycle, or one after the other until it is stopped.
+    pub fn new(start: Time, period: Time, is_continuous: bool) -> Self {
+        Self { start, period, last: if is_continuous { i64::MAX } else { 1 } }
+    }
+
+    /// How many cycles are complete at `now`.
+    pub fn completed(&self, now: Time) -> i64 {
+        ((now - self.start).0.max(0) / self.period.0).min(self.last)
+    }
+
+    /// When cycle `n` ends.
+    pub fn end(&self, n: i64) -> Time {
+        self.start + Time(self.period.0.saturating_mul(n))
+    }
+
+    /// When the last cycle ends; [`Time::NEVER`] in continuous mode.
+    pub fn last_end(&self) -> Time {
+        if self.last == i64::MAX { Time::NEVER } else { self.end(self.last) }
+    }
+
+    /// When the latest complete cycle ended; `None` before the end of the first.
+    pub fn latest(&self, now: Time) -> Option<Time> {
+        let completed = self.completed(now);
+        (completed > 0).then(|| self.end(completed))
+    }
+
+    /// True when no cycle is in progress any more.
+    pub fn is_over(&self, now: Time) -> bool {
+        self.completed(now) == self.last
+    }
+
+    /// Lets the cycle in progress at `now` be the last one.
+    pub fn stop(&mut self, now: Time) {
+        self.last = self.last.min(self.completed(now) + 1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cycles_end_at_multiples_of_the_period() {
+        let cycle = Cycle::new(Time(1_000), Time(60_000), true);
+        assert_eq!(cycle.latest(Time(60_999)), None);
+        assert_eq!(cycle.latest(Time(61_000)), Some(Time(61_000)));
+        assert_eq!(cycle.latest(Time(200_000)), Some(Time(181_000)));
+        assert_eq!(cycle.last_end(), Time::NEVER);
+        assert_eq!(cycle.latest(Time(0)), None, "before the start");
+    }
+
+    #[test]
+    fn a_single_measurement_ends_after_one_cycle() {
+        let cycle = Cycle::new(Time(0), Time(60_000), false);
+        assert!(!cycle.is_over(Time(59_999)));
+        assert!(cycle.is_over(Time(60_000)));
+        assert_eq!(cycle.latest(Time(10_000_000)), Some(Time(60_000)));
+    }
+
+    #[test]
+    fn stop_lets_the_cycle_in_progress_end() {
+        let mut cycle = Cycle::new(Time(0), Time(60_000), true);
+        cycle.stop(Time(70_000));
+        assert_eq!(cycle.last_end(), Time(120_000));
+        cycle.stop(Time(500_000));
+        assert_eq!(cycle.latest(Time(500_000)), Some(Time(120_000)), "a second stop changes nothing");
+    }
+}

@@ -1,0 +1,12 @@
+//! What each RoBIOS call does: one file a family of functions, over models of the devices.
+#![forbid(unsafe_code)]
+
+pub mod audio;
+pub mod compass;
+pub mod cycle;
+pub mod handle;
+pub mod key;
+pub mod latch;
+pub mod lcd;
+pub mod psd;
+pub mod serial;

@@ -1,0 +1,258 @@
+//! PSD distance sensors: one driver that measures a chosen set of sensors in cycles of 60 ms.
+//!
+//! A value exists only at the end of a complete cycle and is a function of the world at that instant, computed when it is
+//! first asked for. Source: RoBIOS 6 library, position sensing devices.
+
+use sim_core::time::Time;
+
+use super::cycle::Cycle;
+use super::handle::Handles;
+
+/// Length of a measuring cycle. Source: RoBIOS manual, about 60 ms.
+pub const CYCLE: Time = Time::from_millis(60);
+
+/// What a sensor reads that sees nothing within its range, and one that has never measured.
+pub const OUT_OF_RANGE: i32 = 9999;
+
+/// The raw byte times the distance in millimetres, see [`raw_from_distance`].
+const RAW_MM: f64 = 20_400.0;
+
+/// The driver of all PSD sensors of a robot.
+#[derive(Clone, Debug, Default)]
+pub struct Psds {
+    handles: Handles,
+    measurement: Option<Measurement>,
+    /// By sensor, in the order of the robi, as far as any was ever opened.
+    readings: Vec<Reading>,
+    stamp: Option<Time>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Measurement {
+    sensors: i32,
+    cycle: Cycle,
+}
+
+/// A sensor's latest measurement.
+#[derive(Clone, Copy, Debug, Default)]
+struct Reading {
+    taken: Option<Time>,
+    /// What it gave, once computed: a distance in metres, `None` for out of range.
+    value: Option<Option<f64>>,
+}
+
+/// A measured value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distance {
+    /// When it was measured.
+    pub taken: Time,
+    /// Distance in metres; `None`: nothing within range.
+    pub metres: Option<f64>,
+}
+
+/// What `PSDStart` answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Started {
+    /// The measurement has started.
+    Yes,
+    /// Another one is in progress and goes on.
+    Busy,
+    /// A handle that is not open.
+    WrongHandle,
+}
+
+impl Psds {
+    /// Opens sensor `index`; its handle, or 0 beyond [`super::handle::MAX_DEVICES`].
+    pub fn open(&mut self, index: usize) -> i32 {
+        let handle = self.handles.open(index);
+        if handle != 0 && self.readings.len() <= index {
+            self.readings.resize_with(index + 1, Reading::default);
+        }
+        handle
+    }
+
+    /// Stops measuring and takes back all handles; old values are gone.
+    pub fn release(&mut self) {
+        *self = Self::default();
+    }
+
+    /// True once a sensor has been opened.
+    pub fn is_open(&self) -> bool {
+        self.handles.is_any_open()
+    }
+
+    /// The sensor of a handle.
+    pub fn sensor(&self, handle: i32) -> Option<usize> {
+        self.handles.one(handle)
+    }
+
+    /// Starts measuring with an OR of handles at `now`, once or in cycles without end.
+    ///
+    /// No value counts as valid until the first cycle is complete; the sensors keep their older values until then.
+    pub fn start(&mut self, handles: i32, is_continuous: bool, now: Time) -> Started {
+        self.advance(now);
+        if self.handles.all(handles).is_none() {
+            return Started::WrongHandle;
+        }
+        if self.measurement.is_some() {
+            return Started::Busy;
+        }
+        self.stamp = None;
+        self.measurement = Some(Measurement { sensors: handles, cycle: Cycle::new(now, CYCLE, is_continuous) });
+        Started::Yes
+    }
+
+    /// Ends the measurement with the cycle in progress.
+    pub fn stop(&mut self, now: Time) {
+        self.advance(now);
+        if let Some(measurement) = &mut self.measurement {
+            measurement.cycle.stop(now);
+        }
+    }
+
+    /// End of the latest cycle completed since the last start; `None` while there is none.
+    pub fn stamp(&mut self, now: Time) -> Option<Time> {
+        self.advance(now);
+        self.stamp
+    }
+
+    /// The latest value of sensor `index`; `None` if it has never completed a cycle. `measure` gives the distance in metres
+    /// that the sensor sees at an instant.
+    pub fn read(
+        &mut self,
+        index: usize,
+        now: Time,
+        measure: impl FnOnce(usize, Time) -> Option<f64>,
+    ) -> Option<Distance> {
+        self.advance(now);
+        let reading = self.readings.get_mut(index)?;
+        let taken = reading.taken?;
+        let metres = *reading.value.get_or_insert_with(|| measure(index, taken));
+        Some(Distance { taken, metres })
+    }
+
+    /// When the measurement ends that is not without end: then [`settle`](Self::settle) must be called, since the world does
+    /// not remember for long what the sensors saw. [`Time::NEVER`] if there is none.
+    pub fn due(&self) -> Time {
+        self.measurement.map_or(Time::NEVER, |measurement| measurement.cycle.last_end())
+    }
+
+    /// Computes the values of a measurement that has ended by `now`.
+    pub fn settle(&mut self, now: Time, mut measure: impl FnMut(usize, Time) -> Option<f64>) {
+        if now < self.due() {
+            return;
+        }
+        let Some(Measurement { sensors, .. }) = self.measurement else { return };
+        self.advance(now);
+        for index in self.handles.all(sensors).into_iter().flatten() {
+            self.read(index, now, &mut measure);
+        }
+    }
+
+    /// Takes over the cycles that have been completed by `now`.
+    fn advance(&mut self, now: Time) {
+        let Some(Measurement { sensors, cycle }) = self.measurement else { return };
+        let Some(taken) = cycle.latest(now) else { return };
+        if self.stamp != Some(taken) {
+            self.stamp = Some(taken);
+            for index in self.handles.all(sensors).into_iter().flatten() {
+                self.readings[index] = Reading { taken: Some(taken), value: None };
+            }
+        }
+        if cycle.is_over(now) {
+            self.measurement = None;
+        }
+    }
+}
+
+/// A distance in metres as `PSDGet` gives it: whole millimetres, [`OUT_OF_RANGE`] for nothing.
+pub fn mm_from_distance(metres: Option<f64>) -> i32 {
+    metres.map_or(OUT_OF_RANGE, |metres| (sim_core::unit::mm_from_metres(metres).round() as i32).min(OUT_OF_RANGE))
+}
+
+/// A distance in metres as `PSDGetRaw` gives it: 20 400 divided by the millimetres, at most 255 (from 80 mm down), 0 for
+/// nothing.
+///
+/// The shape is that of the sensor (the nearer, the greater); the constant is our choice, so that the byte is used up over
+/// the 80 to 800 mm of the Sharp GP2D02.
+pub fn raw_from_distance(metres: Option<f64>) -> i32 {
+    // A distance of 0 divides to infinity, which the conversion saturates.
+    metres.map_or(0, |metres| i32::from((RAW_MM / sim_core::unit::mm_from_metres(metres)).round() as u8))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A world in which sensor i sees i metres plus the seconds of the instant.
+    fn seen(index: usize, at: Time) -> Option<f64> {
+        Some(index as f64 + at.seconds())
+    }
+
+    fn opened() -> Psds {
+        let mut psds = Psds::default();
+        assert_eq!([psds.open(0), psds.open(1), psds.open(2)], [1, 2, 4]);
+        psds
+    }
+
+    #[test]
+    fn a_value_is_as_old_as_its_cycle() {
+        let mut psds = opened();
+        assert_eq!(psds.start(0b101, true, Time(1_000)), Started::Yes);
+        assert_eq!(psds.read(0, Time(60_999), seen), None);
+        assert_eq!(psds.stamp(Time(60_999)), None);
+        let at_once = psds.read(2, Time(61_000), seen);
+        assert_eq!(at_once, Some(Distance { taken: Time(61_000), metres: Some(2.061) }));
+        let later = psds.read(2, Time(120_999), |_, _| panic!("the value is known"));
+        assert_eq!(later, at_once);
+        assert_eq!(psds.read(2, Time(121_000), seen).unwrap().taken, Time(121_000));
+        assert_eq!(psds.read(1, Time(121_000), seen), None, "not started");
+        assert_eq!(psds.due(), Time::NEVER);
+    }
+
+    #[test]
+    fn a_single_measurement_is_kept_until_the_next() {
+        let mut psds = opened();
+        psds.start(1, false, Time(0));
+        assert_eq!(psds.due(), Time(60_000));
+        assert_eq!(psds.start(1, false, Time(59_999)), Started::Busy);
+        psds.settle(Time(60_000), seen);
+        assert_eq!(psds.due(), Time::NEVER);
+        let kept = Some(Distance { taken: Time(60_000), metres: Some(0.06) });
+        assert_eq!(psds.read(0, Time(9_000_000), |_, _| panic!("settled")), kept);
+        assert_eq!(psds.start(1, true, Time(9_000_000)), Started::Yes);
+        assert_eq!(psds.stamp(Time(9_000_001)), None, "nothing new is valid yet");
+        assert_eq!(psds.read(0, Time(9_000_001), seen), kept, "the old value stays");
+    }
+
+    #[test]
+    fn stop_completes_the_cycle_in_progress() {
+        let mut psds = opened();
+        psds.start(1, true, Time(0));
+        psds.stop(Time(130_000));
+        assert_eq!(psds.start(1, true, Time(179_999)), Started::Busy);
+        assert_eq!(psds.start(1, true, Time(180_000)), Started::Yes);
+        assert_eq!(psds.read(0, Time(180_000), seen).unwrap().taken, Time(180_000));
+    }
+
+    #[test]
+    fn wrong_handles() {
+        let mut psds = opened();
+        assert_eq!(psds.start(0, true, Time(0)), Started::WrongHandle);
+        assert_eq!(psds.start(8, true, Time(0)), Started::WrongHandle);
+        assert_eq!(psds.sensor(3), None);
+        psds.start(1, true, Time(0));
+        psds.release();
+        assert_eq!((psds.start(1, true, Time(0)), psds.is_open()), (Started::WrongHandle, false));
+        assert_eq!(psds.read(7, Time(0), seen), None);
+    }
+
+    #[test]
+    fn units() {
+        assert_eq!(mm_from_distance(Some(0.1234)), 123);
+        assert_eq!(mm_from_distance(Some(0.1236)), 124);
+        assert_eq!([mm_from_distance(None), mm_from_distance(Some(50.0))], [9999, 9999]);
+        assert_eq!([0.8, 0.2, 0.08, 0.0].map(|metres| raw_from_distance(Some(metres))), [26, 102, 255, 255]);
+        assert_eq!(raw_from_distance(None), 0);
+    }
+}
