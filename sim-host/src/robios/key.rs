@@ -5,14 +5,9 @@
 
 use std::collections::VecDeque;
 
+use robios_sys::robios6::{ANYKEY, KEY1, KEY2, KEY3, KEY4};
 use sim_core::RobotId;
 use sim_core::time::Time;
-
-const KEY1: i32 = 1;
-const KEY2: i32 = 2;
-const KEY3: i32 = 4;
-const KEY4: i32 = 8;
-const ANYKEY: i32 = -1;
 
 /// The keys from left to right: their names and codes, one bit each.
 pub const KEYS: [(&str, i32); 4] = [("KEY1", KEY1), ("KEY2", KEY2), ("KEY3", KEY3), ("KEY4", KEY4)];

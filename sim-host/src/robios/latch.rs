@@ -4,8 +4,8 @@
 
 use sim_core::format::InputSpec;
 
-/// Output latches that can be written, numbered from 0; our choice (the EyeBot has fewer).
-pub const LATCHES: usize = 16;
+/// Input latches, and output latches, numbered from 0; our choice.
+pub const LATCHES: usize = 4;
 
 /// A/D channels. Source: RoBIOS 6 library.
 pub const CHANNELS: i32 = 16;
@@ -57,8 +57,8 @@ mod tests {
         let mut latches = Latches::default();
         assert_eq!(latches.write(1, 0, 0b1100), Some((0, 0b1100)));
         assert_eq!(latches.write(1, 0b0100, 0b0001), Some((0b1100, 0b0101)));
-        assert_eq!([latches.output(1), latches.output(0), latches.output(-1), latches.output(16)], [0b0101, 0, 0, 0]);
-        assert_eq!(latches.write(16, 0, 1), None);
+        assert_eq!([latches.output(1), latches.output(0), latches.output(-1), latches.output(4)], [0b0101, 0, 0, 0]);
+        assert_eq!(latches.write(4, 0, 1), None);
         assert_eq!(latches.write(i32::MIN, 0, 1), None);
     }
 

@@ -207,46 +207,34 @@ impl Lcd {
         Ok(self.draw(row, mask(column, column), ink))
     }
 
-    /// Draws the line from (`x1`, `y1`) to (`x2`, `y2`), both ends included, each pixel once (Bresenham).
-    ///
-    /// # Errors
-    /// [`OffDisplay`] if an end is outside of x 0 to 127 and y 0 to 63.
-    pub fn draw_line(&mut self, [x1, y1]: [i32; 2], [x2, y2]: [i32; 2], ink: Ink) -> Result<u32, OffDisplay> {
-        for (x, y) in [(x1, y1), (x2, y2)] {
-            index(x, WIDTH)?;
-            index(y, HEIGHT)?;
-        }
-        let (dx, dy) = ((x2 - x1).abs(), -(y2 - y1).abs());
-        let (step_x, step_y) = ((x2 - x1).signum(), (y2 - y1).signum());
-        let (mut x, mut y, mut error, mut changed) = (x1, y1, dx + dy, 0);
-        loop {
-            changed += self.draw_pixel(y, x, ink)?;
-            if (x, y) == (x2, y2) {
-                return Ok(changed);
-            }
-            let twice = 2 * error;
-            if twice >= dy {
-                error += dy;
-                x += step_x;
-            }
-            if twice <= dx {
-                error += dx;
-                y += step_y;
-            }
+    /// Draws the line from (`x1`, `y1`) to (`x2`, `y2`), both ends included, each pixel once; what lies outside of the display
+    /// is left out. The pixels are the same in either direction.
+    pub fn draw_line(&mut self, from: [i32; 2], to: [i32; 2], ink: Ink) -> u32 {
+        let ([x1, y1], [x2, y2]) = (from.map(i64::from), to.map(i64::from));
+        if (x2 - x1).abs() >= (y2 - y1).abs() {
+            let pixels = along([x1, y1], [x2, y2], WIDTH as i64);
+            pixels.map(|(x, y)| self.draw_if_shown(y, x, ink)).sum()
+        } else {
+            let pixels = along([y1, x1], [y2, x2], HEIGHT as i64);
+            pixels.map(|(y, x)| self.draw_if_shown(y, x, ink)).sum()
         }
     }
 
-    /// Fills the rectangle from (`x1`, `y1`) to (`x2`, `y2`), edges included.
+    /// Fills the rectangle from (`x1`, `y1`) to (`x2`, `y2`), edges included; what lies outside of the display is left out.
     ///
     /// # Errors
-    /// [`OffDisplay`] if a corner is outside of x 0 to 127 and y 0 to 63, or not left of and above the other.
+    /// [`OffDisplay`] if the first corner is not to the left of and above the second one, or on its edges.
     pub fn draw_area(&mut self, [x1, y1]: [i32; 2], [x2, y2]: [i32; 2], ink: Ink) -> Result<u32, OffDisplay> {
-        let (left, right) = (index(x1, WIDTH)?, index(x2, WIDTH)?);
-        let (top, bottom) = (index(y1, HEIGHT)?, index(y2, HEIGHT)?);
-        if left > right || top > bottom {
+        if x1 > x2 || y1 > y2 {
             return Err(OffDisplay);
         }
-        Ok((top..=bottom).map(|row| self.draw(row, mask(left, right), ink)).sum())
+        let (left, right) = (x1.max(0), x2.min(WIDTH as i32 - 1));
+        let (top, bottom) = (y1.max(0), y2.min(HEIGHT as i32 - 1));
+        if left > right {
+            return Ok(0);
+        }
+        let mask = mask(left as usize, right as usize);
+        Ok((top..=bottom).map(|row| self.draw(row as usize, mask, ink)).sum())
     }
 
     /// Shows a grey image of `width` pixels a row at the top left, dithered: 0 is black, 255 white.
@@ -294,6 +282,13 @@ impl Lcd {
         picture
     }
 
+    fn draw_if_shown(&mut self, row: i64, column: i64, ink: Ink) -> u32 {
+        match (usize::try_from(row), usize::try_from(column)) {
+            (Ok(row), Ok(column)) if row < HEIGHT && column < WIDTH => self.draw(row, mask(column, column), ink),
+            _ => 0,
+        }
+    }
+
     fn draw(&mut self, row: usize, mask: u128, ink: Ink) -> u32 {
         let old = self.pixels[row];
         let new = match ink {
@@ -335,6 +330,18 @@ fn mask(left: usize, right: usize) -> u128 {
     u128::MAX >> (WIDTH - 1 - (right - left)) << (WIDTH - 1 - right)
 }
 
+/// The points of a line that is longer along its first coordinate than along its second one, where the first coordinate is
+/// from 0 to below `end`.
+fn along(from: [i64; 2], to: [i64; 2], end: i64) -> impl Iterator<Item = (i64, i64)> {
+    let ([start, first], [stop, last]) = if from[0] <= to[0] { (from, to) } else { (to, from) };
+    let (length, rise) = (i128::from(stop - start), i128::from(last - first));
+    (start.max(0)..=stop.min(end - 1)).map(move |place| {
+        // Rounded to the nearest, halves up; a line of one point has length 0.
+        let twice = 2 * rise * i128::from(place - start) + length;
+        (place, first + if length == 0 { 0 } else { twice.div_euclid(2 * length) as i64 })
+    })
+}
+
 /// `value` as an index below `end`.
 fn index(value: i32, end: usize) -> Result<usize, OffDisplay> {
     usize::try_from(value).ok().filter(|index| *index < end).ok_or(OffDisplay)
@@ -369,7 +376,7 @@ mod tests {
         for (position, text) in [(1, "GO"), (2, "STOP"), (3, "longer"), (4, "END")] {
             lcd.set_menu(position, text.as_bytes()).unwrap();
         }
-        lcd.draw_line([0, 30], [127, 50], Ink::Set).unwrap();
+        lcd.draw_line([0, 30], [127, 50], Ink::Set);
         lcd.draw_area([100, 2], [120, 24], Ink::Invert).unwrap();
         lcd.draw_area([104, 6], [116, 20], Ink::Invert).unwrap();
         assert_eq!(lcd.lines(), ["Wall 123 mm", "phi -1.571", "", "", "", "", "GO  STOPlongEND"]);
@@ -435,13 +442,33 @@ mod tests {
         assert_eq!((lcd.pixel(63, 127), lcd.pixel(0, 0)), (Ok(true), Ok(false)));
         assert_eq!(lcd.pixel(64, 0), Err(OffDisplay));
         assert_eq!(lcd.draw_pixel(0, 128, Ink::Set), Err(OffDisplay));
-        assert_eq!(lcd.draw_line([0, 0], [3, 3], Ink::Set), Ok(4));
-        assert_eq!(lcd.draw_line([3, 3], [0, 0], Ink::Invert), Ok(4), "the same pixels in the other direction");
-        assert_eq!(lcd.draw_line([5, 60], [5, 2], Ink::Set), Ok(59));
-        assert_eq!(lcd.draw_line([0, 0], [i32::MAX, 0], Ink::Set), Err(OffDisplay));
-        assert_eq!(lcd.draw_area([0, 0], [127, 63], Ink::Clear), Ok(60));
+        assert_eq!(lcd.draw_line([0, 0], [3, 3], Ink::Set), 4);
+        assert_eq!(lcd.draw_line([3, 3], [0, 0], Ink::Invert), 4, "the same pixels in the other direction");
+        assert_eq!(lcd.draw_line([5, 60], [5, 2], Ink::Set), 59);
+        assert_eq!(lcd.draw_line([9, 9], [9, 9], Ink::Set), 1);
+        assert_eq!(lcd.draw_area([0, 0], [127, 63], Ink::Clear), Ok(61));
         assert_eq!(lcd.draw_area([1, 0], [0, 5], Ink::Set), Err(OffDisplay));
         assert_eq!(Ink::try_from(3), Err(OffDisplay));
+    }
+
+    #[test]
+    fn what_lies_outside_is_left_out() {
+        let mut lcd = Lcd::default();
+        assert_eq!(lcd.draw_line([-5, 10], [2, 10], Ink::Set), 3);
+        assert_eq!(lcd.draw_line([i32::MIN, i32::MIN], [i32::MAX, i32::MAX], Ink::Set), 64, "the diagonal");
+        assert_eq!(lcd.pixel(63, 63), Ok(true));
+        assert_eq!(lcd.draw_line([200, 0], [300, 63], Ink::Set), 0);
+        lcd.clear();
+        assert_eq!(lcd.draw_area([i32::MIN, 60], [1, i32::MAX], Ink::Set), Ok(8));
+        assert_eq!(lcd.draw_area([128, 0], [200, 63], Ink::Set), Ok(0));
+        assert_eq!(lcd.draw_area([0, -9], [5, -1], Ink::Set), Ok(0));
+    }
+
+    #[test]
+    fn a_line_of_slope_one_third() {
+        let mut lcd = Lcd::default();
+        lcd.draw_line([0, 0], [6, 2], Ink::Set);
+        assert_eq!(art(&lcd, 3, 7), "##.....\n..###..\n.....##\n");
     }
 
     #[test]

@@ -3,8 +3,11 @@
 
 pub mod audio;
 pub mod compass;
+pub mod cost;
 pub mod cycle;
 pub mod handle;
+pub mod hint;
+pub mod image;
 pub mod key;
 pub mod latch;
 pub mod lcd;

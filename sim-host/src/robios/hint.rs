@@ -1,0 +1,92 @@
+//! Hints at likely mistakes in a program: each at most once a robot.
+
+use std::collections::BTreeMap;
+
+use robios_sys::Robios6Call as Call;
+
+/// After how many failures of one function the program is told that it does not look.
+const IGNORED_FAILURES: u32 = 100;
+
+/// A drive longer than this is probably meant in millimetres, in metres.
+pub const LONG_DRIVE: f64 = 100.0;
+
+/// A likely mistake.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Mistake {
+    /// A drive of kilometres.
+    LongDrive,
+    /// A PSD sensor is read that was never opened.
+    PsdNotOpen,
+    /// `PSDStart` while the sensors measure already.
+    PsdBusy,
+    /// A PSD sensor is read that was never started.
+    PsdNotStarted,
+    /// An error code that nobody looks at.
+    IgnoredFailure,
+}
+
+/// Which hints a robot has been given.
+#[derive(Clone, Debug, Default)]
+pub struct Hints {
+    given: Vec<Mistake>,
+    failures: BTreeMap<Call, u32>,
+}
+
+impl Hints {
+    /// True the first time that the mistake is made.
+    pub fn is_first(&mut self, mistake: Mistake) -> bool {
+        let is_first = !self.given.contains(&mistake);
+        if is_first {
+            self.given.push(mistake);
+        }
+        is_first
+    }
+
+    /// Counts a failure of `call`; the text of the hint when it is time for one.
+    pub fn count_failure(&mut self, call: Call) -> Option<String> {
+        let count = self.failures.entry(call).or_default();
+        *count += 1;
+        let is_due = *count == IGNORED_FAILURES && self.is_first(Mistake::IgnoredFailure);
+        is_due.then(|| {
+            format!(
+                "`{}` has failed {IGNORED_FAILURES} times and the program goes on: look at what it returns",
+                call.name()
+            )
+        })
+    }
+}
+
+impl Mistake {
+    /// What the user is told, for the mistakes that need no numbers.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::LongDrive => {
+                "a drive of more than 100 m: RoBIOS 6 takes metres and radians, not millimetres and degrees"
+            }
+            Self::PsdNotOpen => {
+                "`PSDGet` with a handle that `PSDInit` did not give: is the sensor's name in the robi file, and was the \
+                 result of `PSDInit` kept?"
+            }
+            Self::PsdBusy => {
+                "`PSDStart` returned 1, busy: start all sensors with one call, `PSDStart(front | left | right, TRUE)`"
+            }
+            Self::PsdNotStarted => {
+                "`PSDGet` before a first measurement gives 9999: call `PSDStart(handle, TRUE)` and wait 60 ms"
+            }
+            Self::IgnoredFailure => "a function keeps failing: look at what it returns",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hundredth_failure_is_told_once() {
+        let mut hints = Hints::default();
+        let told: Vec<u32> = (1..=300).filter(|_| hints.count_failure(Call::MOTORDrive).is_some()).collect();
+        assert_eq!(told, [100]);
+        assert!(hints.is_first(Mistake::PsdBusy) && !hints.is_first(Mistake::PsdBusy));
+    }
+}

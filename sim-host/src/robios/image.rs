@@ -1,0 +1,104 @@
+//! Image processing on grey and colour images of 82 x 62 pixels: 80 x 60 with a border of one pixel.
+//!
+//! Border pixels of a result are 0. Source: RoBIOS 6 library, image processing; the scaling of Laplace and Sobel is our
+//! choice.
+
+use robios_sys::robios6::{ColImage, IMAGE_COLUMNS as COLUMNS, IMAGE_ROWS as ROWS, Image};
+
+use super::lcd;
+
+/// Edges by the Laplace operator: |4 c - n - s - w - e|, at most 255.
+pub fn laplace(source: &Image) -> Image {
+    inner(|row, column| {
+        let at = |dy: usize, dx: usize| level(source, row + dy - 1, column + dx - 1);
+        (4 * at(1, 1) - at(0, 1) - at(2, 1) - at(1, 0) - at(1, 2)).abs()
+    })
+}
+
+/// Edges by the Sobel operator: |gx| + |gy|, at most 255.
+pub fn sobel(source: &Image) -> Image {
+    inner(|row, column| {
+        let at = |dy: usize, dx: usize| level(source, row + dy - 1, column + dx - 1);
+        let gx = at(0, 2) + 2 * at(1, 2) + at(2, 2) - at(0, 0) - 2 * at(1, 0) - at(2, 0);
+        let gy = at(2, 0) + 2 * at(2, 1) + at(2, 2) - at(0, 0) - 2 * at(0, 1) - at(0, 2);
+        gx.abs() + gy.abs()
+    })
+}
+
+/// Black (0) and white (255) by ordered dithering with a 2 x 2 pattern.
+pub fn dither(source: &Image) -> Image {
+    inner(|row, column| if lcd::is_black(source[row][column], row - 1, column - 1) { 0 } else { 255 })
+}
+
+/// Absolute difference of two images.
+pub fn differ(current: &Image, last: &Image) -> Image {
+    inner(|row, column| (level(current, row, column) - level(last, row, column)).abs())
+}
+
+/// Grey as the mean of red, green and blue, rounded down.
+pub fn grey_from_colour(source: &ColImage) -> Image {
+    inner(|row, column| source[row][column].iter().map(|value| i32::from(*value)).sum::<i32>() / 3)
+}
+
+/// The part of an image that `LCDPutGraphic` shows: 80 x 54 pixels without the border, from the top.
+pub fn shown(image: &Image) -> impl Iterator<Item = u8> + '_ {
+    image[1..=54].iter().flat_map(|row| row[1..=80].iter().copied())
+}
+
+/// The image whose pixels inside the border are `value`, limited to 0..=255.
+fn inner(value: impl Fn(usize, usize) -> i32) -> Image {
+    std::array::from_fn(|row| {
+        std::array::from_fn(|column| {
+            let is_inner = (1..ROWS - 1).contains(&row) && (1..COLUMNS - 1).contains(&column);
+            if is_inner { value(row, column).clamp(0, 255) as u8 } else { 0 }
+        })
+    })
+}
+
+fn level(image: &Image, row: usize, column: usize) -> i32 {
+    i32::from(image[row][column])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Left half black, right half of `level`.
+    fn step(level: u8) -> Image {
+        [std::array::from_fn(|column| if column < 41 { 0 } else { level }); ROWS]
+    }
+
+    #[test]
+    fn edges_are_where_the_step_is() {
+        let (laplace, sobel) = (laplace(&step(10)), sobel(&step(10)));
+        let row = |image: &Image| -> Vec<u8> { image[30][38..44].to_vec() };
+        // Laplace: 10 on both sides of the step. Sobel: (1 + 2 + 1) * 10 on both sides.
+        assert_eq!(row(&laplace), [0, 0, 10, 10, 0, 0]);
+        assert_eq!(row(&sobel), [0, 0, 40, 40, 0, 0]);
+        assert_eq!(super::sobel(&step(255))[30][40], 255, "limited");
+        assert_eq!(laplace[0][40], 0, "border");
+    }
+
+    #[test]
+    fn differences_and_greys() {
+        let (a, b) = (step(10), step(30));
+        assert_eq!(differ(&a, &b)[1][60], 20);
+        assert_eq!(differ(&b, &a), differ(&a, &b));
+        let colour: ColImage = [[[30, 60, 91]; COLUMNS]; ROWS];
+        assert_eq!(grey_from_colour(&colour)[1][1], 60);
+    }
+
+    #[test]
+    fn dithering_a_quarter_grey_leaves_one_black_of_four() {
+        let light = dither(&[[192; COLUMNS]; ROWS]);
+        assert_eq!(light.iter().flatten().filter(|pixel| **pixel == 255).count(), 80 * 60 * 3 / 4);
+        assert_eq!(dither(&light), light, "black and white stay");
+    }
+
+    #[test]
+    fn the_display_shows_80_by_54() {
+        let image: Image = std::array::from_fn(|row| [row as u8; COLUMNS]);
+        let shown: Vec<u8> = shown(&image).collect();
+        assert_eq!((shown.len(), shown[0], shown[80 * 54 - 1]), (80 * 54, 1, 54));
+    }
+}
