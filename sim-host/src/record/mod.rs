@@ -8,14 +8,18 @@ pub mod digest;
 pub mod event;
 pub mod journal;
 pub mod log;
+pub mod plot;
 pub mod recorder;
 pub mod report;
 pub mod trace;
+pub mod trail;
 
 pub use digest::Digest;
 pub use event::{Event, Kind, Obstacle, Outcome, Record};
 pub use journal::Journal;
 pub use log::Log;
+pub use plot::{Plot, PlotRobot};
 pub use recorder::{RecordError, Recorder, Sink};
 pub use report::Report;
 pub use trace::Trace;
+pub use trail::Trails;

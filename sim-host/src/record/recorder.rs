@@ -35,6 +35,9 @@ pub enum RecordError {
     /// The report holds what its schema does not allow.
     #[error("cannot write the report: {0}")]
     Report(serde_json::Error),
+    /// The drawing library refuses.
+    #[error("cannot draw the plot: {0}")]
+    Plot(String),
 }
 
 impl RecordError {

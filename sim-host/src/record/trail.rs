@@ -1,0 +1,268 @@
+//! Where robots have been: trails that keep their shape in bounded memory.
+
+use glam::DVec2;
+use sim_core::math;
+use sim_core::pose::Pose;
+use sim_core::time::Time;
+
+use super::digest::Digest;
+use super::event::{Event, Kind, KindSet, Record};
+use super::recorder::{RecordError, Sink};
+
+/// How far a trail may be from the recorded positions at first, in metres.
+const TOLERANCE: f64 = 1e-3;
+
+/// A trail with more points than this is thinned with twice the tolerance.
+const MAX_POINTS: usize = 4096;
+
+/// A polyline that stays within [`Self::deviation`] of every position pushed.
+///
+/// Points are dropped as they come: the last corner and a sector of directions within which everything since then lies
+/// (cone intersection, Sklansky & Gonzalez 1980). The tolerance is 1 mm and doubles when the trail grows past 4096 points.
+#[derive(Clone, Debug)]
+pub struct Trail {
+    corners: Vec<DVec2>,
+    /// The newest position, the end of the open segment.
+    last: DVec2,
+    tolerance: f64,
+    segment: Option<Sector>,
+}
+
+/// What the open segment of a trail must satisfy, as seen from its corner.
+#[derive(Clone, Copy, Debug)]
+struct Sector {
+    /// Unit vector from which angles count.
+    axis: DVec2,
+    /// Angles between which the segment must lie, rad.
+    angles: (f64, f64),
+    /// Greatest distance of a position from the corner, m.
+    reach: f64,
+}
+
+impl Trail {
+    /// The trail that begins at `start`, in metres.
+    pub fn new(start: DVec2) -> Self {
+        Self::with_tolerance(start, TOLERANCE)
+    }
+
+    fn with_tolerance(start: DVec2, tolerance: f64) -> Self {
+        Self { corners: vec![start], last: start, tolerance, segment: None }
+    }
+
+    /// Continues the trail to `position`, in metres.
+    pub fn push(&mut self, position: DVec2) {
+        let corner = self.corners[self.corners.len() - 1];
+        match self.extended(position - corner) {
+            Ok(segment) => self.segment = segment,
+            Err(Bend) => {
+                self.corners.push(self.last);
+                self.segment = None;
+                self.segment = self.extended(position - self.last).unwrap_or(None);
+            }
+        }
+        self.last = position;
+        if self.corners.len() > MAX_POINTS {
+            self.thin();
+        }
+    }
+
+    /// The points of the polyline: first, corners, newest.
+    pub fn points(&self) -> Vec<DVec2> {
+        self.corners
+            .iter()
+            .copied()
+            .chain((self.last != self.corners[self.corners.len() - 1]).then_some(self.last))
+            .collect()
+    }
+
+    /// How far the polyline may be from a position that was pushed, in metres.
+    pub fn deviation(&self) -> f64 {
+        // Each thinning adds its own tolerance to those before it, a geometric series. A point beyond the end of a segment
+        // may be off by a tolerance along and one across it.
+        2.0 * std::f64::consts::SQRT_2 * self.tolerance
+    }
+
+    /// The open segment after the position at `offset` from its corner, or the news that it needs a corner before.
+    fn extended(&self, offset: DVec2) -> Result<Option<Sector>, Bend> {
+        let distance = math::hypot(offset.x, offset.y);
+        let Some(sector) = self.segment else {
+            let width = self.tolerance / distance;
+            let is_near = distance <= self.tolerance;
+            return Ok((!is_near).then(|| Sector {
+                axis: offset / distance,
+                angles: (-width, width),
+                reach: distance,
+            }));
+        };
+        if distance < sector.reach - self.tolerance {
+            return Err(Bend);
+        }
+        let angle = math::atan2(sector.axis.perp_dot(offset), sector.axis.dot(offset));
+        let (low, high) = sector.angles;
+        if !(low..=high).contains(&angle) {
+            return Err(Bend);
+        }
+        // The sine of an angle is less than the angle, so this is on the safe side.
+        let width = self.tolerance / distance;
+        let angles = (low.max(angle - width), high.min(angle + width));
+        Ok(Some(Sector { angles, reach: sector.reach.max(distance), ..sector }))
+    }
+
+    /// Doubles the tolerance until a quarter of the points is gone.
+    fn thin(&mut self) {
+        while self.corners.len() > MAX_POINTS / 4 * 3 {
+            let mut thinner = Self::with_tolerance(self.corners[0], 2.0 * self.tolerance);
+            self.points().into_iter().skip(1).for_each(|point| thinner.push(point));
+            *self = thinner;
+        }
+    }
+}
+
+/// The open segment cannot be extended: a corner is needed.
+struct Bend;
+
+/// Collects the trails of all robots and the places of contacts while a run goes on.
+#[derive(Clone, Debug)]
+pub struct Trails {
+    trails: Vec<Trail>,
+    contacts: Vec<DVec2>,
+}
+
+impl Trails {
+    /// Trails from the robots' poses at the start, in order of their ids.
+    pub fn new(starts: &[Pose]) -> Self {
+        let trails = starts.iter().map(|start| Trail::new(start.position)).collect();
+        Self { trails, contacts: Vec::new() }
+    }
+
+    /// The trails in order of the robots' ids.
+    pub fn trails(&self) -> &[Trail] {
+        &self.trails
+    }
+
+    /// Points where bodies touched, in metres; no two of the same square centimetre follow each other.
+    pub fn contacts(&self) -> &[DVec2] {
+        &self.contacts
+    }
+}
+
+impl Sink for Trails {
+    fn interest(&self) -> KindSet {
+        KindSet::of(&[Kind::Pose, Kind::Contact])
+    }
+
+    fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
+        match record.event {
+            Event::Pose { x_m, y_m, .. } => {
+                if let Some(trail) = self.trails.get_mut(record.robot.index()) {
+                    trail.push(DVec2::new(x_m, y_m));
+                }
+            }
+            Event::Contact { x_m, y_m, .. } => {
+                let point = DVec2::new(x_m, y_m);
+                if self.contacts.last().is_none_or(|last| last.distance_squared(point) > 1e-4) {
+                    self.contacts.push(point);
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn end_slot(&mut self, _: Time, _: Option<Digest>) -> Result<(), RecordError> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Distance of `point` from the nearest segment of `line`, brute force.
+    fn distance(line: &[DVec2], point: DVec2) -> f64 {
+        let to_segment = |pair: &[DVec2]| {
+            let along = pair[1] - pair[0];
+            let t = ((point - pair[0]).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+            point.distance(pair[0] + along * t)
+        };
+        line.windows(2).map(to_segment).fold(line[0].distance(point), f64::min)
+    }
+
+    fn trail_of(points: &[DVec2]) -> Trail {
+        let mut trail = Trail::new(points[0]);
+        points[1..].iter().for_each(|point| trail.push(*point));
+        trail
+    }
+
+    #[test]
+    fn a_straight_line_is_two_points() {
+        let points: Vec<_> = (0..=1000).map(|i| DVec2::new(0.01 * f64::from(i), 0.02 * f64::from(i))).collect();
+        assert_eq!(trail_of(&points).points(), [points[0], points[1000]]);
+    }
+
+    #[test]
+    fn a_square_keeps_its_corners() {
+        let side = |from: DVec2, by: DVec2| (1..=50).map(move |i| from + by * f64::from(i) / 50.0);
+        let mut points = vec![DVec2::ZERO];
+        for by in [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y] {
+            points.extend(side(points[points.len() - 1], by).collect::<Vec<_>>());
+        }
+        let trail = trail_of(&points).points();
+        assert_eq!(trail.len(), 5, "{trail:?}");
+        assert!(trail[2].distance(DVec2::ONE) < 1e-12, "{trail:?}");
+    }
+
+    #[test]
+    fn a_way_there_and_back_shows_how_far_it_went() {
+        let there = (0..=100).map(|i| DVec2::new(0.01 * f64::from(i), 0.0));
+        let points: Vec<_> = there.clone().chain(there.rev()).collect();
+        let trail = trail_of(&points).points();
+        assert!(trail.iter().any(|point| point.x > 1.0 - TOLERANCE), "{trail:?}");
+        assert!(trail.len() <= 3, "{trail:?}");
+    }
+
+    #[test]
+    fn every_position_is_within_the_tolerance() {
+        // A curve with loops and cusps: an epitrochoid that drifts.
+        let at = |i: i32| {
+            let t = 0.003 * f64::from(i);
+            let small = 0.2 * DVec2::new(math::cos(7.0 * t), math::sin(7.0 * t));
+            DVec2::new(math::cos(t), math::sin(t)) + small + DVec2::new(0.01 * t, 0.0)
+        };
+        let points: Vec<_> = (0..6000).map(at).collect();
+        let trail = trail_of(&points);
+        let line = trail.points();
+        assert!(line.len() < 1500, "{} points", line.len());
+        for point in points {
+            assert!(distance(&line, point) <= trail.deviation(), "{point} is {} m off", distance(&line, point));
+        }
+    }
+
+    #[test]
+    fn a_long_run_stays_bounded_and_within_its_own_bound() {
+        let mut random = 1_u64;
+        let mut step = || {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (random >> 40) as f64 / (1 << 24) as f64 - 0.5
+        };
+        let mut position = DVec2::ZERO;
+        let mut points = vec![position];
+        for _ in 0..30_000 {
+            position += 0.05 * DVec2::new(step(), step());
+            points.push(position);
+        }
+        let trail = trail_of(&points);
+        let line = trail.points();
+        assert!(line.len() <= MAX_POINTS + 1, "{} points", line.len());
+        assert!(trail.deviation() > 2.0 * TOLERANCE, "the test is to reach the limit");
+        for point in points.into_iter().step_by(37) {
+            assert!(distance(&line, point) <= trail.deviation(), "{point}");
+        }
+    }
+
+    #[test]
+    fn a_robot_that_stands_has_one_point() {
+        let points = [DVec2::ONE; 10];
+        assert_eq!(trail_of(&points).points(), [DVec2::ONE]);
+    }
+}
