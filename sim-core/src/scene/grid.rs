@@ -9,6 +9,20 @@ use super::bounds::{Bounds, PARALLEL};
 /// Coordinates beyond this, in metres, would overflow in products.
 pub(super) const FARTHEST: f64 = 1e100;
 
+/// Whether products with the point's coordinates stay finite; false for NaN.
+#[inline]
+pub(super) fn is_usable(point: DVec2) -> bool {
+    point.abs().cmple(DVec2::splat(FARTHEST)).all()
+}
+
+/// Whether these describe a ray that can meet something: finite, of positive range, with a direction of length 1 within
+/// 10^-6.
+#[inline]
+pub(super) fn is_ray(origin: DVec2, direction: DVec2, range: f64) -> bool {
+    // Comparisons with NaN are false.
+    (direction.length_squared() - 1.0).abs() < 1e-6 && is_usable(origin) && range >= 0.0
+}
+
 /// Rounding errors of a coordinate, in units of its last place, that may part a ray from a point which it was meant to
 /// touch: the ray's origin and direction, the point and the products of the test each contribute one or two.
 pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use glam::DVec2;
 
 use super::Bounds;
-use super::grid::{Cells, FARTHEST, Grid, doubt, rounding_margin};
+use super::grid::{Cells, FARTHEST, Grid, doubt, is_ray, rounding_margin};
 use crate::RobotId;
 
 /// The rectangles that moving bodies stay in during a slot, with a uniform grid over them.
@@ -75,8 +75,7 @@ impl Moving {
     /// [`Walls::cast`](super::Walls::cast)) visit nothing.
     pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, mut visit: impl FnMut(RobotId)) {
         let Some(grid) = &self.grid else { return };
-        // Negated, so that NaN is refused as well.
-        if !((direction.length_squared() - 1.0).abs() < 1e-6 && origin.is_finite() && range >= 0.0) {
+        if !is_ray(origin, direction, range) {
             return;
         }
         let entry_of = |bounds: &Bounds| {

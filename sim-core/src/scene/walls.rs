@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use glam::{DVec2, Vec2Swizzles};
 
-use super::grid::{Cells, FARTHEST, Grid, ROUNDING, doubt, rounding_margin};
+use super::grid::{Cells, Grid, ROUNDING, doubt, is_ray, is_usable, rounding_margin};
 use super::{Bounds, Segment};
 
 /// A wall's number: its place in the list that [`Walls::new`] was given.
@@ -66,7 +66,7 @@ impl Walls {
         assert!(segments.len() < 1 << 26, "a scene has fewer than 2^26 walls");
         let entries: Vec<Entry> = (0..)
             .zip(&segments)
-            .filter(|(_, segment)| is_usable(segment))
+            .filter(|(_, segment)| is_usable(segment.a) && is_usable(segment.b))
             .map(|(wall, &segment)| Entry { segment, wall: WallId(wall) })
             .collect();
         let extent = entries.iter().fold(Bounds::EMPTY, |bounds, entry| bounds.union(entry.segment.bounds()));
@@ -113,10 +113,10 @@ impl Walls {
     /// The nearest wall at most `range` metres from `origin` along `direction`, a vector of length 1.
     ///
     /// What counts as meeting a wall stands with [`Walls`]. `range` may be infinite. `None` when nothing is met, when an
-    /// argument is NaN, `origin` infinite, `range` negative, or when the length of `direction` is not 1 within 10^-6.
+    /// argument is NaN, `origin` infinite or beyond 10^100 m, `range` negative, or the length of `direction` not 1
+    /// within 10^-6.
     pub fn cast(&self, origin: DVec2, direction: DVec2, range: f64) -> Option<Hit> {
-        // Negated, so that NaN is refused as well.
-        if !((direction.length_squared() - 1.0).abs() < 1e-6 && origin.is_finite() && range >= 0.0) {
+        if !is_ray(origin, direction, range) {
             return None;
         }
         let bounds = self.bounds?;
@@ -131,7 +131,7 @@ impl Walls {
         } else if bounds.grown(2.0 * ray.doubt).clip(origin, direction, range).is_some() {
             // So far away that rounding exceeds the margin of the cells.
             for (wall, segment) in (0..).zip(&self.segments) {
-                if is_usable(segment) {
+                if is_usable(segment.a) && is_usable(segment.b) {
                     ray.test(segment, WallId(wall));
                 }
             }
@@ -166,12 +166,6 @@ impl Walls {
         ids.dedup();
         ids
     }
-}
-
-/// Whether all products of the ray test stay finite.
-fn is_usable(segment: &Segment) -> bool {
-    // Comparisons with NaN are false.
-    [segment.a, segment.b].iter().all(|end| end.abs().max_element() <= FARTHEST && end.is_finite())
 }
 
 /// Size of the cells, and the margin of the walls in them.

@@ -1,0 +1,81 @@
+//! Random scenes and rays, the same at every call: what the core and the oracles are compared on.
+
+use std::f64::consts::TAU;
+
+use glam::DVec2;
+use rand_chacha::ChaCha8Rng;
+use rand_core::{Rng, SeedableRng};
+use sim_core::math;
+use sim_core::scene::{Bounds, Segment};
+
+/// A source of random numbers with a fixed seed.
+pub struct Random(ChaCha8Rng);
+
+impl Random {
+    /// The source with this `seed`.
+    pub fn new(seed: u64) -> Self {
+        Self(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    /// Uniform in [`low`, `high`).
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        let unit = (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+        low + unit * (high - low)
+    }
+
+    /// Uniform below `count`, which must be positive.
+    pub fn below(&mut self, count: usize) -> usize {
+        (self.0.next_u64() % count as u64) as usize
+    }
+
+    /// True with this `probability`.
+    pub fn chance(&mut self, probability: f64) -> bool {
+        self.between(0.0, 1.0) < probability
+    }
+
+    /// Uniform in the rectangle.
+    pub fn point_in(&mut self, bounds: Bounds) -> DVec2 {
+        DVec2::new(self.between(bounds.min.x, bounds.max.x), self.between(bounds.min.y, bounds.max.y))
+    }
+
+    /// A unit vector of uniform direction.
+    pub fn direction(&mut self) -> DVec2 {
+        let (sin, cos) = math::sin_cos(self.between(0.0, TAU));
+        DVec2::new(cos, sin)
+    }
+}
+
+/// A closed square room of `side` metres with its lower left corner at `corner`, and `boxes` boxes in it with sides of
+/// 0.2 to 1 m, turned at random, which may overlap: 4 walls each.
+pub fn room_with_boxes(seed: u64, corner: DVec2, side: f64, boxes: usize) -> Vec<Segment> {
+    let mut random = Random::new(seed);
+    let room = Bounds { min: corner, max: corner + DVec2::splat(side) };
+    let middle = corner + DVec2::new(0.0, 0.5 * side);
+    let mut walls = Segment::new(middle, middle + DVec2::new(side, 0.0)).thickened(side).to_vec();
+    for _ in 0..boxes {
+        let half = random.direction() * random.between(0.1, 0.5);
+        let centre = random.point_in(room.grown(-0.75_f64.min(0.5 * side)));
+        walls.extend(Segment::new(centre - half, centre + half).thickened(random.between(0.2, 1.0)));
+    }
+    walls
+}
+
+/// A maze of `size` by `size` square cells of `cell` metres with its lower left corner at `corner`: a closed border, and
+/// a wall of one cell's length on each inner edge with probability 0.5.
+pub fn maze(seed: u64, corner: DVec2, size: usize, cell: f64) -> Vec<Segment> {
+    let mut random = Random::new(seed);
+    let at = |column: usize, row: usize| corner + DVec2::new(column as f64, row as f64) * cell;
+    let mut walls = Vec::new();
+    for line in 0..=size {
+        for along in 0..size {
+            let border = line == 0 || line == size;
+            if border || random.chance(0.5) {
+                walls.push(Segment::new(at(line, along), at(line, along + 1)));
+            }
+            if border || random.chance(0.5) {
+                walls.push(Segment::new(at(along, line), at(along + 1, line)));
+            }
+        }
+    }
+    walls
+}
