@@ -22,8 +22,9 @@ const DEFAULT_SERVO: [f64; 2] = [-TAU / 4.0, TAU / 4.0];
 /// `file` is the companion's name. Unknown keys are warned about; a value of the wrong type or out of range is an error and
 /// leaves the default.
 pub fn read_companion(file: &str, text: &str, robi: &mut RobiSpec) -> Vec<Diagnostic> {
+    let whole = text.len();
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut reader = Reader { sink: Sink::new(file), starts: line_starts(text), text };
+    let mut reader = Reader { sink: Sink::new(file), starts: line_starts(text), offset: whole - text.len(), text };
     let (root, errors) = DeTable::parse_recoverable(text);
     for error in errors {
         let span = reader.span(error.span().unwrap_or(0..0));
@@ -45,7 +46,10 @@ fn line_starts(text: &str) -> Vec<usize> {
 
 struct Reader<'t> {
     sink: Sink,
+    /// The text without byte order mark.
     text: &'t str,
+    /// Length of the byte order mark.
+    offset: usize,
     starts: Vec<usize>,
 }
 
@@ -72,7 +76,8 @@ impl Reader<'_> {
         }
         let line = self.starts.partition_point(|begin| *begin <= start).max(1);
         let column = self.text[self.starts[line - 1]..start].chars().count() + 1;
-        Span { start, end: range.end.clamp(start, self.text.len()), line: line as u32, column: column as u32 }
+        let end = range.end.clamp(start, self.text.len());
+        Span { start: self.offset + start, end: self.offset + end, line: line as u32, column: column as u32 }
     }
 
     fn root(&mut self, table: &DeTable<'_>, robi: &mut RobiSpec) {

@@ -129,6 +129,8 @@ pub(super) struct Quantity {
     low: f64,
     high: f64,
     to_si: fn(f64) -> f64,
+    /// The scene is the same without it, so that a value out of bounds is only warned about.
+    is_minor: bool,
 }
 
 const MAX_LENGTH_MM: f64 = MAX_LENGTH * 1000.0;
@@ -137,7 +139,7 @@ const MIN_SIZE_MM: f64 = 1e-3;
 
 impl Quantity {
     const fn new(name: &'static str, unit: &'static str, low: f64, high: f64, to_si: fn(f64) -> f64) -> Self {
-        Self { name, unit, low, high, to_si }
+        Self { name, unit, low, high, to_si, is_minor: false }
     }
 
     /// A coordinate: millimetres of either sign.
@@ -185,9 +187,19 @@ impl Quantity {
         Self { low, high, ..self }
     }
 
+    /// The same quantity as one that may be left out without harm.
+    pub(super) const fn minor(self) -> Self {
+        Self { is_minor: true, ..self }
+    }
+
+    /// How bad a value out of bounds is.
+    pub(super) fn severity(&self) -> Severity {
+        if self.is_minor { Severity::Warning } else { Severity::Error }
+    }
+
     /// What the reader of a message should have written.
     pub(super) fn expected(&self) -> String {
-        let unit = if self.unit.is_empty() { String::new() } else { format!(" of {}", self.unit) };
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" in {}", self.unit) };
         format!("a number{unit} from {} to {}", self.low, self.high)
     }
 
@@ -203,8 +215,9 @@ fn seconds_from_ms(ms: f64) -> f64 {
 
 /// The number that `word` gives for `quantity`, in SI units; reports what is wrong with it.
 ///
-/// A word that is no number is as bad as `severity` says (does EyeSim skip the line or lose a robot?); a number outside
-/// the bounds, an infinity and NaN are always errors, since nothing sensible can be built from them.
+/// A word that is no number is as bad as `severity` says (does EyeSim skip the line or lose a robot?). A number outside the
+/// bounds, an infinity and NaN are errors, since EyeSim reads them and loses the file to them; they are warnings where the
+/// quantity is a minor one.
 pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quantity: &Quantity) -> Option<f64> {
     let name = quantity.name;
     let Ok(value) = word.text.parse::<f64>() else {
@@ -216,20 +229,22 @@ pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quant
     let checked = quantity.check(value);
     if checked.is_none() {
         let message = format!("{name} `{}` is out of range", word.text);
-        sink.error("number-range", word.span, message, quantity.expected());
+        sink.report(quantity.severity(), "number-range", word.span, message, quantity.expected());
     }
     checked
 }
 
-/// The number that was probably meant: a comma for a point, or a unit stuck to it.
+/// The number that was probably meant: a comma for a point, letters for digits, or a unit stuck to it.
 fn number_within(word: &str) -> Option<String> {
-    let with_point = word.replacen(',', ".", 1);
-    let is_number = |text: &str| !text.is_empty() && text.parse::<f64>().is_ok_and(f64::is_finite);
-    if is_number(&with_point) {
-        return Some(with_point);
-    }
-    let end = word.find(|c: char| !c.is_ascii_digit() && !matches!(c, '.' | '-' | '+'))?;
-    is_number(&word[..end]).then(|| word[..end].to_owned())
+    let digits = |c: char| match c {
+        'O' | 'o' => '0',
+        'l' | 'I' => '1',
+        ',' => '.',
+        c => c,
+    };
+    let without_unit = ["mm", "deg", "°"].iter().find_map(|unit| word.strip_suffix(unit)).unwrap_or(word);
+    let guess: String = without_unit.chars().map(digits).collect();
+    guess.parse::<f64>().is_ok_and(f64::is_finite).then_some(guess)
 }
 
 /// The numbers of a line of exactly `N` values; reports all that are wrong.
@@ -332,6 +347,8 @@ mod tests {
     fn a_number_with_comma_or_unit_is_guessed() {
         assert_eq!(number_within("12,5").as_deref(), Some("12.5"));
         assert_eq!(number_within("360mm").as_deref(), Some("360"));
+        assert_eq!(number_within("1OO").as_deref(), Some("100"));
         assert_eq!(number_within("wide"), None);
+        assert_eq!(number_within("1,000,000"), None);
     }
 }

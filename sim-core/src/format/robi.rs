@@ -375,7 +375,7 @@ const CAMERA_POSITION: [Quantity; 3] = [
     Quantity::coordinate("z of the camera"),
 ];
 const IMAGE: [Quantity; 2] =
-    [Quantity::number("image width", 1.0, 65_536.0), Quantity::number("image height", 1.0, 65_536.0)];
+    [Quantity::number("image width", 1.0, 65_536.0).minor(), Quantity::number("image height", 1.0, 65_536.0).minor()];
 const WHEEL: [Quantity; 4] = [
     Quantity::size("wheel diameter"),
     Quantity::rate("largest turning rate of the wheel"),

@@ -150,5 +150,5 @@ const OBJECT: [Quantity; 4] = [
     Quantity::coordinate("x"),
     Quantity::coordinate("y"),
     Quantity::angle("phi"),
-    Quantity::number("friction", 0.0, 1e6),
+    Quantity::number("friction", 0.0, 1e6).minor(),
 ];

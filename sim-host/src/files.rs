@@ -1,0 +1,109 @@
+//! The file system as the readers of sim-core see it.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use sim_core::format::{FileError, Files};
+
+/// The environment variable that names the installation's folder, which `%sim%` stands for.
+pub const HOME_VARIABLE: &str = "EYESIM_HOME";
+
+/// Larger files are no scenes; reading them would only use up the memory.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// Real files, relative to the working folder.
+#[derive(Clone, Debug, Default)]
+pub struct DiskFiles {
+    home: Option<String>,
+}
+
+impl DiskFiles {
+    /// Files with the installation that [`HOME_VARIABLE`] names; else the folder above the running binary that holds
+    /// `worlds` and `robis`; else the checkout from which the binary was built, if it is still there.
+    pub fn of_environment() -> Self {
+        let named = std::env::var_os(HOME_VARIABLE).filter(|home| !home.is_empty()).map(PathBuf::from);
+        let home = named.or_else(above_binary).or_else(checkout);
+        Self { home: home.map(|home| slashed(&home)) }
+    }
+
+    /// Files with the installation in `home`.
+    pub fn with_home(home: &Path) -> Self {
+        Self { home: Some(slashed(home)) }
+    }
+}
+
+impl Files for DiskFiles {
+    fn read(&self, path: &str) -> Result<Vec<u8>, FileError> {
+        let metadata = fs::metadata(path).map_err(file_error)?;
+        if !metadata.is_file() {
+            return Err(FileError::Unreadable("it is not a file".to_owned()));
+        }
+        if metadata.len() > MAX_BYTES {
+            return Err(FileError::Unreadable("it is larger than 256 MiB".to_owned()));
+        }
+        fs::read(path).map_err(file_error)
+    }
+
+    fn list(&self, folder: &str) -> Vec<String> {
+        let folder = if folder.is_empty() { "." } else { folder };
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+        let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+        names.sort_unstable();
+        names
+    }
+
+    fn home(&self) -> Option<&str> {
+        self.home.as_deref()
+    }
+}
+
+/// The path with slashes, as the readers write paths.
+pub fn slashed(path: &Path) -> String {
+    path.to_string_lossy().replace('\\', "/")
+}
+
+fn file_error(error: std::io::Error) -> FileError {
+    match error.kind() {
+        ErrorKind::NotFound | ErrorKind::NotADirectory => FileError::Missing,
+        _ => FileError::Unreadable(error.to_string()),
+    }
+}
+
+fn above_binary() -> Option<PathBuf> {
+    let binary = std::env::current_exe().ok()?;
+    binary.ancestors().skip(1).find(|folder| holds_data(folder)).map(Path::to_path_buf)
+}
+
+fn checkout() -> Option<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?;
+    holds_data(root).then(|| root.to_path_buf())
+}
+
+fn holds_data(folder: &Path) -> bool {
+    folder.join("worlds").is_dir() && folder.join("robis").is_dir()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_files_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = slashed(&folder.path().join("a.wld"));
+        fs::write(&path, "floor 1 1").expect("a file");
+        let files = DiskFiles::with_home(folder.path());
+        assert_eq!(files.read(&path), Ok(b"floor 1 1".to_vec()));
+        assert_eq!(files.read(&format!("{path}/b")), Err(FileError::Missing));
+        assert_eq!(files.read(&format!("{path}x")), Err(FileError::Missing));
+        assert!(matches!(files.read(&slashed(folder.path())), Err(FileError::Unreadable(_))));
+        assert_eq!(files.list(&slashed(folder.path())), ["a.wld"]);
+        assert_eq!(files.home(), Some(slashed(folder.path()).as_str()));
+    }
+
+    #[test]
+    fn the_checkout_is_an_installation() {
+        assert!(holds_data(&checkout().expect("the checkout holds worlds and robis")));
+    }
+}
