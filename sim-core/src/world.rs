@@ -18,6 +18,7 @@ use crate::{
     scene::{Bounds, Moving, Walls},
     time::Time,
 };
+use settle::{Settling, Truth};
 use track::Track;
 
 /// What a ray meets first.
@@ -54,6 +55,7 @@ pub struct World {
     moving: Moving,
     /// The same in the order of the robots' ids, for the next rebuild.
     bounds: Vec<(RobotId, Bounds)>,
+    truth: Truth,
 }
 
 impl World {
@@ -64,8 +66,15 @@ impl World {
     /// If `slot` is not positive or the ids are not 1, 2, ... in this order.
     pub fn new<'a>(walls: Arc<Walls>, slot: Time, motions: impl IntoIterator<Item = &'a mut Motion>) -> Self {
         assert!(slot > Time::ZERO, "a slot has a length");
-        let mut world =
-            Self { walls, slot, now: Time::ZERO, tracks: Vec::new(), moving: Moving::default(), bounds: Vec::new() };
+        let mut world = Self {
+            walls,
+            slot,
+            now: Time::ZERO,
+            tracks: Vec::new(),
+            moving: Moving::default(),
+            bounds: Vec::new(),
+            truth: Truth::default(),
+        };
         for (index, motion) in motions.into_iter().enumerate() {
             assert_eq!(motion.id().index(), index, "robots are given in the order of their ids");
             world.tracks.push(Track::new(motion, slot));
@@ -152,7 +161,8 @@ impl World {
     pub fn advance(&mut self, active: &mut [&mut Motion]) -> Vec<Contact> {
         active.sort_by_key(|motion| motion.id());
         let end = self.slot_end();
-        settle::settle(self, active);
+        let mut truth = std::mem::take(&mut self.truth);
+        Settling::new(&mut truth, &self.tracks, active, (self.now, end)).run();
         let mut contacts = Vec::new();
         for motion in active.iter_mut() {
             let robot = motion.id();
@@ -164,7 +174,10 @@ impl World {
             }));
         }
         contacts.sort_by_key(|contact| (contact.time, contact.robot));
-        settle::resume(self, active, end);
+        if active.iter().any(|motion| motion.blocker().is_some()) {
+            Settling::new(&mut truth, &self.tracks, active, (self.now, end)).resume();
+        }
+        self.truth = truth;
         self.now = end;
         for motion in active.iter_mut() {
             self.tracks[motion.id().index()].publish(motion, end, end + self.slot);

@@ -13,7 +13,7 @@ pub struct Rolling {
     pub radius: f64,
 }
 
-/// Seconds until two discs are in contact and approach each other, if within `span` seconds.
+/// Seconds until two discs are in contact and approach each other, if before `span` seconds.
 ///
 /// The gap's second derivative is at least minus the sum A of both accelerations, so that from gap g with rate g' no
 /// contact comes before the root of g + g' h - A h^2 / 2: stepping there again and again comes to the contact from before
@@ -24,7 +24,7 @@ pub fn first_touch(a: &Rolling, b: &Rolling, span: f64) -> Option<f64> {
     // Discs that roll along each other in contact are looked at anew this often.
     let patience = (1e-3 * span).max(1e-6);
     let mut t = 0.0;
-    while t <= span {
+    while t < span {
         let offset = b.path.position(b.elapsed + t) - a.path.position(a.elapsed + t);
         let relative = b.path.velocity(b.elapsed + t) - a.path.velocity(a.elapsed + t);
         let distance = offset.length();
@@ -36,7 +36,7 @@ pub fn first_touch(a: &Rolling, b: &Rolling, span: f64) -> Option<f64> {
             let step = if rate < 0.0 { 2.0 * excess / (root - rate) } else { (rate + root) / acceleration };
             // Half a picosecond ends the approach to the contact; the gap is then a rounding error.
             t += step.max(5e-13);
-            if !(step < f64::INFINITY) {
+            if !step.is_finite() {
                 return None;
             }
         } else if rate < -APPROACH {

@@ -11,7 +11,7 @@ mod plan;
 
 pub use control::Gains;
 pub use model::{DriveKind, Model, ModelError, Wheels};
+pub(crate) use motion::Leg;
 pub use motion::{HISTORY, Impact, Motion};
-pub(crate) use motion::{Input, Leg};
 pub use piece::{Cause, Piece, Rates, State};
 pub use plan::{Command, CommandError};

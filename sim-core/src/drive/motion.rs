@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     RobotId,
-    contact::{Body, Obstacle, Path, Thing},
+    contact::{Body, Obstacle, Path, SKIN, Thing},
     math,
     pose::{Pose, Twist},
     scene::Walls,
@@ -319,8 +319,18 @@ impl Motion {
             self.stages.pop_back();
         }
         let stage = self.stages.back_mut().expect("a motion has a stage");
-        let after = (base - stage.piece.start).seconds() + seconds;
-        stage.stop(after.clamp(0.0, stage.piece.after), obstacle, true);
+        let after = ((base - stage.piece.start).seconds() + seconds).clamp(0.0, stage.piece.after);
+        stage.stop(after, obstacle, true);
+        let centre = stage.path.position(after);
+        // With a lag the wheels push for a moment before the body is stopped again where it was.
+        let was_there = |earlier: &Stage| {
+            earlier.blocker().is_some_and(|blocker| blocker.thing == obstacle.thing)
+                && (earlier.path.position(earlier.piece.after) - centre).length() < SKIN
+        };
+        let earlier = self.stages.len() - 1;
+        if self.stages.iter().take(earlier).any(was_there) {
+            self.stages[earlier].stop(after, obstacle, false);
+        }
         self.revision += 1;
     }
 
@@ -407,11 +417,13 @@ impl Motion {
         let mut state = stage.piece.state(at);
         state.odometry = odometry.unwrap_or(state.odometry);
         let mut next = Stage::open(&self.model, at, state, orders, stage.actuation_before(at), touching);
-        if let (Some(before), Cause::Impact { with, fresh }) = (stage.blocker(), &mut next.piece.cause)
-            && is_blocked
-            && before.thing == with.thing
-        {
-            *fresh = false;
+        if let Some(blocker) = stage.blocker().filter(|_| is_blocked) {
+            match &mut next.piece.cause {
+                Cause::Impact { with, fresh } if with.thing == blocker.thing => *fresh = false,
+                // Only a command tries to get past.
+                _ if !matches!(input, Input::Command(_)) => next.stop(0.0, blocker, false),
+                _ => {}
+            }
         }
         // A stage without length has been nothing but its orders, which are in the new one.
         self.stages.truncate(if stage.piece.start == at { index } else { index + 1 });

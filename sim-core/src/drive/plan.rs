@@ -225,7 +225,8 @@ impl Stage {
         let centre = centre_of(model, &state.world_from_axle);
         let path = Path::new(&centre, rates.truth.at_offset(DVec2::new(-model.axis_offset, 0.0)));
         let piece = Piece { start, state, rates, after, cause };
-        let explored = if path.is_resting() { f64::INFINITY } else { 0.0 };
+        // Not even the start: a contact may stop it at once.
+        let explored = if path.is_resting() { f64::INFINITY } else { -1.0 };
         let mut stage = Self { piece, orders, before, during, path, explored, steady: false };
         if let Some(obstacle) = stage.approached(model.body_radius, touching) {
             stage.stop(0.0, obstacle, true);
@@ -258,7 +259,7 @@ impl Stage {
     /// the outcome does not depend on who asked how far before.
     pub fn explore(&mut self, model: &Model, walls: &Walls, seconds: f64) {
         while self.explored < seconds.min(self.piece.after) {
-            let from = self.explored;
+            let from = self.explored.max(0.0);
             let to = (2.0 * from).max(FIRST_LOOK);
             self.explored = if from >= self.path.period() { f64::INFINITY } else { to };
             if self.explored.is_finite() {

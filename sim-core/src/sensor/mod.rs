@@ -1,1 +1,12 @@
-//! Geometry of sensors on the body: where a ray starts, which side is touched, what a compass shows.
+//! Geometry of the sensors on a body: where a ray starts, which side is touched, what a compass shows.
+//!
+//! Pure functions of poses and of a [`World`](crate::world::World) at one instant. Cycles, units, ranges in counts and
+//! errors belong to the devices that use them.
+
+mod bumper;
+mod compass;
+mod ray;
+
+pub use bumper::Bumper;
+pub use compass::bearing_from_north;
+pub use ray::{Beam, Mount};

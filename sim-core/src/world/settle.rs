@@ -1,9 +1,306 @@
-//! The contacts between bodies within a slot, in the order in which they happen.
+//! The contacts between bodies within a slot, settled in the order in which they happen.
+//!
+//! A small simulation by events over the true motions of the slot. When two discs touch and approach, each whose own
+//! velocity leads towards the contact rests from that instant, and what it was commanded later in the slot is obeyed anew
+//! from there. Each event stops a moving body or obeys one command, and time only goes on: so it ends.
 
-use super::World;
-use crate::{drive::Motion, time::Time};
+use std::collections::{BTreeMap, BTreeSet};
 
-pub(super) fn settle(_world: &World, _active: &mut [&mut Motion]) {}
+use glam::DVec2;
 
-/// Lets bodies go on at `at` that another one had stopped and does not any more.
-pub(super) fn resume(_world: &World, _active: &mut [&mut Motion], _at: Time) {}
+use super::{Track, track::legs_bounds};
+use crate::{
+    RobotId,
+    contact::{APPROACH, Body, Obstacle, Path, Rolling, TOUCH, Thing, first_touch},
+    drive::{Leg, Motion},
+    scene::{Bounds, Moving},
+    time::Time,
+};
+
+/// Place of a robot that is not among the active.
+const PASSIVE: u32 = u32::MAX;
+
+/// The true motions in a slot; its memory is kept for the next one.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Truth {
+    /// Where each robot is in the list of active motions.
+    places: Vec<u32>,
+    /// Legs of the active motions.
+    legs: Vec<Vec<Leg>>,
+    /// Rectangle of each robot's body in the slot.
+    bounds: Vec<(RobotId, Bounds)>,
+    /// Index of the bounds as they were before any contact was settled.
+    index: Moving,
+    /// Robots whose bounds have left those in the index.
+    strays: BTreeSet<RobotId>,
+}
+
+/// What happens next: commands before contacts, then by ids.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Event {
+    /// The robot obeys the entry of its journal again.
+    Input(RobotId, usize),
+    /// Two bodies touch.
+    Contact(RobotId, RobotId),
+}
+
+/// Seconds since the start of the slot, in an order that a map can keep.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Instant(u64);
+
+impl Instant {
+    fn new(seconds: f64) -> Self {
+        // The bits of doubles from 0 on are in their order.
+        Self(seconds.max(0.0).to_bits())
+    }
+
+    fn seconds(self) -> f64 {
+        f64::from_bits(self.0)
+    }
+}
+
+/// The events of one slot.
+pub(super) struct Settling<'a, 'm> {
+    truth: &'a mut Truth,
+    tracks: &'a [Track],
+    active: &'a mut [&'m mut Motion],
+    start: Time,
+    end: Time,
+    events: BTreeSet<(Instant, Event)>,
+    /// The instant of each pair's contact, to remove it when one of the two is revised.
+    contacts: BTreeMap<(RobotId, RobotId), Instant>,
+}
+
+impl<'a, 'm> Settling<'a, 'm> {
+    /// Takes the motions of the slot from `start` to `end`; `active` in the order of ids.
+    pub fn new(
+        truth: &'a mut Truth,
+        tracks: &'a [Track],
+        active: &'a mut [&'m mut Motion],
+        (start, end): (Time, Time),
+    ) -> Self {
+        truth.places.clear();
+        truth.places.resize(tracks.len(), PASSIVE);
+        truth.legs.resize_with(truth.legs.len().max(active.len()), Vec::new);
+        for (place, motion) in active.iter_mut().enumerate() {
+            truth.places[motion.id().index()] = place as u32;
+            motion.legs(start, end, &mut truth.legs[place]);
+        }
+        Self { truth, tracks, active, start, end, events: BTreeSet::new(), contacts: BTreeMap::new() }
+    }
+
+    /// Settles all contacts within the slot.
+    pub fn run(&mut self) {
+        let legs = &self.truth.legs[..self.active.len()];
+        if self.tracks.len() < 2 || legs.iter().flatten().all(|leg| leg.path.is_resting()) {
+            return;
+        }
+        self.find_all();
+        while let Some((instant, event)) = self.events.pop_first() {
+            match event {
+                Event::Input(robot, entry) => self.obey(robot, entry, instant),
+                Event::Contact(a, b) => {
+                    self.contacts.remove(&(a, b));
+                    self.collide(a, b, instant);
+                }
+            }
+        }
+    }
+
+    /// At the slot's end, after [`Settling::run`], lets bodies go on whose way has become free.
+    pub fn resume(&mut self) {
+        for place in 0..self.active.len() {
+            if self.active[place].blocker().is_some() {
+                let touching = self.touching(self.active[place].id(), self.end);
+                self.active[place].resume(self.end, &touching);
+            }
+        }
+    }
+
+    /// Queues the first contact of each pair of bodies.
+    fn find_all(&mut self) {
+        let mut bounds = std::mem::take(&mut self.truth.bounds);
+        bounds.clear();
+        bounds.extend((0..self.tracks.len()).map(RobotId::from_index).map(|robot| (robot, self.bounds_of(robot))));
+        self.truth.index.rebuild(&bounds);
+        self.truth.bounds = bounds;
+        self.truth.strays.clear();
+        let mut pairs = Vec::new();
+        self.truth.index.pairs(|a, b| pairs.push((a, b)));
+        for (a, b) in pairs {
+            self.queue_contact(a, b, 0.0);
+        }
+    }
+
+    fn legs(&self, robot: RobotId) -> &[Leg] {
+        match self.truth.places[robot.index()] {
+            PASSIVE => self.tracks[robot.index()].legs(),
+            place => &self.truth.legs[place as usize],
+        }
+    }
+
+    fn radius(&self, robot: RobotId) -> f64 {
+        self.tracks[robot.index()].radius()
+    }
+
+    fn bounds_of(&self, robot: RobotId) -> Bounds {
+        legs_bounds(self.legs(robot), self.start, self.end).grown(self.radius(robot) + TOUCH)
+    }
+
+    /// Queues the first contact of a pair from `from` seconds on, in place of what was queued for it.
+    fn queue_contact(&mut self, a: RobotId, b: RobotId, from: f64) {
+        let (a, b) = (a.min(b), a.max(b));
+        if let Some(instant) = self.contacts.remove(&(a, b)) {
+            self.events.remove(&(instant, Event::Contact(a, b)));
+        }
+        if let Some(seconds) = self.find_contact(a, b, from) {
+            let instant = Instant::new(seconds);
+            self.contacts.insert((a, b), instant);
+            self.events.insert((instant, Event::Contact(a, b)));
+        }
+    }
+
+    /// Seconds since the start of the slot, not before `from`, at which two bodies first touch and approach.
+    fn find_contact(&self, a: RobotId, b: RobotId, from: f64) -> Option<f64> {
+        let span = (self.end - self.start).seconds();
+        let mut t = from;
+        while t < span {
+            let (disc_a, until_a) = self.rolling(a, t);
+            let (disc_b, until_b) = self.rolling(b, t);
+            if until_a == f64::INFINITY
+                && until_b == f64::INFINITY
+                && disc_a.path.is_resting()
+                && disc_b.path.is_resting()
+            {
+                return None;
+            }
+            // A picosecond at least, so that rounding cannot stop the search at an end of a leg.
+            let until = until_a.min(until_b).min(span).max(t + 1e-12);
+            if let Some(seconds) = first_touch(&disc_a, &disc_b, until - t) {
+                return Some(t + seconds);
+            }
+            t = until;
+        }
+        None
+    }
+
+    /// The motion of a body `t` seconds after the start of the slot, and until when it stays the same.
+    fn rolling(&self, robot: RobotId, t: f64) -> (Rolling, f64) {
+        let legs = self.legs(robot);
+        let since = |leg: &Leg| (leg.start - self.start).seconds();
+        let place = legs.iter().rposition(|leg| since(leg) <= t).unwrap_or(0);
+        let leg = &legs[place];
+        let until = legs.get(place + 1).map_or(f64::INFINITY, since);
+        let elapsed = (t - since(leg)).max(0.0);
+        let radius = self.radius(robot);
+        if leg.path.is_resting() {
+            (Rolling { path: leg.path, elapsed: 0.0, radius }, until)
+        } else if elapsed >= leg.after {
+            (Rolling { path: Path::resting(leg.path.position(leg.after)), elapsed: 0.0, radius }, until)
+        } else {
+            (Rolling { path: leg.path, elapsed, radius }, until.min(since(leg) + leg.after))
+        }
+    }
+
+    /// Stops those of two touching bodies that approach the contact.
+    fn collide(&mut self, a: RobotId, b: RobotId, instant: Instant) {
+        let seconds = instant.seconds();
+        let (disc_a, _) = self.rolling(a, seconds);
+        let (disc_b, _) = self.rolling(b, seconds);
+        let (centre_a, centre_b) = (disc_a.path.position(disc_a.elapsed), disc_b.path.position(disc_b.elapsed));
+        let towards_b = (centre_b - centre_a).normalize_or_zero();
+        let approach = |disc: &Rolling, towards: DVec2| disc.path.velocity(disc.elapsed).dot(towards);
+        // Together they approach by more than the threshold: then one of them by more than half of it.
+        let is_blocked_a = approach(&disc_a, towards_b) > 0.4 * APPROACH;
+        let is_blocked_b = approach(&disc_b, -towards_b) > 0.4 * APPROACH;
+        let point = centre_a + towards_b * disc_a.radius;
+        if is_blocked_a {
+            self.block(a, seconds, Obstacle { thing: Thing::Robot(b), point });
+        }
+        if is_blocked_b {
+            self.block(b, seconds, Obstacle { thing: Thing::Robot(a), point });
+        }
+        if is_blocked_a {
+            self.revised(a, seconds);
+        }
+        if is_blocked_b {
+            self.revised(b, seconds);
+        }
+    }
+
+    /// Stops a body `seconds` into the slot, and queues the next input of its program.
+    fn block(&mut self, robot: RobotId, seconds: f64, obstacle: Obstacle) {
+        let place = self.truth.places[robot.index()] as usize;
+        let motion = &mut self.active[place];
+        motion.block(self.start, seconds, obstacle);
+        motion.legs(self.start, self.end, &mut self.truth.legs[place]);
+        // What was queued from an earlier stop is queued again.
+        self.events.retain(|(_, event)| !matches!(event, Event::Input(other, _) if *other == robot));
+        let journal = self.active[place].journal();
+        let next = journal.partition_point(|(at, _)| (*at - self.start).seconds() <= seconds);
+        self.queue_input(robot, next);
+    }
+
+    fn queue_input(&mut self, robot: RobotId, entry: usize) {
+        let place = self.truth.places[robot.index()] as usize;
+        if let Some((at, _)) = self.active[place].journal().get(entry) {
+            let instant = Instant::new((*at - self.start).seconds());
+            self.events.insert((instant, Event::Input(robot, entry)));
+        }
+    }
+
+    /// Obeys an entry of a stopped body's journal anew.
+    fn obey(&mut self, robot: RobotId, entry: usize, instant: Instant) {
+        let place = self.truth.places[robot.index()] as usize;
+        let (at, input) = self.active[place].journal()[entry];
+        let touching = self.touching(robot, at);
+        let motion = &mut self.active[place];
+        motion.replay(at, input, &touching);
+        motion.legs(self.start, self.end, &mut self.truth.legs[place]);
+        self.queue_input(robot, entry + 1);
+        self.revised(robot, instant.seconds());
+    }
+
+    /// Looks for the contacts of a body whose motion has changed from `from` seconds on.
+    fn revised(&mut self, robot: RobotId, from: f64) {
+        let bounds = self.bounds_of(robot);
+        let indexed = self.truth.bounds[robot.index()].1;
+        if !(indexed.contains(bounds.min) && indexed.contains(bounds.max)) {
+            self.truth.strays.insert(robot);
+        }
+        let stale: Vec<_> = self.contacts.keys().filter(|(a, b)| *a == robot || *b == robot).copied().collect();
+        for (a, b) in stale {
+            self.queue_contact(a, b, from);
+        }
+        for other in self.neighbours(robot, bounds) {
+            self.queue_contact(robot, other, from);
+        }
+    }
+
+    /// Robots other than `robot` whose bodies may come into `bounds` during the slot, in the order of their ids.
+    fn neighbours(&self, robot: RobotId, bounds: Bounds) -> BTreeSet<RobotId> {
+        let mut others = BTreeSet::new();
+        self.truth.index.for_each_in(bounds, |other| {
+            others.insert(other);
+        });
+        others.extend(self.truth.strays.iter().filter(|stray| self.bounds_of(**stray).overlaps(&bounds)));
+        others.remove(&robot);
+        others
+    }
+
+    /// The bodies in contact with a robot at `at`, in the order of their ids.
+    fn touching(&self, robot: RobotId, at: Time) -> Vec<Body> {
+        let seconds = (at - self.start).seconds();
+        let body = |robot: RobotId| {
+            let (disc, _) = self.rolling(robot, seconds);
+            Body { robot, centre: disc.path.position(disc.elapsed), radius: disc.radius }
+        };
+        let own = body(robot);
+        let near = Bounds::of_disc(own.centre, own.radius + TOUCH);
+        self.neighbours(robot, near)
+            .into_iter()
+            .map(body)
+            .filter(|other| (other.centre - own.centre).length() <= own.radius + other.radius + TOUCH)
+            .collect()
+    }
+}

@@ -1,0 +1,40 @@
+use crate::{drive::Impact, pose::Heading};
+
+/// A switch along part of the body's rim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bumper {
+    /// Middle of the part, rad counter-clockwise from ahead, seen from the robot's centre.
+    pub bearing: f64,
+    /// From the middle to either end, rad; pi or more: the whole rim.
+    pub half_width: f64,
+}
+
+impl Bumper {
+    /// Whether a contact at `bearing` (rad, robot frame) presses it; its ends belong to it.
+    pub fn covers(&self, bearing: f64) -> bool {
+        let apart = Heading::new(bearing - self.bearing).remainder().abs();
+        // One part in 10^12 for the rounding of a contact right at an end.
+        apart <= self.half_width + 1e-12
+    }
+
+    /// Whether this impact presses it.
+    pub fn is_pressed_by(&self, impact: &Impact) -> bool {
+        self.covers(impact.bearing)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    #[test]
+    fn the_rim_is_closed_behind_the_robot() {
+        let back = Bumper { bearing: PI, half_width: 0.5 };
+        assert!(back.covers(PI) && back.covers(-PI) && back.covers(-PI + 0.49) && back.covers(PI - 0.5));
+        assert!(!back.covers(-PI + 0.51) && !back.covers(0.0));
+        let ring = Bumper { bearing: 0.0, half_width: PI };
+        assert!([-3.1, 0.0, 3.1].iter().all(|&bearing| ring.covers(bearing)));
+    }
+}
