@@ -1,5 +1,6 @@
 //! The host of robot programs: files, programs, executors, slot loop, what each RoBIOS call does, recording.
 
+pub mod cli;
 pub mod files;
 pub mod program;
 pub mod record;

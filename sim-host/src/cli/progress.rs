@@ -1,0 +1,245 @@
+//! The progress bar: simulated time and how the robots stand, on standard error where a terminal is behind it.
+
+use std::io::{self, IsTerminal, Write};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sim_core::time::Time;
+
+/// The least time between two pictures of the bar.
+const PERIOD: Duration = Duration::from_millis(100);
+
+/// How many robots do what.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Robots whose programs compute or drive.
+    pub running: usize,
+    /// Robots that wait for something.
+    pub waiting: usize,
+    /// Robots whose programs have ended.
+    pub ended: usize,
+}
+
+/// A bar that is drawn ten times a second at the most and costs one look at the clock a slot, nothing where nobody sees it.
+pub struct Progress {
+    bar: Option<ProgressBar>,
+    until: Time,
+    begin: Instant,
+    next: Instant,
+}
+
+impl Progress {
+    /// The bar of a run that ends at `until` at the latest ([`Time::NEVER`]: nobody knows), if standard error is a terminal.
+    pub fn new(until: Time) -> Self {
+        Self::drawn_on(until, ProgressDrawTarget::stderr_with_hz(10))
+    }
+
+    /// No bar.
+    pub fn hidden() -> Self {
+        Self::drawn_on(Time::NEVER, ProgressDrawTarget::hidden())
+    }
+
+    fn drawn_on(until: Time, target: ProgressDrawTarget) -> Self {
+        let length = (until != Time::NEVER).then_some(until.0.unsigned_abs());
+        let bar = (!target.is_hidden()).then(|| {
+            let bar = ProgressBar::with_draw_target(length, target);
+            let template = if length.is_some() { "{wide_bar} {msg}" } else { "{msg}" };
+            // Both templates are well formed; the default style is no worse than a wrong one.
+            bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+            bar
+        });
+        let now = Instant::now();
+        Self { bar, until, begin: now, next: now }
+    }
+
+    /// True when somebody sees the bar.
+    pub fn is_visible(&self) -> bool {
+        self.bar.is_some()
+    }
+
+    /// Shows the simulated time `now`; `counts` is asked only when the bar is drawn.
+    pub fn update(&mut self, now: Time, counts: impl FnOnce() -> Counts) {
+        let Some(bar) = &self.bar else { return };
+        let instant = Instant::now();
+        if instant < self.next {
+            return;
+        }
+        self.next = instant + PERIOD;
+        let factor = now.seconds() / (instant - self.begin).as_secs_f64().max(1e-9);
+        bar.set_position(now.0.clamp(0, self.until.0).unsigned_abs());
+        bar.set_message(message(now, self.until, factor, counts()));
+        bar.tick();
+    }
+
+    /// Takes the bar off the screen, for good.
+    pub fn clear(&mut self) {
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+    }
+
+    /// Standard output, whose lines appear above the bar.
+    pub fn stdout(&self) -> Box<dyn Write + Send> {
+        self.above(io::stdout(), io::stdout().is_terminal())
+    }
+
+    /// Standard error, whose lines appear above the bar.
+    pub fn stderr(&self) -> Box<dyn Write + Send> {
+        self.above(io::stderr(), true)
+    }
+
+    fn above(&self, stream: impl Write + Send + 'static, shares_the_screen: bool) -> Box<dyn Write + Send> {
+        match &self.bar {
+            Some(bar) if shares_the_screen => Box::new(Above { bar: bar.clone(), stream }),
+            _ => Box::new(stream),
+        }
+    }
+}
+
+/// `12.500 s of 600.000 s, 5200 times real time; 3 running, 1 waiting`.
+fn message(now: Time, until: Time, factor: f64, counts: Counts) -> String {
+    let of = if until == Time::NEVER { String::new() } else { format!(" of {until}") };
+    let speed = if factor < 10.0 { format!("{factor:.1}") } else { format!("{factor:.0}") };
+    let parts = [(counts.running, "running"), (counts.waiting, "waiting"), (counts.ended, "ended")];
+    let parts: Vec<_> =
+        parts.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();
+    let robots = if parts.is_empty() { String::new() } else { format!("; {}", parts.join(", ")) };
+    format!("{now}{of}, {speed} times real time{robots}")
+}
+
+/// A stream on the screen of a bar, which steps aside for each write.
+struct Above<W> {
+    bar: ProgressBar,
+    stream: W,
+}
+
+impl<W: Write> Write for Above<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let stream = &mut self.stream;
+        self.bar.suspend(|| {
+            let written = stream.write(bytes)?;
+            // Before the bar is drawn again.
+            stream.flush().map(|()| written)
+        })
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.stream.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use indicatif::TermLike;
+    use parking_lot::Mutex;
+
+    use super::*;
+
+    /// A terminal that keeps what is written to it.
+    #[derive(Clone, Debug, Default)]
+    struct Screen(Arc<Mutex<String>>);
+
+    impl Screen {
+        fn write(&self, text: &str) -> io::Result<()> {
+            self.0.lock().push_str(text);
+            Ok(())
+        }
+    }
+
+    impl TermLike for Screen {
+        fn width(&self) -> u16 {
+            100
+        }
+        fn move_cursor_up(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+        fn move_cursor_down(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+        fn move_cursor_right(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+        fn move_cursor_left(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+        fn write_line(&self, text: &str) -> io::Result<()> {
+            self.write(text).and_then(|()| self.write("\n"))
+        }
+        fn write_str(&self, text: &str) -> io::Result<()> {
+            self.write(text)
+        }
+        fn clear_line(&self) -> io::Result<()> {
+            self.write("<clear>")
+        }
+        fn flush(&self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    fn progress(until: Time) -> (Progress, Screen) {
+        let screen = Screen::default();
+        (Progress::drawn_on(until, ProgressDrawTarget::term_like(Box::new(screen.clone()))), screen)
+    }
+
+    #[test]
+    fn the_bar_tells_time_and_robots() {
+        let (mut progress, screen) = progress(Time::from_millis(600_000));
+        progress.update(Time::from_millis(12_500), || Counts { running: 3, waiting: 1, ended: 0 });
+        let text = screen.0.lock().clone();
+        assert!(text.contains("12.500 s of 600.000 s, "), "{text}");
+        assert!(text.contains("times real time; 3 running, 1 waiting"), "{text}");
+    }
+
+    #[test]
+    fn it_is_drawn_ten_times_a_second_at_the_most() {
+        let (mut progress, _) = progress(Time::NEVER);
+        let begin = progress.begin;
+        let mut drawn = 0;
+        for slot in 0..100_000 {
+            progress.update(Time(50_000 * slot), || {
+                drawn += 1;
+                Counts::default()
+            });
+        }
+        let most = 1 + begin.elapsed().as_millis() / PERIOD.as_millis();
+        assert!((1..=most).contains(&drawn), "{drawn} times, at the most {most}");
+    }
+
+    #[test]
+    fn lines_appear_above_it() {
+        let (mut progress, screen) = progress(Time::NEVER);
+        progress.update(Time(1), Counts::default);
+        let before = screen.0.lock().len();
+        struct Stream(Screen);
+        impl Write for Stream {
+            fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+                self.0.write(std::str::from_utf8(bytes).unwrap()).map(|()| bytes.len())
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        progress.above(Stream(screen.clone()), true).write_all(b"[r1 0.000 s] hello\n").unwrap();
+        let text = screen.0.lock()[before..].to_owned();
+        let (cleared, line) = (text.find("<clear>"), text.find("[r1 0.000 s] hello"));
+        assert!(cleared.is_some() && cleared < line, "{text}");
+    }
+
+    #[test]
+    fn it_leaves_the_screen_clean() {
+        let (mut progress, screen) = progress(Time(1));
+        progress.update(Time(1), Counts::default);
+        progress.clear();
+        assert!(screen.0.lock().ends_with("<clear>"), "{:?}", screen.0.lock());
+        assert!(!progress.is_visible());
+    }
+
+    #[test]
+    fn nobody_is_asked_where_nobody_sees() {
+        let mut progress = Progress::hidden();
+        progress.update(Time(1), || unreachable!("the bar is hidden"));
+        assert!(!progress.is_visible());
+    }
+}
