@@ -1,0 +1,52 @@
+//! The index of moving bodies: 1,000 robots, one a square metre, in a slot.
+
+use accuracy::world::Random;
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use glam::DVec2;
+use sim_core::RobotId;
+use sim_core::scene::{Bounds, Moving};
+use std::hint::black_box;
+
+/// Discs of 0.1 m that move by up to 2.5 cm in the slot.
+fn bodies(count: usize) -> (Bounds, Vec<(RobotId, Bounds)>) {
+    let mut random = Random::new(4);
+    let arena = Bounds { min: DVec2::ZERO, max: DVec2::splat((count as f64).sqrt()) };
+    let body = |place| {
+        let start = random.point_in(arena);
+        let end = start + random.direction() * random.between(0.0, 0.025);
+        (RobotId::from_index(place), Bounds::of_disc(start, 0.1).union(Bounds::of_disc(end, 0.1)))
+    };
+    (arena, (0..count).map(body).collect())
+}
+
+fn moving(criterion: &mut Criterion) {
+    let (arena, list) = bodies(1000);
+    let mut random = Random::new(5);
+    let rays: Vec<_> = (0..8000).map(|_| (random.point_in(arena), random.direction())).collect();
+    let mut index = Moving::default();
+    index.rebuild(&list);
+    let mut group = criterion.benchmark_group("moving");
+    group.throughput(Throughput::Elements(list.len() as u64));
+    group.bench_function("rebuild", |bencher| bencher.iter(|| index.rebuild(black_box(&list))));
+    group.bench_function("pairs", |bencher| {
+        bencher.iter(|| {
+            index.pairs(|one, other| {
+                black_box((one, other));
+            });
+        });
+    });
+    group.throughput(Throughput::Elements(rays.len() as u64));
+    group.bench_function("rays", |bencher| {
+        bencher.iter(|| {
+            for &(origin, direction) in &rays {
+                index.along_ray(origin, direction, 2.0, |id| {
+                    black_box(id);
+                });
+            }
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, moving);
+criterion_main!(benches);

@@ -1,0 +1,52 @@
+//! Rays a second against walls that stand still: the 2D index, and brute force beside it.
+
+use accuracy::oracle;
+use benches::Ray;
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use glam::DVec2;
+use sim_core::scene::{Segment, Walls};
+use std::hint::black_box;
+
+fn rays(criterion: &mut Criterion) {
+    let beyond: Vec<Ray> = benches::psd_rays(10_000)
+        .into_iter()
+        .map(|ray| Ray { origin: ray.origin + DVec2::new(30.0, 0.0), ..ray })
+        .collect();
+    compare(criterion, "psd", &benches::walls(), &benches::psd_rays(10_000));
+    compare(criterion, "psd-maze", &benches::maze(), &benches::psd_rays(10_000));
+    compare(criterion, "lidar", &benches::walls(), &benches::lidar_rays(28));
+    compare(criterion, "out-of-reach", &benches::walls(), &beyond);
+}
+
+fn compare(criterion: &mut Criterion, name: &str, segments: &[Segment], rays: &[Ray]) {
+    let walls = Walls::new(segments.to_vec());
+    let mut group = criterion.benchmark_group(format!("rays/{name}"));
+    group.throughput(Throughput::Elements(rays.len() as u64));
+    group.bench_function("index", |bencher| {
+        bencher.iter(|| {
+            for ray in rays {
+                black_box(walls.cast(ray.origin, ray.direction, ray.range));
+            }
+        });
+    });
+    group.sample_size(10);
+    group.bench_function("brute-force", |bencher| {
+        bencher.iter(|| {
+            for ray in rays {
+                black_box(oracle::nearest_wall(segments, ray.origin, ray.direction, ray.range, 0.0));
+            }
+        });
+    });
+    group.finish();
+}
+
+fn build(criterion: &mut Criterion) {
+    let segments = benches::walls();
+    let mut group = criterion.benchmark_group("rays/build");
+    group.throughput(Throughput::Elements(segments.len() as u64));
+    group.bench_function("index", |bencher| bencher.iter(|| Walls::new(black_box(segments.clone()))));
+    group.finish();
+}
+
+criterion_group!(benches, rays, build);
+criterion_main!(benches);
