@@ -9,6 +9,7 @@
 //! wild pointer faults while the host holds no lock.
 
 mod abi;
+pub mod c;
 pub mod constant;
 pub mod param;
 pub mod robios6;

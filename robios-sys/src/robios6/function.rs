@@ -335,7 +335,7 @@ function_table! {
         /// Calls a function at regular times: every scale/100 seconds.
         /// It is called inside of the call that is in progress then, never while it still runs itself; it must be
         /// short and must not wait. Returns a handle, or 0 if the list is full, scale is below 1 or f is 0.
-        fn OSAttachTimer(scale: i32, f: Callback) -> i32 = 0, c "TimerHandle OSAttachTimer(int scale, TimerFnc f)";
+        fn OSAttachTimer(scale: i32, f: Callback) -> TimerHandle = 0;
 
         /// Stops the calls of OSAttachTimer. Returns 1, or 0 if handle is not one.
         fn OSDetachTimer(handle: TimerHandle) -> i32 = 0;
@@ -372,8 +372,7 @@ function_table! {
         /// Loads a user program over a serial interface, which a simulated robot cannot.
         /// name: at least 16 bytes for the program's name. bytes: how many were loaded.
         /// Returns 0 when done, 99 to be called again, or another number on failure.
-        fn OSDownload(name: Out<[u8; 16]>, bytes: Out<i32>, baud: i32, handshake: i32, interface: i32) -> i32 = 1,
-            c "int OSDownload(char *name, int *bytes, int baud, int handshake, int interface)";
+        fn OSDownload(name: Out<[u8; 16]>, bytes: Out<i32>, baud: i32, handshake: i32, interface: i32) -> i32 = 1;
 
         /// Starts the user program that was loaded, which a simulated robot has none of. Returns -1.
         fn USRStart() -> i32 = -1;
@@ -699,7 +698,7 @@ function_table! {
         fn RADIOSend(id: Byte, buffer: Bytes) -> i32 = 1, c "int RADIOSend(BYTE id, int byteCount, BYTE *buffer)";
 
         /// How many messages wait to be received.
-        fn RADIOCheck() -> i32 = 0;
+        fn RADIOCheck() -> i32 = 0, c "int RADIOCheck()";
 
         /// Waits for a message.
         /// id: its sender. bytesReceived: its length. buffer: at least MAXMSGLEN bytes.

@@ -1,0 +1,2 @@
+/* Old programs include it; everything is in eyebot.h. */
+#include "eyebot.h"

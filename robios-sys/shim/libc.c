@@ -1,0 +1,910 @@
+/* The functions of the C library that must not break out of the robot or of virtual time; part of shim.c.
+ *
+ * Each is defined under its own name for the linker and another one here, so that it cannot clash with how the
+ * system's headers declare it. docs/c-library.md lists them. */
+#include <err.h>
+#include <errno.h>
+#include <error.h>
+#include <poll.h>
+#include <stdio_ext.h>
+#include <sys/select.h>
+#include <sys/syscall.h>
+#include <sys/time.h>
+#include <sys/timeb.h>
+#include <sys/times.h>
+#include <time.h>
+#include <unistd.h>
+#include <wchar.h>
+
+#define REPLACES(name) __asm__(#name) WEAK
+/* Defines `type name arguments` for the linker. */
+#define LIBC(type, name, arguments)                                                                                     \
+    type libc_##name arguments REPLACES(name);                                                                          \
+    type libc_##name arguments
+#define LIBC_NORETURN(name, arguments)                                                                                  \
+    _Noreturn void libc_##name arguments REPLACES(name);                                                                \
+    _Noreturn void libc_##name arguments
+
+/* The numbers of robios_sys::support. */
+enum { RAND = 1, RANDOM = 2, DRAND48 = 3, ENTROPY = 4 };
+enum { FAILED_ABORT = 1, FAILED_ASSERTION = 2, FAILED_STACK = 4 };
+
+/* ---- console: lines go to the host; nothing of it is left in a FILE ---- */
+
+/* The streams of this library, instead of the host's. */
+WEAK FILE *stdin;
+WEAK FILE *stdout;
+WEAK FILE *stderr;
+
+/* Sends what has been collected. The program is not left from here: a FILE may be in use. */
+static void send_line(struct console *console)
+{
+    int32_t result = 0;
+    if (console->used > 0 && self.host != NULL) {
+        struct frame *frame = self.frame;
+        int32_t status = self.host->support->console(self.robot, console->number,
+                                                     bytes_of(console->line, console->used), &result);
+        self.frame = frame;
+        if (status == EYESIM_STOP)
+            self.wants_out = 1;
+    }
+    console->used = 0;
+}
+
+static void write_console(struct console *console, const char *bytes, size_t len)
+{
+    size_t i;
+    for (i = 0; i < len; i++) {
+        console->line[console->used++] = bytes[i];
+        if (bytes[i] == '\n' || console->used == sizeof console->line)
+            send_line(console);
+    }
+}
+
+static ssize_t cookie_write(void *console, const char *bytes, size_t len)
+{
+    write_console(console, bytes, len);
+    return (ssize_t)len;
+}
+
+static ssize_t cookie_read(void *console, char *bytes, size_t len)
+{
+    (void)console, (void)bytes, (void)len;
+    return 0; /* end of file */
+}
+
+static FILE *opened(struct console *console, const char *mode)
+{
+    cookie_io_functions_t functions = {.read = cookie_read, .write = cookie_write};
+    FILE *stream = fopencookie(console, mode, functions);
+    if (stream != NULL) {
+        setvbuf(stream, NULL, _IONBF, 0);
+        /* A thread that is parked for ever after a fault must not hold a lock that ends of the process wait for. */
+        __fsetlocking(stream, FSETLOCKING_BYCALLER);
+    }
+    return stream;
+}
+
+__attribute__((constructor(101))) static void open_console(void)
+{
+    stdin = opened(NULL, "r");
+    stdout = opened(&self.out, "w");
+    stderr = opened(&self.err, "w");
+}
+
+__attribute__((destructor(101))) static void close_console(void)
+{
+    if (self.host != NULL)
+        return; /* parked in the middle of its run */
+    if (stdin != NULL)
+        fclose(stdin);
+    if (stdout != NULL)
+        fclose(stdout);
+    if (stderr != NULL)
+        fclose(stderr);
+    stdin = stdout = stderr = NULL;
+}
+
+static void flush_console(void)
+{
+    /* Empty, unless the program has given the streams buffers. */
+    if (stdout != NULL)
+        fflush_unlocked(stdout);
+    if (stderr != NULL)
+        fflush_unlocked(stderr);
+    send_line(&self.out);
+    send_line(&self.err);
+}
+
+/* After output: leaves the program if the host wants so. */
+static int written(int result)
+{
+    if (self.wants_out)
+        leave(EYESIM_EXIT_STOPPED);
+    return result;
+}
+
+static struct console *console_of(int descriptor)
+{
+    return descriptor == 1 ? &self.out : descriptor == 2 ? &self.err : NULL;
+}
+
+/* Passes the variable arguments on to a function that takes a va_list. */
+#define WITH_ARGUMENTS(last, call)                                                                                      \
+    do {                                                                                                                \
+        int result_;                                                                                                    \
+        va_list arguments;                                                                                              \
+        va_start(arguments, last);                                                                                      \
+        result_ = (call);                                                                                               \
+        va_end(arguments);                                                                                              \
+        return written(result_);                                                                                        \
+    } while (0)
+
+LIBC(int, printf, (const char *format, ...)) { WITH_ARGUMENTS(format, vfprintf(stdout, format, arguments)); }
+LIBC(int, vprintf, (const char *format, va_list arguments)) { return written(vfprintf(stdout, format, arguments)); }
+LIBC(int, __printf_chk, (int flag, const char *format, ...))
+{
+    (void)flag;
+    WITH_ARGUMENTS(format, vfprintf(stdout, format, arguments));
+}
+LIBC(int, __vprintf_chk, (int flag, const char *format, va_list arguments))
+{
+    (void)flag;
+    return written(vfprintf(stdout, format, arguments));
+}
+LIBC(int, wprintf, (const wchar_t *format, ...)) { WITH_ARGUMENTS(format, vfwprintf(stdout, format, arguments)); }
+LIBC(int, vwprintf, (const wchar_t *format, va_list arguments)) { return written(vfwprintf(stdout, format, arguments)); }
+LIBC(int, __wprintf_chk, (int flag, const wchar_t *format, ...))
+{
+    (void)flag;
+    WITH_ARGUMENTS(format, vfwprintf(stdout, format, arguments));
+}
+LIBC(int, __vwprintf_chk, (int flag, const wchar_t *format, va_list arguments))
+{
+    (void)flag;
+    return written(vfwprintf(stdout, format, arguments));
+}
+LIBC(int, puts, (const char *text))
+{
+    if (fputs(text, stdout) < 0)
+        return EOF;
+    return written(fputc('\n', stdout));
+}
+LIBC(int, putchar, (int c)) { return written(fputc(c, stdout)); }
+LIBC(int, putchar_unlocked, (int c)) { return written(fputc(c, stdout)); }
+LIBC(wint_t, putwchar, (wchar_t c)) { return fputwc(c, stdout); }
+LIBC(void, perror, (const char *text))
+{
+    int number = errno;
+    char description[128];
+    const char *said = strerror_r(number, description, sizeof description);
+    if (text != NULL && *text != '\0')
+        fprintf(stderr, "%s: %s\n", text, said);
+    else
+        fprintf(stderr, "%s\n", said);
+    written(0);
+}
+LIBC(int, fflush, (FILE *stream))
+{
+    if (stream != NULL)
+        return fflush_unlocked(stream);
+    /* Not the streams of other robots and of the host. */
+    fflush_unlocked(stdout);
+    return fflush_unlocked(stderr);
+}
+
+static int print_to(int descriptor, const char *format, va_list arguments)
+{
+    if (console_of(descriptor) == NULL) {
+        errno = EBADF;
+        return -1;
+    }
+    return written(vfprintf(descriptor == 2 ? stderr : stdout, format, arguments));
+}
+
+LIBC(int, vdprintf, (int descriptor, const char *format, va_list arguments))
+{
+    return print_to(descriptor, format, arguments);
+}
+LIBC(int, __vdprintf_chk, (int descriptor, int flag, const char *format, va_list arguments))
+{
+    (void)flag;
+    return print_to(descriptor, format, arguments);
+}
+LIBC(int, dprintf, (int descriptor, const char *format, ...))
+{
+    WITH_ARGUMENTS(format, print_to(descriptor, format, arguments));
+}
+LIBC(int, __dprintf_chk, (int descriptor, int flag, const char *format, ...))
+{
+    (void)flag;
+    WITH_ARGUMENTS(format, print_to(descriptor, format, arguments));
+}
+
+LIBC(int, getchar, (void)) { return fgetc(stdin); }
+LIBC(int, getchar_unlocked, (void)) { return fgetc(stdin); }
+LIBC(wint_t, getwchar, (void)) { return fgetwc(stdin); }
+LIBC(char *, gets, (char *line))
+{
+    int c = EOF;
+    char *end = line;
+    while ((c = fgetc(stdin)) != EOF && c != '\n')
+        *end++ = (char)c;
+    *end = '\0';
+    return c == EOF && end == line ? NULL : line;
+}
+LIBC(int, scanf, (const char *format, ...)) { WITH_ARGUMENTS(format, vfscanf(stdin, format, arguments)); }
+LIBC(int, __isoc99_scanf, (const char *format, ...)) { WITH_ARGUMENTS(format, vfscanf(stdin, format, arguments)); }
+LIBC(int, __isoc23_scanf, (const char *format, ...)) { WITH_ARGUMENTS(format, vfscanf(stdin, format, arguments)); }
+LIBC(int, vscanf, (const char *format, va_list arguments)) { return vfscanf(stdin, format, arguments); }
+LIBC(int, __isoc99_vscanf, (const char *format, va_list arguments)) { return vfscanf(stdin, format, arguments); }
+LIBC(int, __isoc23_vscanf, (const char *format, va_list arguments)) { return vfscanf(stdin, format, arguments); }
+
+LIBC(ssize_t, write, (int descriptor, const void *bytes, size_t len))
+{
+    struct console *console = console_of(descriptor);
+    if (console == NULL)
+        return syscall(SYS_write, descriptor, bytes, len);
+    write_console(console, bytes, len);
+    written(0);
+    return (ssize_t)len;
+}
+LIBC(ssize_t, read, (int descriptor, void *bytes, size_t len))
+{
+    return descriptor == 0 ? 0 : syscall(SYS_read, descriptor, bytes, len);
+}
+LIBC(ssize_t, __read_chk, (int descriptor, void *bytes, size_t len, size_t room))
+{
+    return descriptor == 0 ? 0 : syscall(SYS_read, descriptor, bytes, len < room ? len : room);
+}
+LIBC(int, close, (int descriptor))
+{
+    /* The first three are the host's. */
+    return descriptor >= 0 && descriptor <= 2 ? 0 : (int)syscall(SYS_close, descriptor);
+}
+LIBC(int, isatty, (int descriptor))
+{
+    (void)descriptor;
+    errno = ENOTTY;
+    return 0;
+}
+
+/* ---- the end of the program ---- */
+
+static int add_at_end(struct at_end **list, struct at_end function)
+{
+    struct at_end *added = malloc(sizeof *added);
+    if (added == NULL)
+        return -1;
+    *added = function;
+    added->before = *list;
+    *list = added;
+    return 0;
+}
+
+/* Calls what is to be called at the end, the last first; each once, even when one of them ends the program again. */
+static void call_at_end(struct at_end **list, int exit_code)
+{
+    while (*list != NULL) {
+        struct at_end function = **list;
+        free(*list);
+        *list = function.before;
+        if (function.plain != NULL)
+            function.plain();
+        else if (function.with_data != NULL)
+            function.with_data(function.data);
+        else
+            function.with_code(exit_code, function.data);
+    }
+}
+
+static _Noreturn void end_program(int exit_code)
+{
+    if (self.host != NULL)
+        call_at_end(&self.at_end, exit_code);
+    leave(exit_code);
+}
+
+/* The program cannot go on; nothing of it is run any more. */
+static _Noreturn void fail(int32_t kind, const char *text)
+{
+    int32_t result;
+    flush_console();
+    SUPPORT(failed, kind, text_of(text), &result);
+    leave(EYESIM_EXIT_ABORTED);
+}
+
+LIBC_NORETURN(exit, (int exit_code)) { end_program(exit_code); }
+LIBC_NORETURN(_exit, (int exit_code)) { leave(exit_code); }
+LIBC_NORETURN(_Exit, (int exit_code)) { leave(exit_code); }
+LIBC_NORETURN(quick_exit, (int exit_code))
+{
+    if (self.host != NULL)
+        call_at_end(&self.at_quick_exit, exit_code);
+    leave(exit_code);
+}
+LIBC_NORETURN(abort, (void)) { fail(FAILED_ABORT, "abort() was called"); }
+
+LIBC(int, atexit, (void (*function)(void)))
+{
+    struct at_end added = {.plain = function};
+    return add_at_end(&self.at_end, added);
+}
+LIBC(int, at_quick_exit, (void (*function)(void)))
+{
+    struct at_end added = {.plain = function};
+    return add_at_end(&self.at_quick_exit, added);
+}
+LIBC(int, on_exit, (void (*function)(int, void *), void *data))
+{
+    struct at_end added = {.with_code = function, .data = data};
+    return add_at_end(&self.at_end, added);
+}
+LIBC(int, __cxa_atexit, (void (*function)(void *), void *data, void *library))
+{
+    struct at_end added = {.with_data = function, .data = data};
+    (void)library;
+    return add_at_end(&self.at_end, added);
+}
+
+static _Noreturn void fail_assertion(const char *said, const char *file, unsigned line, const char *function)
+{
+    char text[512];
+    snprintf(text, sizeof text, "%s:%u: %s%sassertion `%s` failed", file, line, function == NULL ? "" : function,
+             function == NULL ? "" : ": ", said);
+    fail(FAILED_ASSERTION, text);
+}
+
+LIBC_NORETURN(__assert_fail, (const char *said, const char *file, unsigned line, const char *function))
+{
+    fail_assertion(said, file, line, function);
+}
+LIBC_NORETURN(__assert, (const char *said, const char *file, int line))
+{
+    fail_assertion(said, file, (unsigned)line, NULL);
+}
+LIBC_NORETURN(__assert_perror_fail, (int number, const char *file, unsigned line, const char *function))
+{
+    char description[128];
+    fail_assertion(strerror_r(number, description, sizeof description), file, line, function);
+}
+LIBC_NORETURN(__stack_chk_fail, (void)) { fail(FAILED_STACK, "stack smashing detected: a local array was overrun"); }
+LIBC_NORETURN(__chk_fail, (void)) { fail(FAILED_STACK, "buffer overflow detected"); }
+
+/* Messages of <err.h> and <error.h>, which go to the host's standard error and end the process. */
+static void complain(int number, int has_number, const char *format, va_list arguments)
+{
+    char name[128] = "", description[128];
+    int32_t len = 0;
+    SUPPORT(program_name, room_of(name, sizeof name - 1), &len);
+    fprintf(stderr, "%s: ", name);
+    if (format != NULL)
+        vfprintf(stderr, format, arguments);
+    if (has_number)
+        fprintf(stderr, "%s%s", format == NULL ? "" : ": ", strerror_r(number, description, sizeof description));
+    fputc('\n', stderr);
+    written(0);
+}
+
+LIBC(void, vwarn, (const char *format, va_list arguments)) { complain(errno, 1, format, arguments); }
+LIBC(void, vwarnx, (const char *format, va_list arguments)) { complain(0, 0, format, arguments); }
+LIBC(void, warn, (const char *format, ...))
+{
+    int number = errno;
+    va_list arguments;
+    va_start(arguments, format);
+    complain(number, 1, format, arguments);
+    va_end(arguments);
+}
+LIBC(void, warnx, (const char *format, ...))
+{
+    va_list arguments;
+    va_start(arguments, format);
+    complain(0, 0, format, arguments);
+    va_end(arguments);
+}
+LIBC_NORETURN(verr, (int exit_code, const char *format, va_list arguments))
+{
+    complain(errno, 1, format, arguments);
+    end_program(exit_code);
+}
+LIBC_NORETURN(verrx, (int exit_code, const char *format, va_list arguments))
+{
+    complain(0, 0, format, arguments);
+    end_program(exit_code);
+}
+LIBC_NORETURN(err, (int exit_code, const char *format, ...))
+{
+    int number = errno;
+    va_list arguments;
+    va_start(arguments, format);
+    complain(number, 1, format, arguments);
+    va_end(arguments);
+    end_program(exit_code);
+}
+LIBC_NORETURN(errx, (int exit_code, const char *format, ...))
+{
+    va_list arguments;
+    va_start(arguments, format);
+    complain(0, 0, format, arguments);
+    va_end(arguments);
+    end_program(exit_code);
+}
+LIBC(void, error, (int exit_code, int number, const char *format, ...))
+{
+    va_list arguments;
+    va_start(arguments, format);
+    complain(number, number != 0, format, arguments);
+    va_end(arguments);
+    if (exit_code != 0)
+        end_program(exit_code);
+}
+
+/* ---- checked functions of -D_FORTIFY_SOURCE: a failed check would end the host ---- */
+
+static void check_room(size_t needed, size_t room, const char *name)
+{
+    char text[96];
+    if (needed <= room)
+        return;
+    snprintf(text, sizeof text, "buffer overflow detected in %s: %zu bytes into %zu", name, needed, room);
+    fail(FAILED_STACK, text);
+}
+
+LIBC(void *, __memcpy_chk, (void *to, const void *from, size_t len, size_t room))
+{
+    check_room(len, room, "memcpy");
+    return memcpy(to, from, len);
+}
+LIBC(void *, __mempcpy_chk, (void *to, const void *from, size_t len, size_t room))
+{
+    check_room(len, room, "mempcpy");
+    return (char *)memcpy(to, from, len) + len;
+}
+LIBC(void *, __memmove_chk, (void *to, const void *from, size_t len, size_t room))
+{
+    check_room(len, room, "memmove");
+    return memmove(to, from, len);
+}
+LIBC(void *, __memset_chk, (void *to, int byte, size_t len, size_t room))
+{
+    check_room(len, room, "memset");
+    return memset(to, byte, len);
+}
+LIBC(char *, __strcpy_chk, (char *to, const char *from, size_t room))
+{
+    check_room(strlen(from) + 1, room, "strcpy");
+    return strcpy(to, from);
+}
+LIBC(char *, __stpcpy_chk, (char *to, const char *from, size_t room))
+{
+    check_room(strlen(from) + 1, room, "stpcpy");
+    return stpcpy(to, from);
+}
+LIBC(char *, __strncpy_chk, (char *to, const char *from, size_t len, size_t room))
+{
+    check_room(len, room, "strncpy");
+    return strncpy(to, from, len);
+}
+LIBC(char *, __stpncpy_chk, (char *to, const char *from, size_t len, size_t room))
+{
+    check_room(len, room, "stpncpy");
+    return stpncpy(to, from, len);
+}
+LIBC(char *, __strcat_chk, (char *to, const char *from, size_t room))
+{
+    check_room(strlen(to) + strlen(from) + 1, room, "strcat");
+    return strcat(to, from);
+}
+LIBC(char *, __strncat_chk, (char *to, const char *from, size_t len, size_t room))
+{
+    check_room(strlen(to) + strnlen(from, len) + 1, room, "strncat");
+    return strncat(to, from, len);
+}
+LIBC(int, __vsnprintf_chk, (char *to, size_t len, int flag, size_t room, const char *format, va_list arguments))
+{
+    (void)flag;
+    check_room(len, room, "vsnprintf");
+    return vsnprintf(to, len, format, arguments);
+}
+LIBC(int, __snprintf_chk, (char *to, size_t len, int flag, size_t room, const char *format, ...))
+{
+    int result;
+    va_list arguments;
+    (void)flag;
+    check_room(len, room, "snprintf");
+    va_start(arguments, format);
+    result = vsnprintf(to, len, format, arguments);
+    va_end(arguments);
+    return result;
+}
+/* The room is unknown where it is the largest number; what is written then is not bounded, as with sprintf. */
+static int printed_into(char *to, size_t room, const char *name, const char *format, va_list arguments)
+{
+    int len;
+    if (room == (size_t)-1)
+        return vsprintf(to, format, arguments);
+    len = vsnprintf(to, room, format, arguments);
+    check_room(len < 0 ? 0 : (size_t)len + 1, room, name);
+    return len;
+}
+LIBC(int, __vsprintf_chk, (char *to, int flag, size_t room, const char *format, va_list arguments))
+{
+    (void)flag;
+    return printed_into(to, room, "vsprintf", format, arguments);
+}
+LIBC(int, __sprintf_chk, (char *to, int flag, size_t room, const char *format, ...))
+{
+    int result;
+    va_list arguments;
+    (void)flag;
+    va_start(arguments, format);
+    result = printed_into(to, room, "sprintf", format, arguments);
+    va_end(arguments);
+    return result;
+}
+LIBC(char *, __fgets_chk, (char *to, size_t room, int len, FILE *stream))
+{
+    check_room(len < 0 ? 0 : (size_t)len, room, "fgets");
+    return fgets(to, len, stream);
+}
+LIBC(size_t, __fread_chk, (void *to, size_t room, size_t size, size_t count, FILE *stream))
+{
+    check_room(size != 0 && count > (size_t)-1 / size ? (size_t)-1 : size * count, room, "fread");
+    return fread(to, size, count, stream);
+}
+LIBC_NORETURN(__longjmp_chk, (struct __jmp_buf_tag * place, int value)) { longjmp(place, value); }
+
+/* ---- random numbers: the robot's own streams ---- */
+
+static uint64_t random_bits(uint32_t purpose)
+{
+    uint64_t bits = 0;
+    SUPPORT(random, purpose, &bits);
+    return bits;
+}
+
+static void seed(uint32_t purpose, uint64_t value)
+{
+    int32_t result;
+    SUPPORT(seed, purpose, value, &result);
+}
+
+LIBC(int, rand, (void)) { return (int)(random_bits(RAND) >> 33); }
+LIBC(void, srand, (unsigned value)) { seed(RAND, value); }
+LIBC(long, random, (void)) { return (long)(random_bits(RANDOM) >> 33); }
+LIBC(void, srandom, (unsigned value)) { seed(RANDOM, value); }
+
+/* The 48-bit generator as POSIX has it; only where it starts without a seed is the robot's own. */
+static struct {
+    int is_seeded;
+    uint64_t state, multiplier;
+    uint16_t addend;
+    unsigned short before[3];
+} lcg = {0, 0, 0x5DEECE66D, 0xB, {0}};
+
+static uint64_t joined(const unsigned short state[3])
+{
+    return state[0] | (uint64_t)state[1] << 16 | (uint64_t)state[2] << 32;
+}
+
+static void split(uint64_t joined, unsigned short state[3])
+{
+    state[0] = (unsigned short)joined;
+    state[1] = (unsigned short)(joined >> 16);
+    state[2] = (unsigned short)(joined >> 32);
+}
+
+static uint64_t stepped(uint64_t state)
+{
+    return (state * lcg.multiplier + lcg.addend) & 0xFFFFFFFFFFFF;
+}
+
+static uint64_t step_own(void)
+{
+    if (!lcg.is_seeded) {
+        lcg.is_seeded = 1;
+        lcg.state = random_bits(DRAND48) >> 16;
+    }
+    return lcg.state = stepped(lcg.state);
+}
+
+static uint64_t step_given(unsigned short state[3])
+{
+    uint64_t next = stepped(joined(state));
+    split(next, state);
+    return next;
+}
+
+static void start(uint64_t state)
+{
+    lcg.is_seeded = 1;
+    lcg.state = state;
+    lcg.multiplier = 0x5DEECE66D;
+    lcg.addend = 0xB;
+}
+
+LIBC(double, drand48, (void)) { return (double)step_own() / 281474976710656.0; }
+LIBC(double, erand48, (unsigned short state[3])) { return (double)step_given(state) / 281474976710656.0; }
+LIBC(long, lrand48, (void)) { return (long)(step_own() >> 17); }
+LIBC(long, nrand48, (unsigned short state[3])) { return (long)(step_given(state) >> 17); }
+LIBC(long, mrand48, (void)) { return (int32_t)(step_own() >> 16); }
+LIBC(long, jrand48, (unsigned short state[3])) { return (int32_t)(step_given(state) >> 16); }
+LIBC(void, srand48, (long value)) { start((uint64_t)(uint32_t)value << 16 | 0x330E); }
+LIBC(unsigned short *, seed48, (unsigned short state[3]))
+{
+    split(lcg.state, lcg.before);
+    start(joined(state));
+    return lcg.before;
+}
+LIBC(void, lcong48, (unsigned short parameters[7]))
+{
+    start(joined(parameters));
+    lcg.multiplier = joined(parameters + 3);
+    lcg.addend = parameters[6];
+}
+
+static void fill_randomly(void *bytes, size_t len)
+{
+    unsigned char *to = bytes;
+    while (len > 0) {
+        uint64_t bits = random_bits(ENTROPY);
+        size_t part = len < sizeof bits ? len : sizeof bits;
+        memcpy(to, &bits, part);
+        to += part;
+        len -= part;
+    }
+}
+
+LIBC(ssize_t, getrandom, (void *bytes, size_t len, unsigned flags))
+{
+    (void)flags;
+    fill_randomly(bytes, len);
+    return (ssize_t)len;
+}
+LIBC(int, getentropy, (void *bytes, size_t len))
+{
+    if (len > 256) {
+        errno = EIO;
+        return -1;
+    }
+    fill_randomly(bytes, len);
+    return 0;
+}
+LIBC(uint32_t, arc4random, (void)) { return (uint32_t)random_bits(ENTROPY); }
+LIBC(void, arc4random_buf, (void *bytes, size_t len)) { fill_randomly(bytes, len); }
+LIBC(uint32_t, arc4random_uniform, (uint32_t bound))
+{
+    return (uint32_t)((random_bits(ENTROPY) >> 32) * bound >> 32);
+}
+
+/* ---- time: the robot's virtual time; the calendar starts on 1 January 2000, 0:00 UTC ---- */
+
+#define CALENDAR_START INT64_C(946684800)
+#define MILLION INT64_C(1000000)
+
+static int64_t now_us(void)
+{
+    int64_t now = 0;
+    SUPPORT(time_us, &now);
+    return now;
+}
+
+static void pass_us(int64_t span)
+{
+    int32_t result;
+    SUPPORT(sleep_us, span, &result);
+}
+
+static int refused(const char *name)
+{
+    fprintf(stderr, "%s is not available to robot programs\n", name);
+    written(0);
+    errno = ENOSYS;
+    return -1;
+}
+
+LIBC(time_t, time, (time_t *to))
+{
+    time_t now = (time_t)(CALENDAR_START + now_us() / MILLION);
+    if (to != NULL)
+        *to = now;
+    return now;
+}
+LIBC(clock_t, clock, (void)) { return (clock_t)now_us(); }
+LIBC(int, gettimeofday, (struct timeval *to, void *zone))
+{
+    int64_t now = now_us();
+    (void)zone;
+    if (to != NULL) {
+        to->tv_sec = (time_t)(CALENDAR_START + now / MILLION);
+        to->tv_usec = now % MILLION;
+    }
+    return 0;
+}
+
+static int64_t start_of_s(clockid_t id)
+{
+    return id == CLOCK_REALTIME || id == CLOCK_REALTIME_COARSE || id == CLOCK_TAI ? CALENDAR_START : 0;
+}
+
+LIBC(int, clock_gettime, (clockid_t id, struct timespec *to))
+{
+    int64_t now = now_us();
+    to->tv_sec = (time_t)(start_of_s(id) + now / MILLION);
+    to->tv_nsec = now % MILLION * 1000;
+    return 0;
+}
+LIBC(int, clock_getres, (clockid_t id, struct timespec *to))
+{
+    (void)id;
+    if (to != NULL) {
+        to->tv_sec = 0;
+        to->tv_nsec = 1000;
+    }
+    return 0;
+}
+LIBC(int, timespec_get, (struct timespec *to, int base))
+{
+    int64_t now = now_us();
+    if (base != TIME_UTC)
+        return 0;
+    to->tv_sec = (time_t)(CALENDAR_START + now / MILLION);
+    to->tv_nsec = now % MILLION * 1000;
+    return base;
+}
+LIBC(clock_t, times, (struct tms *to))
+{
+    clock_t ticks = (clock_t)(now_us() / 10000);
+    if (to != NULL) {
+        memset(to, 0, sizeof *to);
+        to->tms_utime = ticks;
+    }
+    return ticks;
+}
+LIBC(int, ftime, (struct timeb *to))
+{
+    int64_t now = now_us();
+    memset(to, 0, sizeof *to);
+    to->time = (time_t)(CALENDAR_START + now / MILLION);
+    to->millitm = (unsigned short)(now % MILLION / 1000);
+    return 0;
+}
+
+LIBC(unsigned, sleep, (unsigned seconds))
+{
+    pass_us(seconds * MILLION);
+    return 0;
+}
+LIBC(int, usleep, (useconds_t span))
+{
+    pass_us(span);
+    return 0;
+}
+
+static int is_span(const struct timespec *span)
+{
+    return span->tv_sec >= 0 && span->tv_nsec >= 0 && span->tv_nsec < 1000000000;
+}
+
+/* Rounded up: nobody sleeps too short. */
+static int64_t us_of(const struct timespec *span)
+{
+    int64_t longest = INT64_MAX / MILLION - 1;
+    return (span->tv_sec < longest ? span->tv_sec : longest) * MILLION + (span->tv_nsec + 999) / 1000;
+}
+
+static void no_rest(struct timespec *rest)
+{
+    if (rest != NULL)
+        rest->tv_sec = rest->tv_nsec = 0;
+}
+
+LIBC(int, nanosleep, (const struct timespec *span, struct timespec *rest))
+{
+    if (!is_span(span)) {
+        errno = EINVAL;
+        return -1;
+    }
+    pass_us(us_of(span));
+    no_rest(rest);
+    return 0;
+}
+LIBC(int, thrd_sleep, (const struct timespec *span, struct timespec *rest))
+{
+    if (!is_span(span))
+        return -2;
+    pass_us(us_of(span));
+    no_rest(rest);
+    return 0;
+}
+LIBC(int, clock_nanosleep, (clockid_t id, int flags, const struct timespec *span, struct timespec *rest))
+{
+    if (!is_span(span))
+        return EINVAL;
+    if (flags & TIMER_ABSTIME) {
+        int64_t left = us_of(span) - start_of_s(id) * MILLION - now_us();
+        if (left > 0)
+            pass_us(left);
+        return 0;
+    }
+    pass_us(us_of(span));
+    no_rest(rest);
+    return 0;
+}
+LIBC(int, pause, (void))
+{
+    pass_us(INT64_MAX);
+    errno = EINTR;
+    return -1;
+}
+/* Waiting for nothing but time is sleeping. */
+LIBC(int, select, (int count, fd_set *read, fd_set *write, fd_set *except, struct timeval *span))
+{
+    (void)count;
+    if (read != NULL || write != NULL || except != NULL)
+        return refused("select on descriptors");
+    pass_us(span == NULL ? INT64_MAX : span->tv_sec * MILLION + span->tv_usec);
+    return 0;
+}
+LIBC(int, poll, (struct pollfd * descriptors, nfds_t count, int span_ms))
+{
+    (void)descriptors;
+    if (count > 0)
+        return refused("poll on descriptors");
+    pass_us(span_ms < 0 ? INT64_MAX : span_ms * INT64_C(1000));
+    return 0;
+}
+LIBC(int, __poll_chk, (struct pollfd * descriptors, nfds_t count, int span_ms, size_t room))
+{
+    (void)room;
+    return libc_poll(descriptors, count, span_ms);
+}
+
+LIBC(unsigned, alarm, (unsigned seconds))
+{
+    (void)seconds;
+    refused("alarm");
+    return 0;
+}
+LIBC(useconds_t, ualarm, (useconds_t first, useconds_t next))
+{
+    (void)first, (void)next;
+    refused("ualarm");
+    return 0;
+}
+LIBC(int, setitimer, (int which, const struct itimerval *to, struct itimerval *before))
+{
+    (void)which, (void)to, (void)before;
+    return refused("setitimer");
+}
+LIBC(int, timer_create, (clockid_t id, void *event, void *timer))
+{
+    (void)id, (void)event, (void)timer;
+    return refused("timer_create");
+}
+
+/* ---- functions with a state or result that all copies of a library would share; local time is UTC ---- */
+
+static char *rest_of_text;
+
+LIBC(char *, strtok, (char *text, const char *separators)) { return strtok_r(text, separators, &rest_of_text); }
+
+static struct tm calendar;
+static char calendar_text[64];
+
+LIBC(struct tm *, gmtime, (const time_t *at)) { return gmtime_r(at, &calendar); }
+LIBC(struct tm *, localtime, (const time_t *at)) { return gmtime_r(at, &calendar); }
+LIBC(struct tm *, localtime_r, (const time_t *at, struct tm *to)) { return gmtime_r(at, to); }
+LIBC(time_t, mktime, (struct tm * from)) { return timegm(from); }
+LIBC(char *, asctime, (const struct tm *from)) { return asctime_r(from, calendar_text); }
+LIBC(char *, ctime, (const time_t *at))
+{
+    struct tm broken;
+    return gmtime_r(at, &broken) == NULL ? NULL : asctime_r(&broken, calendar_text);
+}
+LIBC(char *, ctime_r, (const time_t *at, char *to))
+{
+    struct tm broken;
+    return gmtime_r(at, &broken) == NULL ? NULL : asctime_r(&broken, to);
+}

@@ -1,0 +1,388 @@
+/* The part of a C program's library that is not the program: its entry, its RoBIOS functions, and its C library.
+ *
+ * One file with its parts, compiled once for every library: it has globals of its own in each copy.
+ *   robios6.c  the RoBIOS functions that follow from the list (generated)
+ *   libc.c     the functions of the C library that must not break out of the robot or of virtual time
+ *   getopt.c   getopt, whose state all copies of a library would share
+ *
+ * All functions are weak: a program's own function of the same name wins. None of them calls a function that libc.c
+ * replaces. Calls that a program makes outside of its run (constructors, other threads) do nothing and give 0. */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE
+#endif
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "abi.h"
+#include "eyebot.h"
+#include "hdt.h"
+
+#define WEAK __attribute__((weak))
+#define CONSOLE_LINE 1024
+
+/* A place to leave the program to: its start, or the start of the timer function that is running. */
+struct frame {
+    jmp_buf place;
+    struct frame *outer;
+};
+
+/* A function to be called when the program ends. */
+struct at_end {
+    struct at_end *before;
+    void (*plain)(void);
+    void (*with_data)(void *data);
+    void (*with_code)(int code, void *data);
+    void *data;
+};
+
+/* A console stream: what was written since the last end of a line. */
+struct console {
+    int32_t number;
+    size_t used;
+    char line[CONSOLE_LINE];
+};
+
+static struct {
+    const struct eyesim_host *host; /* NULL while the program does not run */
+    void *robot;
+    struct frame *frame;
+    struct at_end *at_end;
+    struct at_end *at_quick_exit;
+    int is_leaving;
+    int exit_code;
+    int wants_out; /* the host has stopped the program while it could not be left */
+    struct tcb *tasks;
+    struct console out, err;
+} self = {.out = {.number = 1}, .err = {.number = 2}};
+
+/* ---- leaving the program ---- */
+
+/* Ends the program from wherever it is; the first exit code counts. */
+static _Noreturn void leave(int exit_code)
+{
+    if (!self.is_leaving) {
+        self.is_leaving = 1;
+        self.exit_code = exit_code;
+    }
+    if (self.frame == NULL)
+        __builtin_trap(); /* on a thread of the program's own, or before its start: there is no way out */
+    longjmp(self.frame->place, 1);
+}
+
+/* After each call: tasks change only inside of calls, so the frame is that of the task which goes on. */
+static void returned(int32_t status, struct frame *frame)
+{
+    self.frame = frame;
+    if (status == EYESIM_STOP)
+        leave(EYESIM_EXIT_STOPPED);
+}
+
+#define CALL(table, name, ...)                                                                                          \
+    do {                                                                                                                \
+        if (self.host != NULL) {                                                                                        \
+            struct frame *frame_ = self.frame;                                                                          \
+            returned(self.host->table->name(self.robot, __VA_ARGS__), frame_);                                          \
+        }                                                                                                               \
+    } while (0)
+#define ROBIOS6(name, ...) CALL(robios6, name, __VA_ARGS__)
+#define SUPPORT(name, ...) CALL(support, name, __VA_ARGS__)
+
+/* ---- conversions ---- */
+
+static struct eyesim_bytes bytes_of(const void *data, size_t len)
+{
+    struct eyesim_bytes bytes = {data, len};
+    return bytes;
+}
+
+static struct eyesim_bytes text_of(const char *text)
+{
+    return bytes_of(text, text == NULL ? 0 : strlen(text));
+}
+
+static struct eyesim_room room_of(void *data, size_t len)
+{
+    struct eyesim_room room = {data, len};
+    return room;
+}
+
+static int32_t task_of(const struct tcb *task)
+{
+    return task == NULL ? 0 : task->id;
+}
+
+/* Calls a function of the program for the host: leaving the program ends here, as the host's frames lie between. */
+static int32_t called_back(void *data)
+{
+    TimerFnc function;
+    struct frame frame;
+    memcpy(&function, &data, sizeof function);
+    frame.outer = self.frame;
+    self.frame = &frame;
+    if (setjmp(frame.place) == 0) {
+        function();
+        self.frame = frame.outer;
+        return self.wants_out ? EYESIM_STOP : 0;
+    }
+    self.frame = frame.outer;
+    return EYESIM_STOP;
+}
+
+static struct eyesim_callback callback_of(TimerFnc function)
+{
+    struct eyesim_callback callback = {NULL, NULL};
+    if (function != NULL) {
+        callback.code = called_back;
+        memcpy(&callback.data, &function, sizeof function);
+    }
+    return callback;
+}
+
+#include "libc.c"
+#include "getopt.c"
+#include "robios6.c"
+
+/* ---- RoBIOS functions whose form in C is not that of the call ---- */
+
+WEAK char *OSVersion(void)
+{
+    static char text[64];
+    int32_t result;
+    memset(text, 0, sizeof text);
+    ROBIOS6(OSVersion, room_of(text, sizeof text - 1), &result);
+    return text;
+}
+
+WEAK char *OSMachineName(void)
+{
+    static char text[64];
+    int32_t result;
+    memset(text, 0, sizeof text);
+    ROBIOS6(OSMachineName, room_of(text, sizeof text - 1), &result);
+    return text;
+}
+
+WEAK void *HDT_FindEntry(TypeID type_id, DeviceSemantics semantics)
+{
+    static HDT_entry_type entry;
+    int32_t is_found = 0;
+    ROBIOS6(HDT_FindEntry, type_id, semantics, &entry, &is_found);
+    return is_found ? &entry : NULL;
+}
+
+/* Formats as printf does; the text is at `local` or, when that is too short, to be freed. NULL: no format. */
+static char *formatted(char *local, size_t room, const char *format, va_list arguments)
+{
+    va_list again;
+    char *text = local;
+    int len;
+    if (format == NULL)
+        return NULL;
+    va_copy(again, arguments);
+    len = vsnprintf(local, room, format, arguments);
+    if (len < 0)
+        text = NULL;
+    else if ((size_t)len >= room && (text = malloc((size_t)len + 1)) != NULL)
+        vsnprintf(text, (size_t)len + 1, format, again);
+    va_end(again);
+    return text;
+}
+
+WEAK int LCDPrintf(const char *format, ...)
+{
+    char local[512];
+    char *text;
+    int32_t result = 0;
+    va_list arguments;
+    va_start(arguments, format);
+    text = formatted(local, sizeof local, format, arguments);
+    va_end(arguments);
+    ROBIOS6(LCDPrintf, text_of(text), &result);
+    if (text != local)
+        free(text);
+    return result;
+}
+
+WEAK int LCDSetPrintf(int row, int column, const char *format, ...)
+{
+    char local[512];
+    char *text;
+    int32_t result = 0;
+    va_list arguments;
+    va_start(arguments, format);
+    text = formatted(local, sizeof local, format, arguments);
+    va_end(arguments);
+    ROBIOS6(LCDSetPrintf, row, column, text_of(text), &result);
+    if (text != local)
+        free(text);
+    return result;
+}
+
+WEAK struct tcb *OSSpawn(const char *name, void (*code)(void), int stksiz, int pri, int uid)
+{
+    int32_t id = 0;
+    struct tcb *task = calloc(1, sizeof *task);
+    if (task == NULL)
+        return NULL;
+    ROBIOS6(OSSpawn, text_of(name), callback_of(code), stksiz, pri, uid, &id);
+    if (id == 0) {
+        free(task);
+        return NULL;
+    }
+    task->id = id;
+    task->uid = uid;
+    task->pri = pri;
+    task->stksiz = stksiz;
+    if (name != NULL)
+        memcpy(task->name, name, strnlen(name, sizeof task->name - 1));
+    task->next = self.tasks;
+    self.tasks = task;
+    return task;
+}
+
+WEAK int OSExit(int code)
+{
+    int32_t result = 0;
+    ROBIOS6(OSExit, code, &result);
+    /* There is no other task, or this is the first one. */
+    end_program(code);
+}
+
+WEAK int OSPanic(const char *message)
+{
+    int32_t result = 0;
+    ROBIOS6(OSPanic, text_of(message), &result);
+    fail(1, message);
+}
+
+WEAK int OSSemInit(struct sem *sem, int val)
+{
+    int32_t result = 0;
+    ROBIOS6(OSSemInit, sem == NULL ? NULL : &sem->id, val, &result);
+    if (sem != NULL)
+        sem->count = val;
+    return result;
+}
+
+WEAK int OSSemP(struct sem *sem)
+{
+    int32_t result = 0;
+    ROBIOS6(OSSemP, sem == NULL ? 0 : sem->id, &result);
+    return result;
+}
+
+WEAK int OSSemV(struct sem *sem)
+{
+    int32_t result = 0;
+    ROBIOS6(OSSemV, sem == NULL ? 0 : sem->id, &result);
+    return result;
+}
+
+WEAK int AUPlaySample(char *sample)
+{
+    int32_t result = 0;
+    struct eyesim_bytes bytes = text_of(NULL);
+    if (sample != NULL && strncmp(sample, "RIFF", 4) == 0) {
+        const unsigned char *size = (const unsigned char *)sample + 4;
+        bytes = bytes_of(sample, 8 + (size[0] | (size_t)size[1] << 8 | (size_t)size[2] << 16 | (size_t)size[3] << 24));
+    } else if (sample != NULL) {
+        bytes = text_of(sample);
+    }
+    ROBIOS6(AUPlaySample, bytes, &result);
+    return result;
+}
+
+WEAK int AURecordSample(BYTE *buf, long len, long freq)
+{
+    int32_t result = 0;
+    ROBIOS6(AURecordSample, room_of(len > 0 ? buf : NULL, len > 0 ? (size_t)len : 0), freq, &result);
+    return result;
+}
+
+WEAK int RADIOCheck()
+{
+    int32_t result = 0;
+    ROBIOS6(RADIOCheck, &result);
+    return result;
+}
+
+WEAK int RADIOSend(BYTE id, int byteCount, BYTE *buffer)
+{
+    int32_t result = 0;
+    /* One byte more than allowed is enough to be refused. */
+    size_t len = byteCount < 0 ? 0 : byteCount > MAXMSGLEN ? MAXMSGLEN + 1 : (size_t)byteCount;
+    ROBIOS6(RADIOSend, id, bytes_of(byteCount < 0 ? NULL : buffer, len), &result);
+    return result;
+}
+
+WEAK int RADIORecv(BYTE *id, int *bytesReceived, BYTE *buffer)
+{
+    int32_t result = 0;
+    ROBIOS6(RADIORecv, id, bytesReceived, room_of(buffer, MAXMSGLEN), &result);
+    return result;
+}
+
+/* ---- entry ---- */
+
+extern int main(int argc, char **argv, char **environment);
+
+/* The arguments as `main` may change them; kept as long as the library. */
+static __attribute__((noinline)) char **copied_arguments(int argc, const char *const *argv)
+{
+    int i;
+    char **copy = calloc((size_t)argc + 1, sizeof *copy);
+    for (i = 0; copy != NULL && i < argc; i++)
+        if ((copy[i] = strdup(argv[i])) == NULL)
+            return NULL;
+    return copy;
+}
+
+static int run(const struct eyesim_host *host, void *robot, int argc, const char *const *argv)
+{
+    static char *environment[1];
+    struct frame frame;
+    char **arguments = copied_arguments(argc, argv);
+    frame.outer = NULL;
+    self.is_leaving = self.wants_out = 0;
+    self.host = host;
+    self.robot = robot;
+    self.frame = &frame;
+    if (setjmp(frame.place) == 0) {
+        int exit_code;
+        if (arguments == NULL)
+            fail(1, "no memory for the arguments");
+#ifdef EYESIM_VOID_MAIN
+        main(argc, arguments, environment);
+        exit_code = 0;
+#else
+        exit_code = main(argc, arguments, environment);
+#endif
+        end_program(exit_code);
+    }
+    self.frame = NULL;
+    flush_console();
+    self.host = NULL;
+    return self.exit_code;
+}
+
+#ifdef EYESIM_VOID_MAIN
+#define FLAGS EYESIM_FLAG_VOID_MAIN
+#else
+#define FLAGS 0
+#endif
+
+__attribute__((visibility("default"))) const struct eyesim_program eyesim_program = {
+    .size = sizeof(struct eyesim_program),
+    .abi = EYESIM_ABI_VERSION,
+    .generation = 6,
+    .flags = FLAGS,
+    .language = EYESIM_LANGUAGE_C,
+    .support_size = sizeof(struct eyesim_support),
+    .robios_size = sizeof(struct eyesim_robios6),
+    .run = run,
+};

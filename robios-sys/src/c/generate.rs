@@ -1,0 +1,241 @@
+//! Writes the C header and the C shim from the lists of functions and constants.
+
+use std::fmt::Write as _;
+
+use crate::abi;
+use crate::constant::Constant;
+use crate::robios6::{CONSTANTS, Robios6Call, Robios6Table, hdt_type, semantics};
+use crate::support::{SupportCall, SupportTable};
+use crate::table::{Family, Function, Parameter};
+
+/// The generated files: path below the crate's folder, and text.
+pub fn generated() -> Vec<(&'static str, String)> {
+    let robios6: Vec<_> = Robios6Call::ALL.iter().map(|call| call.function()).collect();
+    let support: Vec<_> = SupportCall::ALL.iter().map(|call| call.function()).collect();
+    vec![
+        ("include/eyebot.h", eyebot_header(&robios6)),
+        ("include/hdt_sem.h", constant_header("HDT_SEM", "which device of its kind", semantics::SEMANTICS)),
+        ("include/hdt.h", constant_header("HDT", "kinds of devices", hdt_type::HDT_TYPES)),
+        ("shim/abi.h", abi_header(&support, &robios6)),
+        ("shim/robios6.c", shim_functions(&robios6)),
+    ]
+}
+
+const NOTICE: &str =
+    "Generated from the lists in robios-sys/src; change them, then: cargo run -p robios-sys --bin generate";
+
+/// How a kind of parameter or result looks in C.
+struct CType {
+    /// In the program's header.
+    header: &'static str,
+    /// In the tables.
+    abi: &'static str,
+}
+
+impl CType {
+    fn of(kind: &str) -> Self {
+        let (header, abi) = match kind {
+            "()" => ("void", "void"),
+            "i32" => ("int", "int32_t"),
+            "u32" => ("unsigned int", "uint32_t"),
+            "i64" => ("long", "int64_t"),
+            "u64" => ("unsigned long", "uint64_t"),
+            "f32" => ("float", "float"),
+            "u8" | "Byte" => ("BYTE", "uint8_t"),
+            "Char" => ("char", "uint8_t"),
+            "Bool" => ("BOOL", "int32_t"),
+            "Metre" => ("meter", "float"),
+            "Radian" => ("radians", "float"),
+            "MetrePerSecond" => ("meterPerSec", "float"),
+            "RadianPerSecond" => ("radPerSec", "float"),
+            "DeviceSemantics" => ("DeviceSemantics", "int32_t"),
+            "TypeID" => ("TypeID", "int32_t"),
+            "MotorHandle" => ("MotorHandle", "int32_t"),
+            "QuadHandle" => ("QuadHandle", "int32_t"),
+            "ServoHandle" => ("ServoHandle", "int32_t"),
+            "PSDHandle" => ("PSDHandle", "int32_t"),
+            "VWHandle" => ("VWHandle", "int32_t"),
+            "BumpHandle" => ("BumpHandle", "int32_t"),
+            "IRHandle" => ("IRHandle", "int32_t"),
+            "TimerHandle" => ("TimerHandle", "int32_t"),
+            "Task" => ("struct tcb *", "int32_t"),
+            "Semaphore" => ("struct sem *", "int32_t"),
+            "Text" => ("const char *", "struct eyesim_bytes"),
+            "Bytes" => ("const BYTE *", "struct eyesim_bytes"),
+            "OutBytes" => ("BYTE *", "struct eyesim_room"),
+            "Callback" => ("TimerFnc ", "struct eyesim_callback"),
+            "In<Image>" => ("image *", "const void *"),
+            "In<ColImage>" => ("colimage *", "const void *"),
+            "In<BitImage>" => ("BYTE *", "const void *"),
+            "In<RadioIOParameters>" => ("RadioIOParameters *", "const void *"),
+            "InOut<ColImage>" => ("colimage *", "void *"),
+            "InOut<Semaphore>" => ("struct sem *", "void *"),
+            "Out<i32>" => ("int *", "void *"),
+            "Out<Byte>" | "Out<MonoFrame>" | "Out<ColorFrame>" | "Out<BayerFrame>" => ("BYTE *", "void *"),
+            "Out<Char>" | "Out<[u8; 16]>" => ("char *", "void *"),
+            "Out<Image>" => ("image *", "void *"),
+            "Out<ColImage>" => ("colimage *", "void *"),
+            "Out<PositionType>" => ("PositionType *", "void *"),
+            "Out<SpeedType>" => ("SpeedType *", "void *"),
+            "Out<RadioIOParameters>" => ("RadioIOParameters *", "void *"),
+            "Out<RadioStatus>" => ("RadioStatus *", "void *"),
+            "Out<HDTEntry>" => ("HDT_entry_type *", "void *"),
+            other => panic!("no C type is known for `{other}`: add it here"),
+        };
+        Self { header, abi }
+    }
+}
+
+/// `type name`, without a blank behind a star.
+fn declared(kind: &str, name: &str) -> String {
+    let blank = if kind.ends_with(['*', ' ']) { "" } else { " " };
+    format!("{kind}{blank}{name}")
+}
+
+/// The prototype in C, without a semicolon.
+fn prototype(function: &Function) -> String {
+    if let Some(prototype) = function.prototype {
+        return prototype.to_owned();
+    }
+    let parameters: Vec<_> = function.parameters.iter().map(|p| declared(CType::of(p.kind).header, p.name)).collect();
+    let parameters = if parameters.is_empty() { "void".to_owned() } else { parameters.join(", ") };
+    format!("{}({parameters})", declared(CType::of(function.returns).header, function.name))
+}
+
+/// The doc of a function as a C comment.
+fn comment(function: &Function, family: &Family) -> String {
+    let mut text = String::new();
+    for (index, line) in function.doc.iter().enumerate() {
+        let start = if index == 0 { "/*" } else { " *" };
+        writeln!(text, "{start}{line}").expect("a string takes every line");
+    }
+    let is_pointer = |p: &Parameter| CType::of(p.kind).header.contains('*');
+    let is_callback = |p: &Parameter| p.kind == "Callback";
+    let pointers = if function.parameters.iter().any(is_callback) {
+        "The function is kept until the program ends."
+    } else if function.parameters.iter().any(is_pointer) {
+        "Pointers belong to the program and are not kept."
+    } else {
+        "No pointers."
+    };
+    writeln!(text, " * [any task of the robot]  {pointers}\n * Source: {}. */", family.source)
+        .expect("a string takes every line");
+    text
+}
+
+fn printf_attribute(function: &Function) -> &'static str {
+    match function.name {
+        "LCDPrintf" => " EYESIM_PRINTF(1, 2)",
+        "LCDSetPrintf" => " EYESIM_PRINTF(3, 4)",
+        _ => "",
+    }
+}
+
+fn eyebot_header(functions: &[&Function]) -> String {
+    let mut text = format!(
+        "/* RoBIOS 6 for robot programs.\n\
+         \x20*\n\
+         \x20* Every call takes effect, and reads what it reads, at its end. Those that wait say so; the others return at once.\n\
+         \x20* [any task of the robot] marks who may call a function: all may be called from timer functions too, where those\n\
+         \x20* that wait are errors. No call keeps a pointer. Null pointers and wrong handles give the documented failure.\n\
+         \x20*\n\
+         \x20* {NOTICE} */\n\
+         #ifndef EYESIM_EYEBOT_H\n#define EYESIM_EYEBOT_H\n\n#include \"types.h\"\n#include \"hdt_sem.h\"\n\n"
+    );
+    text += &defines(CONSTANTS);
+    text += "\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n";
+    for family in Robios6Call::FAMILIES {
+        writeln!(text, "\n/* ---- {}: {} ---- */", family.name, family.title).expect("a string takes every line");
+        for function in functions.iter().filter(|function| function.family == family.name) {
+            let (comment, prototype) = (comment(function, family), prototype(function));
+            write!(text, "\n{comment}{prototype}{};\n", printf_attribute(function)).expect("a string takes every line");
+        }
+    }
+    text += "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
+    text
+}
+
+fn constant_header(name: &str, title: &str, constants: &[Constant]) -> String {
+    let lines = defines(constants);
+    format!(
+        "/* RoBIOS 6: {title}.\n * {NOTICE} */\n#ifndef EYESIM_{name}_H\n#define EYESIM_{name}_H\n\n{lines}\n#endif\n"
+    )
+}
+
+fn defines(constants: &[Constant]) -> String {
+    let mut text = String::new();
+    for constant in constants {
+        let value = if constant.value < 0 { format!("({})", constant.value) } else { constant.value.to_string() };
+        // Programs of old define these two themselves.
+        if let name @ ("TRUE" | "FALSE") = constant.name {
+            writeln!(text, "#undef {name}").expect("a string takes every line");
+        }
+        let (name, doc) = (constant.name, constant.doc.concat().replace('`', ""));
+        writeln!(text, "#define {name:<17} {value:>6} /*{doc} */").expect("a string takes every line");
+    }
+    text
+}
+
+fn abi_header(support: &[&Function], robios6: &[&Function]) -> String {
+    let mut text = format!(
+        "/* What crosses between a program's library and the host: see docs/abi.md.\n * {NOTICE} */\n\
+         #ifndef EYESIM_ABI_H\n#define EYESIM_ABI_H\n\n#include <stddef.h>\n#include <stdint.h>\n\n\
+         #define EYESIM_ABI_VERSION {}\n#define EYESIM_STOP 1\n#define EYESIM_EXIT_STOPPED INT32_MIN\n\
+         #define EYESIM_EXIT_ABORTED {}\n#define EYESIM_LANGUAGE_C {}\n#define EYESIM_FLAG_VOID_MAIN {}\n\n",
+        abi::ABI_VERSION,
+        abi::EXIT_ABORTED,
+        abi::language::C,
+        abi::flag::VOID_MAIN,
+    );
+    text += "struct eyesim_bytes { const void *data; size_t len; };\n\
+             struct eyesim_room { void *data; size_t len; };\n\
+             struct eyesim_callback { int32_t (*code)(void *data); void *data; };\n\n";
+    text += &table("eyesim_support", SupportTable::VERSION, support);
+    text += &table("eyesim_robios6", Robios6Table::VERSION, robios6);
+    text += "struct eyesim_host {\n    uint32_t size;\n    uint32_t abi;\n    const struct eyesim_support *support;\n    \
+             const struct eyesim_robios6 *robios6;\n};\n\n\
+             struct eyesim_program {\n    uint32_t size;\n    uint32_t abi;\n    uint32_t generation;\n    \
+             uint32_t flags;\n    uint32_t language;\n    uint32_t support_size;\n    uint32_t robios_size;\n    \
+             int (*run)(const struct eyesim_host *host, void *robot, int argc, const char *const *argv);\n};\n\n#endif\n";
+    text
+}
+
+fn table(name: &str, version: u32, functions: &[&Function]) -> String {
+    let mut text = format!("/* Version {version}. */\nstruct {name} {{\n    uint32_t size;\n    uint32_t version;\n");
+    for function in functions {
+        let mut parameters = vec!["void *robot".to_owned()];
+        parameters.extend(function.parameters.iter().map(|p| declared(CType::of(p.kind).abi, p.name)));
+        parameters.push(format!("{} *result", CType::of(function.returns).abi));
+        writeln!(text, "    int32_t (*{})({});", function.name, parameters.join(", "))
+            .expect("a string takes every line");
+    }
+    text + "};\n\n"
+}
+
+fn shim_functions(functions: &[&Function]) -> String {
+    let mut text = format!("/* The RoBIOS 6 functions as a program calls them; part of shim.c.\n * {NOTICE} */\n");
+    for function in functions.iter().filter(|function| function.prototype.is_none()) {
+        let arguments: String = function.parameters.iter().map(|p| format!("{}, ", argument(p))).collect();
+        let (prototype, name) = (prototype(function), function.name);
+        let body = match CType::of(function.returns) {
+            CType { abi: "void", .. } => format!("    ROBIOS6({name}, {arguments}NULL);\n"),
+            CType { abi, .. } => {
+                format!("    {abi} result = 0;\n    ROBIOS6({name}, {arguments}&result);\n    return result;\n")
+            }
+        };
+        write!(text, "\nWEAK {prototype}\n{{\n{body}}}\n").expect("a string takes every line");
+    }
+    text
+}
+
+/// How the shim passes an argument on.
+fn argument(parameter: &Parameter) -> String {
+    let name = parameter.name;
+    match parameter.kind {
+        "Text" => format!("text_of({name})"),
+        "Callback" => format!("callback_of({name})"),
+        "Task" => format!("task_of({name})"),
+        "Char" => format!("(uint8_t){name}"),
+        _ => name.to_owned(),
+    }
+}

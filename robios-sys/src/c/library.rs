@@ -1,0 +1,255 @@
+//! What the shim does to the C library, as data: for messages, for warnings about libraries built elsewhere, and for
+//! `docs/c-library.md`.
+
+/// Symbols of the C library that the shim defines anew, and what they do then.
+///
+/// A library that was built without the shim and imports one of them breaks out of the robot or of virtual time.
+pub const REPLACED: &[(&str, &str)] = &[
+    ("exit", ENDS),
+    ("_exit", ENDS_AT_ONCE),
+    ("_Exit", ENDS_AT_ONCE),
+    ("quick_exit", ENDS_AT_ONCE),
+    ("abort", FAILS),
+    ("atexit", REGISTERS),
+    ("at_quick_exit", REGISTERS),
+    ("on_exit", REGISTERS),
+    ("__cxa_atexit", REGISTERS),
+    ("__assert_fail", FAILS),
+    ("__assert", FAILS),
+    ("__assert_perror_fail", FAILS),
+    ("__stack_chk_fail", FAILS),
+    ("__chk_fail", FAILS),
+    ("err", ENDS),
+    ("errx", ENDS),
+    ("verr", ENDS),
+    ("verrx", ENDS),
+    ("error", ENDS),
+    ("warn", PRINTS),
+    ("warnx", PRINTS),
+    ("vwarn", PRINTS),
+    ("vwarnx", PRINTS),
+    ("stdin", ENDS_INPUT),
+    ("stdout", PRINTS),
+    ("stderr", PRINTS),
+    ("printf", PRINTS),
+    ("vprintf", PRINTS),
+    ("__printf_chk", PRINTS),
+    ("__vprintf_chk", PRINTS),
+    ("wprintf", PRINTS),
+    ("vwprintf", PRINTS),
+    ("__wprintf_chk", PRINTS),
+    ("__vwprintf_chk", PRINTS),
+    ("puts", PRINTS),
+    ("putchar", PRINTS),
+    ("putchar_unlocked", PRINTS),
+    ("putwchar", PRINTS),
+    ("perror", PRINTS),
+    ("fflush", "flushes the robot's own streams where it is given none"),
+    ("dprintf", PRINTS_TO),
+    ("vdprintf", PRINTS_TO),
+    ("__dprintf_chk", PRINTS_TO),
+    ("__vdprintf_chk", PRINTS_TO),
+    ("write", "descriptors 1 and 2 are the robot's console"),
+    ("read", "descriptor 0 is at its end"),
+    ("__read_chk", "descriptor 0 is at its end"),
+    ("close", "leaves descriptors 0 to 2, which are the host's, open"),
+    ("isatty", "nothing is a terminal"),
+    ("getchar", ENDS_INPUT),
+    ("getchar_unlocked", ENDS_INPUT),
+    ("getwchar", ENDS_INPUT),
+    ("gets", ENDS_INPUT),
+    ("scanf", ENDS_INPUT),
+    ("vscanf", ENDS_INPUT),
+    ("__isoc99_scanf", ENDS_INPUT),
+    ("__isoc99_vscanf", ENDS_INPUT),
+    ("__isoc23_scanf", ENDS_INPUT),
+    ("__isoc23_vscanf", ENDS_INPUT),
+    ("__memcpy_chk", CHECKS),
+    ("__mempcpy_chk", CHECKS),
+    ("__memmove_chk", CHECKS),
+    ("__memset_chk", CHECKS),
+    ("__strcpy_chk", CHECKS),
+    ("__stpcpy_chk", CHECKS),
+    ("__strncpy_chk", CHECKS),
+    ("__stpncpy_chk", CHECKS),
+    ("__strcat_chk", CHECKS),
+    ("__strncat_chk", CHECKS),
+    ("__sprintf_chk", CHECKS),
+    ("__vsprintf_chk", CHECKS),
+    ("__snprintf_chk", CHECKS),
+    ("__vsnprintf_chk", CHECKS),
+    ("__fgets_chk", CHECKS),
+    ("__fread_chk", CHECKS),
+    ("__longjmp_chk", "jumps without a check, as `longjmp` does"),
+    ("rand", DRAWS),
+    ("srand", "starts the robot's own stream anew"),
+    ("random", DRAWS),
+    ("srandom", "starts the robot's own stream anew"),
+    ("drand48", DRAWS48),
+    ("lrand48", DRAWS48),
+    ("mrand48", DRAWS48),
+    ("erand48", STATE_GIVEN),
+    ("nrand48", STATE_GIVEN),
+    ("jrand48", STATE_GIVEN),
+    ("srand48", "starts the sequence that POSIX fixes"),
+    ("seed48", "starts the sequence that POSIX fixes"),
+    ("lcong48", "starts the sequence that POSIX fixes"),
+    ("getrandom", DRAWS),
+    ("getentropy", DRAWS),
+    ("arc4random", DRAWS),
+    ("arc4random_buf", DRAWS),
+    ("arc4random_uniform", DRAWS),
+    ("time", TELLS),
+    ("clock", TELLS),
+    ("gettimeofday", TELLS),
+    ("clock_gettime", TELLS),
+    ("clock_getres", "a microsecond"),
+    ("timespec_get", TELLS),
+    ("times", TELLS),
+    ("ftime", TELLS),
+    ("sleep", PASSES),
+    ("usleep", PASSES),
+    ("nanosleep", PASSES),
+    ("clock_nanosleep", PASSES),
+    ("thrd_sleep", PASSES),
+    ("pause", "waits for ever: no signal comes"),
+    ("select", "without descriptors passes virtual time; with descriptors fails and says so"),
+    ("poll", "without descriptors passes virtual time; with descriptors fails and says so"),
+    ("__poll_chk", "without descriptors passes virtual time; with descriptors fails and says so"),
+    ("alarm", REFUSES),
+    ("ualarm", REFUSES),
+    ("setitimer", REFUSES),
+    ("timer_create", REFUSES),
+    ("strtok", OWN_STATE),
+    ("gmtime", OWN_STATE),
+    ("localtime", UTC),
+    ("localtime_r", UTC),
+    ("mktime", UTC),
+    ("asctime", OWN_STATE),
+    ("ctime", UTC),
+    ("ctime_r", UTC),
+    ("getopt", OWN_STATE),
+    ("getopt_long", OWN_STATE),
+    ("optarg", OWN_STATE),
+    ("optind", OWN_STATE),
+    ("opterr", OWN_STATE),
+    ("optopt", OWN_STATE),
+];
+
+const ENDS: &str = "ends the robot's program after its `atexit` functions";
+const ENDS_AT_ONCE: &str = "ends the robot's program at once";
+const FAILS: &str = "ends the robot's program as failed, with a message";
+const REGISTERS: &str = "the function is called when the robot's program ends";
+const PRINTS: &str = "prints to the robot's console, line by line";
+const PRINTS_TO: &str = "descriptors 1 and 2 are the robot's console; others fail";
+const ENDS_INPUT: &str = "standard input is at its end";
+const CHECKS: &str = "a failed check ends the robot's program as failed, with a message";
+const DRAWS: &str = "draws from the robot's own stream";
+const DRAWS48: &str = "the sequence that POSIX fixes; without a seed it starts at a place of the robot's own";
+const STATE_GIVEN: &str = "the sequence that POSIX fixes, from the given state";
+const TELLS: &str = "tells the robot's virtual time";
+const PASSES: &str = "passes virtual time";
+const REFUSES: &str = "does nothing and says so on the console";
+const OWN_STATE: &str = "state and result belong to the copy of the library, not to the process";
+const UTC: &str = "local time is UTC, on every machine; state and result belong to the copy of the library";
+
+/// Symbols that the shim leaves alone although what they do reaches beyond the robot or beyond virtual time, and why.
+pub const OUTSIDE_GUARANTEE: &[(&str, &str)] = &[
+    ("fork", PROCESS),
+    ("vfork", PROCESS),
+    ("_Fork", PROCESS),
+    ("clone", PROCESS),
+    ("daemon", PROCESS),
+    ("execl", PROCESS),
+    ("execle", PROCESS),
+    ("execlp", PROCESS),
+    ("execv", PROCESS),
+    ("execve", PROCESS),
+    ("execvp", PROCESS),
+    ("execvpe", PROCESS),
+    ("posix_spawn", PROCESS),
+    ("posix_spawnp", PROCESS),
+    ("system", PROCESS),
+    ("popen", PROCESS),
+    ("wait", PROCESS),
+    ("waitpid", PROCESS),
+    ("kill", SIGNAL),
+    ("raise", SIGNAL),
+    ("signal", SIGNAL),
+    ("__sysv_signal", SIGNAL),
+    ("sigaction", SIGNAL),
+    ("sigprocmask", SIGNAL),
+    ("sigsuspend", SIGNAL),
+    ("sigwait", SIGNAL),
+    ("pthread_create", THREAD),
+    ("pthread_cond_wait", THREAD),
+    ("pthread_cond_timedwait", THREAD),
+    ("sem_wait", THREAD),
+    ("sem_timedwait", THREAD),
+    ("thrd_create", THREAD),
+    ("GOMP_parallel", THREAD),
+    ("__kmpc_fork_call", THREAD),
+    ("setenv", SHARED),
+    ("putenv", SHARED),
+    ("unsetenv", SHARED),
+    ("clearenv", SHARED),
+    ("getenv", "reads the environment, which differs between machines"),
+    ("secure_getenv", "reads the environment, which differs between machines"),
+    ("setlocale", SHARED),
+    ("uselocale", SHARED),
+    ("tzset", SHARED),
+    ("chdir", SHARED),
+    ("fchdir", SHARED),
+    ("umask", SHARED),
+    ("setrlimit", SHARED),
+    ("freopen", "may take a stream of the robot's away from its console"),
+    ("dup", DESCRIPTOR),
+    ("dup2", DESCRIPTOR),
+    ("dup3", DESCRIPTOR),
+    ("writev", DESCRIPTOR),
+    ("readv", DESCRIPTOR),
+    ("tcsetattr", "changes the terminal of the host"),
+    ("ioctl", "changes the terminal of the host"),
+    ("dlopen", "the functions of a library that is loaded so are not replaced"),
+    ("dlmopen", "the functions of a library that is loaded so are not replaced"),
+    ("initstate", GENERATOR),
+    ("setstate", GENERATOR),
+    ("hcreate", SHARED),
+    ("socket", NETWORK),
+    ("connect", NETWORK),
+    ("gethostname", "differs between machines"),
+    ("getpid", "differs between runs"),
+    ("getrusage", REAL_TIME),
+    ("ppoll", REAL_TIME),
+    ("pselect", REAL_TIME),
+    ("epoll_wait", REAL_TIME),
+    ("timerfd_create", REAL_TIME),
+    ("syscall", "calls the system past all replacements"),
+    ("_ZSt4cout", STREAMS),
+    ("_ZSt4cerr", STREAMS),
+    ("_ZSt4clog", STREAMS),
+    ("_ZSt3cin", STREAMS),
+];
+
+const PROCESS: &str = "starts or waits for processes, which are copies of the host";
+const SIGNAL: &str = "signals belong to the process, which is the host";
+const THREAD: &str = "threads of the program's own do not run in virtual time";
+const SHARED: &str = "changes what all robots and the host share";
+const DESCRIPTOR: &str = "reaches the host's input and output";
+const GENERATOR: &str = "changes the generator that the process shares";
+const NETWORK: &str = "what comes over a network differs between runs";
+const REAL_TIME: &str = "waits for or tells real time";
+const STREAMS: &str = "streams of C++ print to the host's standard output";
+
+/// Why a symbol that a library built elsewhere imports is outside the guarantee; `None` if it is not.
+///
+/// Without the shim, what it [replaces](REPLACED) is outside too.
+pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
+    let entry = OUTSIDE_GUARANTEE.iter().chain(REPLACED).find(|(name, _)| *name == symbol)?;
+    let is_replaced = REPLACED.iter().any(|(name, _)| *name == symbol);
+    Some(if is_replaced {
+        "acts on the process, and not on the robot, in a library built without the shim"
+    } else {
+        entry.1
+    })
+}

@@ -1,0 +1,91 @@
+//! The C side, embedded as text: headers for programs, the shim that is compiled into every C program's library, the
+//! compiler's flags, and what the shim does to the C library.
+
+mod generate;
+mod library;
+
+pub use generate::generated;
+pub use library::{OUTSIDE_GUARANTEE, REPLACED, outside_guarantee};
+
+/// A file of the C side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SourceFile {
+    /// Its name, without a folder.
+    pub name: &'static str,
+    /// What is in it.
+    pub text: &'static str,
+}
+
+macro_rules! files {
+    ($($folder:literal / $name:literal),* $(,)?) => {
+        &[$(SourceFile { name: $name, text: include_str!(concat!("../../", $folder, "/", $name)) }),*]
+    };
+}
+
+/// The headers for programs: a folder of them goes to the compiler with `-I`.
+pub const HEADERS: &[SourceFile] = files![
+    "include" / "eyebot.h",
+    "include" / "types.h",
+    "include" / "hdt_sem.h",
+    "include" / "hdt.h",
+    "include" / "keys.h",
+    "include" / "kern.h",
+    "include" / "protos.h",
+];
+
+/// The shim: with these files and [`HEADERS`] in `-I` folders, [`SHIM_SOURCE`] is compiled and linked into a program.
+pub const SHIM: &[SourceFile] =
+    files!["shim" / "shim.c", "shim" / "abi.h", "shim" / "robios6.c", "shim" / "libc.c", "shim" / "getopt.c"];
+
+/// The file of [`SHIM`] that is compiled; it includes the others.
+pub const SHIM_SOURCE: &str = "shim.c";
+
+/// Flags for compiling a program's files. Source: design, section 8.
+///
+/// `-fcommon`: old programs define one variable in several files. `-ffp-contract=off`: the same bits on every
+/// processor. `-fno-strict-aliasing`: old programs read images through other types.
+///
+/// `-fno-builtin-...`: names of functions that no C standard has, so that programs have their own; where their type is
+/// the same, a compiler would put its own in their place.
+pub const COMPILE_FLAGS: &[&str] = &[
+    "-g",
+    "-fPIC",
+    "-fcommon",
+    "-ffp-contract=off",
+    "-fno-strict-aliasing",
+    "-fno-builtin-bcmp",
+    "-fno-builtin-bzero",
+    "-fno-builtin-drem",
+    "-fno-builtin-exp10",
+    "-fno-builtin-ffs",
+    "-fno-builtin-gamma",
+    "-fno-builtin-index",
+    "-fno-builtin-isascii",
+    "-fno-builtin-j0",
+    "-fno-builtin-j1",
+    "-fno-builtin-jn",
+    "-fno-builtin-pow10",
+    "-fno-builtin-rindex",
+    "-fno-builtin-scalb",
+    "-fno-builtin-significand",
+    "-fno-builtin-toascii",
+    "-fno-builtin-y0",
+    "-fno-builtin-y1",
+    "-fno-builtin-yn",
+];
+
+/// Flags for compiling the shim: it must not be checked by the functions that it replaces.
+pub const SHIM_FLAGS: &[&str] =
+    &["-g", "-O1", "-fPIC", "-std=gnu11", "-U_FORTIFY_SOURCE", "-fno-stack-protector", "-fno-builtin"];
+
+/// Defined for the shim where `main` returns no value: the exit code is then 0.
+pub const VOID_MAIN_FLAG: &str = "-DEYESIM_VOID_MAIN";
+
+/// Flags for linking a program's library.
+///
+/// `-Bsymbolic` binds a program's references to its own functions and to those of the shim instead of libc's;
+/// `-z defs` reports a misspelled function when linking and not when loading.
+pub const LINK_FLAGS: &[&str] = &["-shared", "-Wl,-Bsymbolic", "-Wl,-z,defs"];
+
+/// Libraries, behind everything else.
+pub const LIBRARIES: &[&str] = &["-lm"];

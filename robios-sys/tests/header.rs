@@ -1,0 +1,65 @@
+//! The headers, in every dialect, and the generated files.
+
+mod common;
+
+use common::{compile, folder, has_compiler};
+use robios_sys::c;
+
+#[test]
+fn the_committed_files_are_those_that_the_lists_give() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    for (path, text) in c::generated() {
+        let committed = std::fs::read_to_string(root.join(path)).expect("the generated files are committed");
+        assert!(committed == text, "{path} is stale: cargo run -p robios-sys --bin generate");
+    }
+}
+
+#[test]
+fn each_header_compiles_alone_and_twice_in_every_dialect() {
+    if !has_compiler() {
+        return;
+    }
+    let folder = folder();
+    for header in c::HEADERS {
+        let text = format!("#include \"{0}\"\n#include \"{0}\"\nextern int unused;\n", header.name);
+        std::fs::write(folder.path().join("each.c"), text).expect("the temporary folder is writable");
+        for dialect in ["gnu89", "c99", "gnu17", "c++98", "c++17"] {
+            let language = if dialect.starts_with("c++") { "c++" } else { "c" };
+            let standard = format!("-std={dialect}");
+            let flags = ["-Wall", "-Wextra", "-pedantic", "-Werror", "-I.", "-x", language, "-fsyntax-only", "each.c"];
+            compile(folder.path(), &[&[standard.as_str()], &flags[..]].concat());
+        }
+    }
+}
+
+#[test]
+fn c_and_cpp_files_of_one_program_link() {
+    if !has_compiler() {
+        return;
+    }
+    let folder = folder();
+    let include_all: String = c::HEADERS.iter().map(|header| format!("#include \"{}\"\n", header.name)).collect();
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), include_all.clone() + text).expect("the temporary folder is writable");
+    };
+    write("one.c", "int one(void);\nint main(void) { return LCDClear() + one(); }\n");
+    write("two.c", "int one(void) { return VWDriveStraight(1, 0.5f, 0.2f) + RADIOCheck(); }\n");
+    write("three.cpp", "extern \"C\" int three() { return LCDPrintf(\"%d\", KEYGet()) + RADIOCheck(); }\n");
+    let strict = ["-Wall", "-Wextra", "-pedantic", "-Werror", "-fPIC", "-I.", "-c"];
+    compile(folder.path(), &[&["-std=gnu89"], &strict[..], &["one.c", "two.c"]].concat());
+    compile(folder.path(), &[&["-std=c++17"], &strict[..], &["three.cpp"]].concat());
+    compile(folder.path(), &[c::SHIM_FLAGS, &["-I.", "-c", c::SHIM_SOURCE]].concat());
+    let objects = ["one.o", "two.o", "three.o", "shim.o", "-o", "all.so"];
+    compile(folder.path(), &[c::LINK_FLAGS, &objects, c::LIBRARIES].concat());
+}
+
+#[test]
+fn the_shim_compiles_without_warnings() {
+    if !has_compiler() {
+        return;
+    }
+    for flags in [&[][..], &["-O0"], &["-O2"], &["-O3"]] {
+        let strict = ["-Wall", "-Wextra", "-Werror", "-I.", "-c", c::SHIM_SOURCE];
+        compile(folder().path(), &[c::SHIM_FLAGS, flags, &strict].concat());
+    }
+}
