@@ -151,10 +151,12 @@ impl Report {
 
 /// Replaces the file `path` by one with these bytes, so that no reader ever sees a part of it.
 ///
-/// What is not a file, such as `/dev/stdout`, is written to; a link is followed.
+/// What is not a file, and everything in `/dev` (standard output may be a file), is appended to; a link is followed.
 pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     match fs::metadata(path) {
-        Ok(metadata) if !metadata.is_file() => fs::OpenOptions::new().write(true).open(path)?.write_all(bytes),
+        Ok(metadata) if !metadata.is_file() || path.starts_with("/dev") => {
+            fs::OpenOptions::new().append(true).open(path)?.write_all(bytes)
+        }
         Ok(metadata) => replace(&path.canonicalize()?, bytes, metadata.permissions()),
         Err(_) => replace(path, bytes, new_file_permissions()),
     }
@@ -279,6 +281,18 @@ mod tests {
         report().write(&path).unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), report().to_json().unwrap());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_link_stays_a_link() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("r.json"), folder.path().join("latest.json"));
+        fs::write(&file, "old").unwrap();
+        std::os::unix::fs::symlink("r.json", &link).unwrap();
+        write_whole(&link, b"new").unwrap();
+        assert_eq!(fs::read_to_string(&file).unwrap(), "new");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        write_whole(Path::new("/dev/null"), b"new").unwrap();
     }
 
     #[test]

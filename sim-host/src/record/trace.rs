@@ -264,6 +264,31 @@ mod tests {
     }
 
     #[test]
+    fn a_disk_that_fills_up_ends_the_slot_with_an_error() {
+        /// Takes the first line and no more.
+        struct Full(bool);
+        impl Write for Full {
+            fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+                if std::mem::replace(&mut self.0, true) {
+                    Err(io::ErrorKind::StorageFull.into())
+                } else {
+                    Ok(bytes.len())
+                }
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        let trace = Trace::new(Box::new(Full(false)), Path::new("t.jsonl"), &header()).unwrap();
+        let mut recorder = Recorder::new(42, Time(1), vec![Box::new(trace)]);
+        let mut journal = Journal::new(RobotId(1), false);
+        journal.record(Time(0), &Event::Beep {});
+        recorder.collect(&mut journal);
+        let message = recorder.end_slot(Time(1)).unwrap_err().to_string();
+        assert_eq!(message, "cannot write the trace `t.jsonl`: no storage space");
+    }
+
+    #[test]
     fn the_page_documents_every_kind_and_field() {
         let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/trace.md")).unwrap();
         // Their order is that of the numbers in the digest.
