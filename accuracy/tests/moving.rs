@@ -1,0 +1,106 @@
+//! The index of moving bodies against brute force over all of them.
+
+use accuracy::world::Random;
+use glam::DVec2;
+use proptest::prelude::*;
+use sim_core::RobotId;
+use sim_core::scene::{Bounds, Moving};
+
+/// Whether a ray meets a rectangle made larger by `margin`: by the separating axes of the two.
+fn meets(bounds: &Bounds, origin: DVec2, direction: DVec2, range: f64, margin: f64) -> bool {
+    let half = 0.5 * (bounds.max - bounds.min) + DVec2::splat(margin);
+    let from_centre = origin - 0.5 * (bounds.min + bounds.max);
+    let end = from_centre + direction * range;
+    let apart_along = |low: f64, high: f64, reach: f64| low.min(high) > reach || low.max(high) < -reach;
+    let across = direction.perp_dot(from_centre).abs();
+    let reach_across = half.x * direction.y.abs() + half.y * direction.x.abs();
+    !(apart_along(from_centre.x, end.x, half.x) || apart_along(from_centre.y, end.y, half.y) || across > reach_across)
+}
+
+fn check(list: &[(RobotId, Bounds)], rays: &[(DVec2, DVec2, f64)], queries: &[Bounds]) {
+    let mut moving = Moving::default();
+    moving.rebuild(list);
+    let mut sorted = list.to_vec();
+    sorted.sort_by_key(|body| body.0);
+
+    for &(origin, direction, range) in rays {
+        let mut found = Vec::new();
+        moving.along_ray(origin, direction, range, |id| found.push(id));
+        found.sort();
+        for (id, bounds) in &sorted {
+            let times = found.iter().filter(|&other| other == id).count();
+            let (must, may) = [-1e-9, 1e-9].map(|margin| meets(bounds, origin, direction, range, margin)).into();
+            assert!(
+                times <= usize::from(may) && times >= usize::from(must),
+                "{id} {times} times on the ray from {origin} along {direction}, {range} m: {bounds:?}"
+            );
+        }
+    }
+    for query in queries {
+        let mut found = Vec::new();
+        moving.for_each_in(*query, |id| found.push(id));
+        let expected: Vec<_> = sorted.iter().filter(|body| body.1.overlaps(query)).map(|body| body.0).collect();
+        assert_eq!(found, expected, "{query:?}");
+    }
+    let mut found = Vec::new();
+    moving.pairs(|one, other| found.push((one, other)));
+    let mut expected = Vec::new();
+    for (place, (one, bounds)) in sorted.iter().enumerate() {
+        let later = sorted[place + 1..].iter().filter(|other| other.1.overlaps(bounds));
+        expected.extend(later.map(|(other, _)| (*one, *other)));
+    }
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn random_crowds_agree_with_brute_force() {
+    for (seed, corner) in (0..).zip([DVec2::ZERO, DVec2::new(-5.0, -5.0), DVec2::new(1e4, -1e4)]) {
+        let mut random = Random::new(seed);
+        let arena = Bounds { min: corner, max: corner + DVec2::splat(10.0) };
+        // In the last crowd, one body in twenty is as large as the arena.
+        for large in [0.0, 0.05] {
+            let list: Vec<_> = (0..200)
+                .map(|place| {
+                    let radius = if random.chance(large) { random.between(1.0, 10.0) } else { 0.1 };
+                    (RobotId::from_index(place), Bounds::of_disc(random.point_in(arena), radius))
+                })
+                .collect();
+            let rays: Vec<_> = (0..1000)
+                .map(|_| (random.point_in(arena.grown(1.0)), random.direction(), random.between(0.0, 4.0)))
+                .collect();
+            let queries: Vec<_> =
+                (0..200).map(|_| Bounds::of_disc(random.point_in(arena), random.between(0.0, 1.0))).collect();
+            check(&list, &rays, &queries);
+        }
+    }
+}
+
+fn point() -> impl Strategy<Value = DVec2> {
+    let coordinate = || prop_oneof![(-8..=8_i32).prop_map(|steps| f64::from(steps) * 0.25), -2.0..2.0_f64];
+    (coordinate(), coordinate()).prop_map(DVec2::from)
+}
+
+fn bounds() -> impl Strategy<Value = Bounds> {
+    (point(), point(), 0.0..1.0_f64)
+        .prop_map(|(one, other, share)| Bounds::of_points([one, one.lerp(other, share * share * share)]))
+}
+
+proptest! {
+    #[test]
+    fn any_crowd_agrees_with_brute_force(
+        bodies in prop::collection::vec(bounds(), 0..40),
+        rays in prop::collection::vec((point(), -4..=4_i32, -4..=4_i32, 0.0..8.0_f64), 10),
+        queries in prop::collection::vec(bounds(), 10),
+    ) {
+        // In descending order of the ids: the index sorts them.
+        let list: Vec<_> = (0..bodies.len()).rev().map(RobotId::from_index).zip(bodies).collect();
+        let rays: Vec<_> = rays
+            .into_iter()
+            .filter_map(|(origin, dx, dy, range)| {
+                let direction = DVec2::new(f64::from(dx), f64::from(dy)).try_normalize()?;
+                Some((origin, direction, range))
+            })
+            .collect();
+        check(&list, &rays, &queries);
+    }
+}
