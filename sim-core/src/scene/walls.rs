@@ -355,6 +355,33 @@ mod tests {
     }
 
     #[test]
+    fn walls_on_the_borders_of_cells_are_in_the_cells_on_both_sides() {
+        let upright = |x: f64| [x, 0.0, x, 1.0];
+        let mut ends = vec![upright(0.0), upright(1.0)];
+        ends.resize(10, upright(0.5));
+        let spaced = walls(&ends).grid;
+        let borders: Vec<f64> = (1..9).map(|column| spaced.left(column)).filter(|&x| x < 1.0).collect();
+        assert!(borders.len() > 3, "a grid of several columns: {borders:?}");
+        for (end, &border) in ends[2..].iter_mut().zip(&borders) {
+            *end = upright(border);
+        }
+        let scene = walls(&ends);
+        assert_eq!(scene.grid.left(1), borders[0], "neither the bounds nor the lengths have changed");
+        for &border in &borders {
+            let near = border.next_down().max(border - 1e-12);
+            for (x, direction) in [(border - 0.01, 1.0), (border + 0.01, -1.0), (near, 1.0), (near, -1.0)] {
+                let range = (border - x).abs() + 1e-15;
+                let found = distance(&scene, [x, 0.5], [direction, 0.0], range);
+                assert!(found.is_some_and(|metres| metres <= range), "the wall at {border} from {x}: {found:?}");
+            }
+            for x in [border.next_down(), border, border.next_up()] {
+                assert_eq!(distance(&scene, [x, -1.0], [0.0, 1.0], 2.0), Some(1.0), "along {border}");
+                assert_eq!(distance(&scene, [x, 2.0], [0.0, -1.0], 2.0), Some(1.0), "along {border}");
+            }
+        }
+    }
+
+    #[test]
     fn arguments_that_are_no_ray_meet_nothing() {
         let scene = walls(&[[1.0, -1.0, 1.0, 1.0]]);
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
