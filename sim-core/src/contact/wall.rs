@@ -31,67 +31,66 @@ pub fn first_contact(path: &Path, radius: f64, wall: &Segment, duration: f64) ->
         return None;
     }
     let gap = |seconds: f64| wall.distance(path.position(seconds)) - radius;
+    let along = wall.b - wall.a;
+    let side = |seconds: f64| along.perp_dot(path.position(seconds) - wall.a);
     let marks = CriticalTimes::new(path, wall, duration.min(path.period()));
-    let mut from = 0.0;
-    let mut gap_from = gap(0.0);
-    let mut touching = gap_from <= TOUCH;
+    let mut from = Mark { time: 0.0, gap: gap(0.0), side: side(0.0) };
+    let mut touching = from.gap <= TOUCH;
     let fresh = !touching;
-    for &to in marks.as_slice() {
-        let gap_to = gap(to);
-        if touching {
-            if is_approached(path, wall, radius, (from, gap_from), (to, gap_to)) {
-                return Some(WallContact { after: from, fresh });
+    let tolerance = 8.0 * f64::EPSILON * (path.origin.abs().max_element() + radius);
+    for &time in marks.as_slice() {
+        let end = Mark { time, gap: gap(time), side: side(time) };
+        // Where the centre passes the wall's line the distance may have a kink: the stretch is cut in two there.
+        let passage = (from.side * end.side < 0.0).then(|| {
+            let time = root(side, (from.time, from.side), (end.time, end.side));
+            Mark { time, gap: gap(time), side: 0.0 }
+        });
+        for to in passage.into_iter().chain([end]) {
+            if touching {
+                if to.gap < from.gap - (1e-3 * from.gap).max(tolerance) {
+                    return Some(WallContact { after: from.time, fresh });
+                }
+                touching = to.gap <= TOUCH;
+            } else if to.gap <= SKIN {
+                let after = root(|seconds| gap(seconds) - SKIN, (from.time, from.gap - SKIN), (to.time, to.gap - SKIN));
+                return Some(WallContact { after, fresh });
             }
-            touching = gap_to <= TOUCH;
-        } else if gap_to <= SKIN {
-            return Some(WallContact { after: crossing(gap, (from, gap_from), (to, gap_to)), fresh });
+            from = to;
         }
-        (from, gap_from) = (to, gap_to);
     }
     None
 }
 
-/// Whether a disc in contact comes nearer to the wall within a stretch of monotone distance.
-fn is_approached(path: &Path, wall: &Segment, radius: f64, from: (f64, f64), to: (f64, f64)) -> bool {
-    let rounding = 8.0 * f64::EPSILON * (path.origin.abs().max_element() + radius);
-    let tolerance = (1e-3 * from.1).max(rounding);
-    if to.1 < from.1 - tolerance {
-        return true;
-    }
-    // A centre on its way across the wall itself is as far behind it as it was before: nearer in between.
-    let along = wall.b - wall.a;
-    let side = |seconds: f64| along.perp_dot(path.position(seconds) - wall.a);
-    from.1 < -0.5 * radius && side(from.0) * side(to.0) < 0.0 && crosses_between_ends(path, wall, from.0, to.0)
+/// The disc at an end of a stretch of the path.
+struct Mark {
+    time: f64,
+    gap: f64,
+    /// On which side of the wall's line the centre is, by its sign.
+    side: f64,
 }
 
-/// Whether the chord from `from` to `to` seconds crosses the wall between its ends.
-fn crosses_between_ends(path: &Path, wall: &Segment, from: f64, to: f64) -> bool {
-    let (start, end) = (path.position(from), path.position(to));
-    let chord = end - start;
-    chord.perp_dot(wall.a - start) * chord.perp_dot(wall.b - start) < 0.0
-}
-
-/// The instant at which `gap` falls to the skin, between one where it is greater and one where it is not: the first
-/// double found at which it is not greater, with no double of a greater gap more than a rounding error before it.
-fn crossing(gap: impl Fn(f64) -> f64, from: (f64, f64), to: (f64, f64)) -> f64 {
-    let (mut low, mut low_excess) = (from.0, from.1 - SKIN);
-    let (mut high, mut high_excess) = (to.0, to.1 - SKIN);
+/// The instant between two, with their values, at which `f` changes its sign: a double at which it has done so, no more
+/// than a rounding error after one at which it has not.
+fn root(f: impl Fn(f64) -> f64, from: (f64, f64), to: (f64, f64)) -> f64 {
+    let (mut low, mut low_value) = from;
+    let (mut high, mut high_value) = to;
+    let sign = low_value.signum();
     // Illinois: regula falsi that halves the weight of an end that stays. Each third step bisects, so that the bracket
     // shrinks to neighbouring doubles whatever the shape.
     for step in 0..200 {
         let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high || high_excess == 0.0 {
+        if middle <= low || middle >= high || high_value == 0.0 {
             break;
         }
-        let secant = high - high_excess * (high - low) / (high_excess - low_excess);
-        let guess = if step % 3 == 2 || !(secant > low && secant < high) { middle } else { secant };
-        let excess = gap(guess) - SKIN;
-        if excess > 0.0 {
-            (low, low_excess) = (guess, excess);
-            high_excess *= 0.5;
+        let secant = high - high_value * (high - low) / (high_value - low_value);
+        let guess = if step % 3 == 2 || !(low..high).contains(&secant) || secant == low { middle } else { secant };
+        let value = f(guess);
+        if value * sign > 0.0 {
+            (low, low_value) = (guess, value);
+            high_value *= 0.5;
         } else {
-            (high, high_excess) = (guess, excess);
-            low_excess *= 0.5;
+            (high, high_value) = (guess, value);
+            low_value *= 0.5;
         }
     }
     high

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     RobotId,
-    contact::{Body, Obstacle, Path, SKIN, Thing},
+    contact::{Body, Obstacle, Path, Thing},
     math,
     pose::{Pose, Twist},
     scene::Walls,
@@ -39,7 +39,8 @@ pub struct Impact {
     pub point: DVec2,
     /// Direction of the touched point from the robot's centre, in the robot's frame, rad counter-clockwise from ahead.
     pub bearing: f64,
-    /// False when the body touched it already as it set off.
+    /// False when the contact goes on: the body touched the wall already as it set off, or was stopped by the same robot
+    /// within the last 100 ms.
     pub fresh: bool,
 }
 
@@ -321,14 +322,10 @@ impl Motion {
         let stage = self.stages.back_mut().expect("a motion has a stage");
         let after = ((base - stage.piece.start).seconds() + seconds).clamp(0.0, stage.piece.after);
         stage.stop(after, obstacle, true);
-        let centre = stage.path.position(after);
-        // With a lag the wheels push for a moment before the body is stopped again where it was.
-        let was_there = |earlier: &Stage| {
-            earlier.blocker().is_some_and(|blocker| blocker.thing == obstacle.thing)
-                && (earlier.path.position(earlier.piece.after) - centre).length() < SKIN
-        };
+        // A body that tries again and is stopped again by the same robot has been in contact all the time.
         let earlier = self.stages.len() - 1;
-        if self.stages.iter().take(earlier).any(was_there) {
+        let is_same = |stage: &Stage| stage.blocker().is_some_and(|blocker| blocker.thing == obstacle.thing);
+        if self.stages.iter().take(earlier).any(is_same) {
             self.stages[earlier].stop(after, obstacle, false);
         }
         self.revision += 1;

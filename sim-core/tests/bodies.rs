@@ -1,0 +1,330 @@
+//! Contacts between robots: who stops, where, and who goes on.
+
+use std::{f64::consts::PI, sync::Arc};
+
+use accuracy::world::Random;
+use glam::DVec2;
+use sim_core::{
+    RobotId,
+    contact::{SKIN, Thing},
+    drive::{Command, DriveKind, Model, Motion},
+    pose::{Pose, Twist},
+    scene::{Segment, Walls},
+    sensor::{Beam, Mount},
+    time::Time,
+    world::{Contact, World},
+};
+
+const RADIUS: f64 = 0.1;
+
+/// A robot without speed limits worth the name.
+fn model() -> Model {
+    Model {
+        kind: DriveKind::Differential,
+        wheel_diameter: 0.05,
+        max_wheel_rate: 1e6,
+        ticks_per_turn: 540.0,
+        track: 0.1,
+        wheelbase: 0.1,
+        axis_offset: 0.0,
+        max_speed: 1e3,
+        max_turn: 1e3,
+        body_radius: RADIUS,
+        wheel_lag: 0.0,
+        max_steering: PI / 4.0,
+    }
+}
+
+/// Robots in a world, with slots of 50 ms unless told otherwise.
+struct Scene {
+    world: World,
+    motions: Vec<Motion>,
+    contacts: Vec<Contact>,
+}
+
+impl Scene {
+    fn new(poses: &[Pose]) -> Self {
+        Self::with(poses, vec![], model(), Time::from_millis(50))
+    }
+
+    fn with(poses: &[Pose], walls: Vec<Segment>, model: Model, slot: Time) -> Self {
+        let walls = Arc::new(Walls::new(walls));
+        let model = Arc::new(model);
+        let mut motions: Vec<_> = (0..)
+            .map(RobotId::from_index)
+            .zip(poses)
+            .map(|(id, pose)| Motion::new(id, model.clone(), walls.clone(), *pose))
+            .collect();
+        let world = World::new(walls, slot, &mut motions);
+        Self { world, motions, contacts: Vec::new() }
+    }
+
+    fn command(&mut self, robot: usize, at: Time, command: Command) {
+        let touching = self.world.touching(&mut self.motions[robot], at);
+        self.motions[robot].command(at, command, &touching).expect("a sound command");
+    }
+
+    fn twist(&mut self, robot: usize, v: f64, omega: f64) {
+        self.command(robot, self.world.slot_start(), Command::Twist(Twist::new(v, omega)));
+    }
+
+    fn advance(&mut self) {
+        let mut active: Vec<_> = self.motions.iter_mut().filter(|motion| motion.is_active()).collect();
+        self.contacts.extend(self.world.advance(&mut active));
+    }
+
+    fn run(&mut self, seconds: f64) {
+        let end = self.world.slot_start() + Time::from_seconds_ceil(seconds);
+        while self.world.slot_start() < end {
+            self.advance();
+        }
+    }
+
+    fn position(&mut self, robot: usize) -> DVec2 {
+        let now = self.world.slot_start();
+        self.motions[robot].pose(now).position
+    }
+
+    fn gap(&mut self, a: usize, b: usize) -> f64 {
+        (self.position(a) - self.position(b)).length() - 2.0 * RADIUS
+    }
+
+    fn is_stalled(&mut self, robot: usize) -> bool {
+        let now = self.world.slot_start();
+        self.motions[robot].is_stalled(now)
+    }
+}
+
+/// The skin, and what the search for a contact adds to it.
+fn is_skin(gap: f64) -> bool {
+    gap > 0.0 && gap < SKIN + 2e-9
+}
+
+#[test]
+fn head_on_both_rest_where_they_meet() {
+    let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(1.0, 0.0, PI)]);
+    scene.twist(0, 0.3, 0.0);
+    scene.twist(1, 0.1, 0.0);
+    scene.run(5.0);
+    assert!(is_skin(scene.gap(0, 1)), "gap {}", scene.gap(0, 1));
+    assert!((scene.position(0).x - 0.3 / 0.4 * 0.8).abs() < 2e-6, "each has gone its share");
+    assert!(scene.is_stalled(0) && scene.is_stalled(1));
+    assert_eq!(scene.contacts.len(), 2, "{:?}", scene.contacts);
+    assert!(scene.contacts.iter().all(|contact| contact.time == Time(1_999_998)), "{:?}", scene.contacts);
+    assert_eq!(scene.contacts[0].with, Thing::Robot(RobotId(2)));
+    assert!((scene.contacts[0].point - DVec2::new(0.7, 0.0)).length() < 1e-5);
+}
+
+#[test]
+fn a_resting_robot_stops_one_that_pushes_and_does_not_move() {
+    let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(1.0, 0.05, 0.0)]);
+    scene.twist(0, 0.5, 0.0);
+    scene.run(4.0);
+    assert!(is_skin(scene.gap(0, 1)));
+    assert_eq!(scene.position(1), DVec2::new(1.0, 0.05));
+    assert!(scene.is_stalled(0) && !scene.is_stalled(1));
+    let now = scene.world.slot_start();
+    assert_eq!((scene.motions[0].contacts(now), scene.motions[1].contacts(now)), (1, 0));
+    // Pushing again is no new contact; backing off is free.
+    scene.twist(0, 0.2, 0.0);
+    scene.run(1.0);
+    let now = scene.world.slot_start();
+    assert!(is_skin(scene.gap(0, 1)) && scene.motions[0].contacts(now) == 1);
+    let met = scene.position(0);
+    scene.twist(0, -0.2, 0.0);
+    scene.run(1.0);
+    assert!((scene.position(0) - met + DVec2::new(0.2, 0.0)).length() < 1e-12 && !scene.is_stalled(0));
+}
+
+#[test]
+fn a_blocked_drive_goes_on_to_its_mark_when_the_way_is_free() {
+    let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(0.5, 0.0, PI / 2.0)]);
+    let drive = Command::Drive { displacement: Twist::new(1.0, 0.0), duration: 2.0 };
+    scene.command(0, Time::ZERO, drive);
+    scene.run(3.0);
+    assert!(scene.is_stalled(0) && scene.motions[0].drive_end().is_none());
+    let now = scene.world.slot_start();
+    assert!((scene.motions[0].drive_remaining(now) - 0.7).abs() < 1e-5);
+    scene.twist(1, 0.5, 0.0);
+    scene.run(3.0);
+    assert!((scene.position(0) - DVec2::new(1.0, 0.0)).length() < 1e-12, "{:?}", scene.position(0));
+    let now = scene.world.slot_start();
+    assert!(scene.motions[0].is_drive_done(now) && scene.motions[0].drive_remaining(now) == 0.0);
+    assert_eq!(scene.motions[0].contacts(now), 1);
+}
+
+#[test]
+fn a_chase_never_overlaps() {
+    let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(0.5, 0.0, 0.0)]);
+    scene.twist(0, 0.5, 0.0);
+    scene.twist(1, 0.2, 0.0);
+    for _ in 0..200 {
+        scene.advance();
+        assert!(scene.gap(0, 1) > 0.0, "gap {}", scene.gap(0, 1));
+    }
+    assert!(scene.gap(0, 1) < 0.5 * 0.05, "the follower stays at the heels");
+    assert!((scene.position(1).x - 2.5).abs() < 1e-9, "the one in front is not held up");
+}
+
+#[test]
+fn commands_after_a_contact_are_obeyed_from_the_contact() {
+    let mut scene =
+        Scene::with(&[Pose::new(0.0, 0.0, 0.0), Pose::new(0.5, 0.0, 0.0)], vec![], model(), Time::from_millis(1_000));
+    // Contact after 0.3 s; at 0.4 s on towards the other, at 0.5 s back.
+    scene.twist(0, 1.0, 0.0);
+    scene.command(0, Time::from_millis(400), Command::Twist(Twist::new(2.0, 0.1)));
+    scene.command(0, Time::from_millis(500), Command::Twist(Twist::new(-0.5, 0.0)));
+    let told = scene.motions[0].pose(Time::from_millis(390));
+    assert!(told.position.x > 0.3, "the program has seen itself drive through: {told:?}");
+    scene.advance();
+    let truth = 0.3 - SKIN - 0.5 * 0.5;
+    assert!((scene.position(0).x - truth).abs() < 1e-8, "{:?}", scene.position(0));
+    assert_eq!(scene.position(0).y, 0.0);
+    let now = scene.world.slot_start();
+    assert!((scene.motions[0].odometry(now).position.x - truth).abs() < 1e-8, "the wheels stood still as well");
+    assert_eq!(scene.contacts.len(), 1);
+}
+
+#[test]
+fn three_in_a_row_stop_one_after_the_other() {
+    let poses = [Pose::new(0.0, 0.0, 0.0), Pose::new(1.0, 0.0, 0.0), Pose::new(2.0, 0.0, 0.0)];
+    let mut scene = Scene::with(&poses, vec![], model(), Time::from_millis(10_000));
+    scene.twist(0, 1.0, 0.0);
+    scene.twist(1, 0.5, 0.0);
+    scene.advance();
+    // The second reaches the third after 1.6 s; the first the second, at rest since then, at 1.6 s as well.
+    assert!(is_skin(scene.gap(0, 1)) && is_skin(scene.gap(1, 2)));
+    assert_eq!(scene.position(2), DVec2::new(2.0, 0.0));
+}
+
+#[test]
+fn bodies_that_overlap_may_part_and_not_sink_in() {
+    for (v, moves) in [(0.2, false), (-0.2, true)] {
+        let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(0.15, 0.0, 0.0)]);
+        scene.twist(0, v, 0.0);
+        scene.run(1.0);
+        assert_eq!(scene.position(0).x != 0.0, moves);
+        assert!(moves || scene.is_stalled(0));
+    }
+}
+
+#[test]
+fn fast_bodies_do_not_tunnel_in_a_long_slot() {
+    let mut scene = Scene::with(
+        &[Pose::new(-50.0, 0.0, 0.0), Pose::new(50.0, 0.0, PI), Pose::new(0.0, 90.0, -PI / 2.0)],
+        vec![],
+        model(),
+        Time::from_millis(1_000),
+    );
+    scene.twist(0, 100.0, 0.0);
+    scene.twist(1, 100.0, 0.0);
+    // The third comes past where the two have met.
+    scene.twist(2, 100.0, 0.0);
+    scene.advance();
+    assert!(is_skin(scene.gap(0, 1)), "{}", scene.gap(0, 1));
+    assert!(scene.position(0).x.abs() < 0.11);
+    assert!(is_skin(scene.gap(0, 2).min(scene.gap(1, 2))));
+}
+
+#[test]
+fn the_order_of_the_motions_says_nothing() {
+    let mut random = Random::new(3);
+    let poses: Vec<_> =
+        (0..30).map(|i| Pose::new(f64::from(i % 6) * 0.25, f64::from(i / 6) * 0.25, random.between(-PI, PI))).collect();
+    let run = |order: i32| {
+        let mut random = Random::new(4);
+        let mut scene = Scene::new(&poses);
+        for _ in 0..60 {
+            for robot in 0..poses.len() {
+                let at = scene.world.slot_start() + Time(random.below(50_000) as i64);
+                let command = Command::Twist(Twist::new(random.between(-1.0, 1.0), random.between(-3.0, 3.0)));
+                scene.command(robot, at, command);
+            }
+            let mut active: Vec<_> = scene.motions.iter_mut().collect();
+            match order {
+                1 => active.reverse(),
+                2 => active.sort_by_key(|motion| motion.id().0 * 17 % 31),
+                _ => {}
+            }
+            scene.contacts.extend(scene.world.advance(&mut active));
+            for a in 0..poses.len() {
+                for b in 0..a {
+                    assert!(scene.gap(a, b) > 0.0, "{a} and {b} overlap by {}", -scene.gap(a, b));
+                }
+            }
+        }
+        let places: Vec<_> = (0..poses.len()).map(|robot| scene.position(robot)).collect();
+        (places, scene.contacts)
+    };
+    let reference = run(0);
+    assert!(reference.1.len() > 100, "a crowd: {} contacts", reference.1.len());
+    assert!(reference == run(1) && reference == run(2));
+}
+
+#[test]
+fn others_are_seen_by_what_is_public_at_the_instant() {
+    let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(1.0, 0.0, 0.0)]);
+    let beam = Beam { mount: Mount::new(0.05, 0.0, 0.0), range: 2.0 };
+    let see = |scene: &mut Scene, at: Time| {
+        let pose = scene.motions[0].pose(at);
+        beam.distance(&scene.world, RobotId(1), &pose, at)
+    };
+    assert_eq!(see(&mut scene, Time::ZERO), Some(0.85));
+    // A command within the slot becomes public at its end.
+    scene.command(1, Time::from_millis(10), Command::Twist(Twist::new(0.5, 0.0)));
+    assert_eq!(see(&mut scene, Time::from_millis(40)), Some(0.85));
+    scene.advance();
+    let now = Time::from_millis(50);
+    assert!((see(&mut scene, now).expect("in range") - 0.87).abs() < 1e-12);
+    assert!((see(&mut scene, now + Time::from_millis(20)).expect("in range") - 0.88).abs() < 1e-12);
+    // What was public at a past instant stays what it was.
+    assert_eq!(see(&mut scene, Time::from_millis(40)), Some(0.85));
+    scene.advance();
+    assert_eq!(see(&mut scene, Time::from_millis(40)), Some(0.85));
+    assert!((see(&mut scene, now).expect("in range") - 0.87).abs() < 1e-12);
+    scene.run(3.0);
+    assert_eq!(see(&mut scene, Time::from_millis(3_050)), None, "out of range");
+}
+
+#[test]
+fn a_ray_from_inside_another_body_reads_zero_and_never_its_own() {
+    let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(0.3, 0.0, 0.0)]);
+    let cast = |scene: &mut Scene, x: f64, angle: f64, range: f64| {
+        let pose = scene.motions[0].pose(Time::ZERO);
+        Beam { mount: Mount::new(x, 0.0, angle), range }.sight(&scene.world, RobotId(1), &pose, Time::ZERO)
+    };
+    assert_eq!(cast(&mut scene, 0.25, 2.0, 1.0).map(|hit| hit.distance), Some(0.0));
+    assert_eq!(cast(&mut scene, 0.0, PI, 5.0), None);
+    let hit = cast(&mut scene, 0.0, 0.0, 0.2).expect("the range is closed");
+    assert!((hit.distance - 0.2).abs() < 1e-15 && hit.thing == Thing::Robot(RobotId(2)));
+    assert_eq!(cast(&mut scene, 0.0, 0.0, 0.2 - 1e-9), None);
+}
+
+#[test]
+fn robots_with_a_lag_push_and_are_released() {
+    let lame = Model { wheel_lag: 0.05, ..model() };
+    for slot in [Time::from_millis(50), Time(7_000)] {
+        let poses = [Pose::new(0.0, 0.0, 0.0), Pose::new(0.5, 0.0, PI / 2.0)];
+        let mut scene = Scene::with(&poses, vec![], lame.clone(), slot);
+        scene.twist(0, 0.5, 0.0);
+        scene.run(2.0);
+        assert!(is_skin(scene.gap(0, 1)), "gap {}", scene.gap(0, 1));
+        let now = scene.world.slot_start();
+        assert_eq!(scene.motions[0].contacts(now), 1, "slots of {slot}");
+        scene.twist(1, 0.5, 0.0);
+        scene.run(2.0);
+        assert!(scene.position(0).x > 0.6, "{:?}", scene.position(0));
+    }
+}
+
+#[test]
+fn a_world_at_rest_is_skipped() {
+    let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0)]);
+    scene.command(0, Time::ZERO, Command::Drive { displacement: Twist::new(0.1, 0.0), duration: 0.2 });
+    scene.run(0.5);
+    assert!(!scene.motions[0].is_active());
+    scene.world.advance_to(Time::from_millis(3_600_000));
+    scene.twist(0, 1.0, 0.0);
+    scene.run(1.0);
+    assert!((scene.position(0).x - 1.1).abs() < 1e-9);
+}

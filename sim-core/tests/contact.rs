@@ -1,0 +1,168 @@
+//! Contact with walls: against a brute-force oracle, and in the cases that break solvers.
+
+use std::f64::consts::{PI, TAU};
+
+use accuracy::{oracle, world::Random};
+use glam::DVec2;
+use sim_core::{
+    contact::{Path, SKIN, TOUCH, first_contact},
+    pose::{Pose, Twist},
+    scene::{Bounds, Segment},
+};
+
+/// The earliest contact with any of `walls` within `duration` seconds.
+fn contact(walls: &[Segment], start: Pose, twist: Twist, radius: f64, duration: f64) -> Option<f64> {
+    let path = Path::new(&start, twist);
+    walls.iter().filter_map(|wall| first_contact(&path, radius, wall, duration)).map(|hit| hit.after).reduce(f64::min)
+}
+
+#[test]
+fn contacts_are_those_of_brute_force() {
+    let mut random = Random::new(7);
+    let place = Bounds { min: DVec2::splat(-2.0), max: DVec2::splat(2.0) };
+    let (mut contacts, mut free) = (0, 0);
+    for _ in 0..20_000 {
+        let count = 1 + random.below(4);
+        let walls: Vec<_> = (0..count).map(|_| Segment::new(random.point_in(place), random.point_in(place))).collect();
+        let position = random.point_in(place);
+        let start = Pose { position, ..Pose::new(0.0, 0.0, random.between(-PI, PI)) };
+        let radius = random.between(0.01, 0.3);
+        // A disc that starts clear of all: contact at the start has rules of its own.
+        if oracle::clearance(&walls, position, radius) < 1e-5 {
+            continue;
+        }
+        let omega = if random.chance(0.3) { 0.0 } else { random.between(-6.0, 6.0) };
+        let sideways = if random.chance(0.5) { 0.0 } else { random.between(-1.0, 1.0) };
+        let twist = Twist { vx: random.between(-1.0, 1.0), vy: sideways, omega };
+        let horizon = random.between(0.1, 5.0);
+        // The skin stands off the disc.
+        let expected = oracle::first_contact(&walls, start, twist, radius + SKIN, horizon);
+        let found = contact(&walls, start, twist, radius, horizon);
+        let gap = |seconds: f64| oracle::clearance(&walls, start.moved(twist.scaled(seconds)).position, radius);
+        match (found, expected) {
+            (Some(found), Some(expected)) => {
+                contacts += 1;
+                // The gap at the instant tells more than the instant itself where the disc only grazes.
+                assert!((gap(found) - SKIN).abs() < 1e-12, "gap {} at {found}", gap(found));
+                assert!((found - expected).abs() < 1e-5, "{found} for {expected}");
+            }
+            (Some(found), None) => assert!((gap(found) - SKIN).abs() < 1e-12, "no contact at {found}"),
+            (None, Some(expected)) => {
+                panic!("missed the contact at {expected}: {start:?} {twist:?} {radius} {walls:?}")
+            }
+            (None, None) => free += 1,
+        }
+    }
+    assert!(contacts > 2_000 && free > 2_000, "{contacts} contacts, {free} free: the cases say something");
+}
+
+#[test]
+fn every_turning_speed_meets_the_wall_where_its_arc_does() {
+    // A wall across at 1 m, met on an arc of the radius v / omega, or missed when that is too small.
+    let wall = Segment::new(DVec2::new(1.0, -1e3), DVec2::new(1.0, 1e3));
+    let (v, radius) = (0.5, 0.1);
+    for exponent in -300..=4 {
+        let omega = 10.0_f64.powi(exponent);
+        for omega in [omega, -omega] {
+            let twist = Twist::new(v, omega);
+            let found = contact(&[wall], Pose::default(), twist, radius, f64::INFINITY);
+            let sine = (1.0 - radius - SKIN) * omega.abs() / v;
+            if sine >= 1.0 {
+                assert_eq!(found, None, "omega {omega}");
+                continue;
+            }
+            let expected = if sine < 1e-4 { sine * (1.0 + sine * sine / 6.0) } else { libm::asin(sine) } / omega.abs();
+            let found = found.unwrap_or_else(|| panic!("no contact at omega {omega}"));
+            assert!((found - expected).abs() < 1e-11, "{found} for {expected} at omega {omega}");
+        }
+    }
+}
+
+#[test]
+fn nothing_tunnels() {
+    let wall = Segment::new(DVec2::new(1e3, -1.0), DVec2::new(1e3, 1.0));
+    for speed in [1e-3, 1.0, 1e2, 1e6, 1e12] {
+        let found = contact(&[wall], Pose::default(), Twist::new(speed, 0.0), 0.05, f64::INFINITY);
+        let way = found.expect("a contact") * speed;
+        assert!((way - (1e3 - 0.05 - SKIN)).abs() < 1e-12 * 1e3, "within rounding: {way}");
+    }
+    // The post of a point, met in full and by a hair, and missed by a hair.
+    let post = Segment::new(DVec2::new(2.0, 0.0), DVec2::new(2.0, 0.0));
+    for (aside, meets) in [(0.0, true), (0.1 - 1e-9, true), (0.1 + SKIN - 1e-9, true), (0.1 + SKIN + 1e-9, false)] {
+        let start = Pose::new(0.0, aside, 0.0);
+        assert_eq!(contact(&[post], start, Twist::new(100.0, 0.0), 0.1, 1.0).is_some(), meets, "{aside}");
+    }
+}
+
+#[test]
+fn a_full_circle_beside_a_wall_grazes_or_not() {
+    // Circle of radius 1 around (0, 1): its lowest point, where the path starts, is 1 m above a wall at y = -1.
+    for (y, meets) in [(3.1 + 1e-9 + SKIN, false), (3.1 - 1e-9 + SKIN, true), (2.5, true)] {
+        let wall = Segment::new(DVec2::new(-5.0, y - 1.0), DVec2::new(5.0, y - 1.0));
+        let found = contact(&[wall], Pose::default(), Twist::new(0.5, 0.5), 0.1, f64::INFINITY);
+        assert_eq!(found.is_some(), meets, "wall at {}", y - 1.0);
+        assert!(found.is_none_or(|after| after < TAU / 0.5));
+    }
+}
+
+#[test]
+fn a_disc_in_contact_may_do_all_but_approach() {
+    let wall = Segment::new(DVec2::new(-5.0, 0.0), DVec2::new(5.0, 0.0));
+    let radius = 0.1;
+    for gap in [SKIN, 0.5 * (SKIN + TOUCH), 0.5 * SKIN, 0.0, -0.03] {
+        for turn in 0..8 {
+            let heading = f64::from(turn) * PI / 4.0;
+            let start = Pose::new(0.3, radius + gap, heading);
+            let found = contact(&[wall], start, Twist::new(0.2, 0.0), radius, 1.0);
+            // Headings 5, 6 and 7 eighths of a turn lead into the wall.
+            assert_eq!(found, (5..8).contains(&turn).then_some(0.0), "gap {gap}, heading {heading}");
+            assert_eq!(
+                contact(&[wall], start, Twist::new(-0.2, 0.0), radius, 1.0),
+                (1..4).contains(&turn).then_some(0.0)
+            );
+        }
+        assert_eq!(contact(&[wall], Pose::new(0.0, radius + gap, 0.3), Twist::new(0.0, 5.0), radius, 9.0), None);
+        // Away on an arc, which comes back to the wall at the end of the turn.
+        let away = contact(&[wall], Pose::new(0.0, radius + gap, 0.0), Twist::new(0.2, 1.0), radius, f64::INFINITY);
+        assert!(away.is_none_or(|after| after > 0.9 * TAU), "gap {gap}: {away:?}");
+        let into = contact(&[wall], Pose::new(0.0, radius + gap, 0.0), Twist::new(0.2, -1.0), radius, f64::INFINITY);
+        assert_eq!(into, Some(0.0), "gap {gap}");
+    }
+}
+
+#[test]
+fn the_rounding_of_a_heading_does_not_stop_a_drive_along_a_wall() {
+    let (sin, cos) = (libm::sin(0.7), libm::cos(0.7));
+    let along = DVec2::new(cos, sin);
+    let wall = Segment::new(along * -100.0, along * 100.0);
+    for error in [-1e-13, -1e-16, 0.0, 1e-16, 1e-13] {
+        let start = Pose { position: along.perp() * (0.1 + SKIN), ..Pose::new(0.0, 0.0, 0.7 + error) };
+        assert_eq!(contact(&[wall], start, Twist::new(0.5, 0.0), 0.1, f64::INFINITY), None, "error {error}");
+    }
+    let start = Pose { position: along.perp() * (0.1 + SKIN), ..Pose::new(0.0, 0.0, 0.7 - 1e-6) };
+    assert_eq!(contact(&[wall], start, Twist::new(0.5, 0.0), 0.1, f64::INFINITY), Some(0.0));
+}
+
+#[test]
+fn a_centre_inside_a_wall_may_not_cross_it() {
+    let wall = Segment::new(DVec2::new(-1.0, 0.0), DVec2::new(1.0, 0.0));
+    let across = contact(&[wall], Pose::new(0.0, -0.01, PI / 2.0), Twist::new(0.1, 0.0), 0.1, 1.0);
+    assert_eq!(across, Some(0.0));
+    assert_eq!(contact(&[wall], Pose::new(0.0, -0.01, -PI / 2.0), Twist::new(0.1, 0.0), 0.1, 1.0), None);
+    // On the line itself both sides are away.
+    assert_eq!(contact(&[wall], Pose::new(0.0, 0.0, PI / 2.0), Twist::new(0.1, 0.0), 0.1, 1.0), None);
+}
+
+#[test]
+fn numbers_at_the_edge_give_no_nonsense() {
+    let wall = Segment::new(DVec2::new(1.0, -1.0), DVec2::new(1.0, 1.0));
+    let twists = [1e-300, 5e-324, 1e-9, 1e12, f64::MAX];
+    for v in twists {
+        for omega in [0.0, 5e-324, 1e-300, 1e4, 1e12, f64::MAX] {
+            for v in [v, -v] {
+                let found = contact(&[wall], Pose::default(), Twist::new(v, omega), 0.1, f64::INFINITY);
+                assert!(found.is_none_or(|after| after >= 0.0), "{found:?} at {v} m/s, {omega} rad/s");
+            }
+        }
+    }
+}
