@@ -1,4 +1,6 @@
 //! The command line: one file a subcommand.
 
+pub mod cc;
+pub mod new;
 pub mod progress;
 pub mod table;

@@ -92,7 +92,7 @@ pub struct Builder {
 }
 
 impl Builder {
-    /// A builder that keeps what it builds in `cache` and gives C programs the headers and shims of `kit`.
+    /// A builder that keeps what it builds in `cache` and gives C programs the headers and the shim of `kit`.
     pub fn new(cache: Cache, kit: ShimKit, tools: Tools) -> Self {
         Self { cache, kit, tools, compiler: OnceLock::new(), looking: Mutex::new(()) }
     }
@@ -154,8 +154,7 @@ impl Builder {
         let sources = absolute(sources)?;
         let folder = self.cache.build_folder().map_err(|error| self.cache_error(error))?;
         let compiled = self.compile(&sources, &extra_flags, folder.path())?;
-        let written = fs::copy(&compiled.library, out);
-        written.map_err(|error| CompileError::Io { program: out.to_owned(), error })?;
+        replace_file(&compiled.library, out).map_err(|error| CompileError::Io { program: out.to_owned(), error })?;
         Ok((compiled.commands, compiled.output))
     }
 
@@ -226,8 +225,8 @@ impl Builder {
     fn kit_folder(&self) -> io::Result<PathBuf> {
         let folder = self.cache.folder("kits")?.join(self.kit.digest());
         let headers = self.kit.headers.iter().map(|(name, text)| (folder.join("include").join(name), text));
-        let shims = self.kit.shims.iter().map(|(name, text)| (folder.join(name), text));
-        for (path, text) in headers.chain(shims) {
+        let shim = self.kit.shim.iter().map(|(name, text)| (folder.join("shim").join(name), text));
+        for (path, text) in headers.chain(shim) {
             if fs::read(&path).is_ok_and(|there| there == text.as_bytes()) {
                 continue;
             }
@@ -271,6 +270,14 @@ impl Builder {
     fn cache_error(&self, error: io::Error) -> BuildError {
         BuildError::Cache { root: self.cache.root().to_owned(), error }
     }
+}
+
+/// Puts a copy of `from` at `to` in one step: a process that has loaded the old one keeps it.
+fn replace_file(from: &Path, to: &Path) -> io::Result<()> {
+    let folder = to.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let copy = tempfile::NamedTempFile::new_in(folder)?;
+    fs::copy(from, copy.path())?;
+    copy.persist(to).map(drop).map_err(|error| error.error)
 }
 
 fn absolute(sources: &[PathBuf]) -> Result<Vec<PathBuf>, BuildError> {

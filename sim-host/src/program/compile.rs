@@ -5,37 +5,40 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use robios_sys::c;
+
 use super::compiler::Compiler;
 
 /// The texts that every C program is built with: the headers it may include, and the shim that is linked to it.
 #[derive(Clone, Debug)]
 pub struct ShimKit {
-    /// RoBIOS generation of the kit.
-    pub generation: u32,
     /// Headers: file name and text.
     pub headers: Vec<(&'static str, &'static str)>,
-    /// C sources linked to every program: file name and text.
-    pub shims: Vec<(&'static str, &'static str)>,
-    /// Further flags of the compilation of the program's own sources.
-    pub compile_flags: Vec<String>,
-    /// Further flags of the link.
-    pub link_flags: Vec<String>,
+    /// The shim's files, of which the first one is compiled: file name and text.
+    pub shim: Vec<(&'static str, &'static str)>,
+    /// Flags of the compilation of the shim.
+    pub shim_flags: &'static [&'static str],
 }
 
 impl ShimKit {
+    /// The kit of RoBIOS 6.
+    pub fn robios6() -> Self {
+        let texts = |files: &[c::SourceFile]| files.iter().map(|file| (file.name, file.text)).collect();
+        let mut shim: Vec<_> = texts(c::SHIM);
+        shim.sort_by_key(|(name, _)| *name != c::SHIM_SOURCE);
+        Self { headers: texts(c::HEADERS), shim, shim_flags: c::SHIM_FLAGS }
+    }
+
     /// A digest of everything in the kit, in hex.
     pub fn digest(&self) -> String {
         let mut hasher = blake3::Hasher::new();
-        for (name, text) in self.headers.iter().chain(&self.shims) {
+        for (name, text) in self.headers.iter().chain(&self.shim) {
             hasher.update(format!("{name}\0{}\0{text}\0", text.len()).as_bytes());
         }
-        hasher.update(format!("{} {:?} {:?}", self.generation, self.compile_flags, self.link_flags).as_bytes());
+        hasher.update(format!("{:?}", self.shim_flags).as_bytes());
         hasher.finalize().to_hex()[..32].to_owned()
     }
 }
-
-/// Defined for the shim when the program's `main` returns nothing.
-pub const VOID_MAIN: &str = "-DEYESIM_VOID_MAIN";
 
 /// One library to build.
 #[derive(Debug)]
@@ -44,7 +47,7 @@ pub struct Compilation<'a> {
     pub compiler: &'a Compiler,
     /// The kit, whose files lie in `kit_folder`.
     pub kit: &'a ShimKit,
-    /// Where the kit's files lie: headers in `include/`, shims beside it.
+    /// Where the kit's files lie: headers in `include/`, the shim in `shim/`.
     pub kit_folder: &'a Path,
     /// The sources, absolute.
     pub sources: &'a [PathBuf],
@@ -155,8 +158,7 @@ impl Compilation<'_> {
             let object = self.folder.join(format!("{index}.o"));
             let dependencies = self.folder.join(format!("{index}.d"));
             let mut command = self.compile_command();
-            command.args(&self.kit.compile_flags).args(self.extra_flags);
-            command.arg("-I").arg(self.kit_folder.join("include"));
+            command.args(self.compiler.compile_flags()).args(self.extra_flags);
             command.arg("-MD").arg("-MF").arg(&dependencies).args(["-MT", "o"]);
             command.arg("-c").arg(self.seen_from_folder(source)).arg("-o").arg(&object);
             let output = compiled
@@ -168,19 +170,10 @@ impl Compilation<'_> {
             compiled.read.extend(listed.iter().map(|path| self.source_folder().join(path)));
             objects.push(object);
         }
-        for (name, _) in &self.kit.shims {
-            let source = self.kit_folder.join(name);
-            let object = self.folder.join(format!("{name}.o"));
-            let mut command = self.compile_command();
-            command.args(void_main.then_some(VOID_MAIN));
-            command.arg("-I").arg(self.kit_folder.join("include"));
-            command.arg("-c").arg(&source).arg("-o").arg(&object);
-            compiled.call(&mut command)?.map_err(|output| Failure::Refused { source_file: source, output })?;
-            objects.push(object);
-        }
+        objects.push(self.compile_shim(void_main, &mut compiled)?);
         let mut command = self.compiler.command();
-        command.current_dir(self.source_folder()).args(self.compiler.link_flags()).args(&self.kit.link_flags);
-        command.args(&objects).arg("-lm").arg("-o").arg(&compiled.library);
+        command.current_dir(self.source_folder()).args(self.compiler.link_flags());
+        command.args(&objects).args(c::LIBRARIES).arg("-o").arg(&compiled.library);
         let output = compiled.call(&mut command)?.map_err(|output| Failure::Unlinked { output })?;
         compiled.output.push_str(&output);
         compiled.read.sort();
@@ -188,9 +181,22 @@ impl Compilation<'_> {
         Ok(compiled)
     }
 
+    fn compile_shim(&self, void_main: bool, compiled: &mut Compiled) -> Result<PathBuf, Failure> {
+        let Some((name, _)) = self.kit.shim.first() else {
+            return Err(Failure::Io(io::Error::other("the kit has no shim")));
+        };
+        let source = self.kit_folder.join("shim").join(name);
+        let object = self.folder.join("shim.o");
+        let mut command = self.compile_command();
+        command.args(self.kit.shim_flags).args(void_main.then_some(c::VOID_MAIN_FLAG));
+        command.arg("-c").arg(&source).arg("-o").arg(&object);
+        compiled.call(&mut command)?.map_err(|output| Failure::Refused { source_file: source, output })?;
+        Ok(object)
+    }
+
     fn compile_command(&self) -> Command {
         let mut command = self.compiler.command();
-        command.current_dir(self.source_folder()).args(self.compiler.compile_flags());
+        command.current_dir(self.source_folder()).arg("-I").arg(self.kit_folder.join("include"));
         command
     }
 

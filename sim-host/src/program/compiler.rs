@@ -5,34 +5,28 @@ use std::io;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+use robios_sys::c;
+
 use super::cache::Cache;
 use super::words::split_words;
 
-/// Flags of every compilation of a robot program, understood by every gcc and clang.
+/// Flags of every compilation of a robot program behind [`robios_sys::c::COMPILE_FLAGS`], understood by every gcc and
+/// clang.
 ///
 /// | flag | why |
 /// |---|---|
 /// | `-std=gnu17` | K&R functions and `bool` as a name still compile; newer standards refuse both |
-/// | `-g` | faults and waits are reported by source line |
 /// | `-O2` | image and map code in loops; `-O0` gives the same results, add it to step through a program |
-/// | `-fPIC` | the library is mapped at any address |
-/// | `-fcommon` | a global that two files declare is one, as the classic tools had it |
 /// | `-fsigned-char` | `char` is signed as on the robot's processor, also on ARM |
-/// | `-fno-strict-aliasing`, `-fwrapv`, `-fno-delete-null-pointer-checks` | old C does what it did: type punning, overflow that wraps, and a null pointer that faults where it is used |
-/// | `-ffp-contract=off` | the same bits on processors with and without fused multiply-add |
+/// | `-fwrapv`, `-fno-delete-null-pointer-checks` | old C does what it did: overflow wraps, and a null pointer faults where it is used |
 /// | `-fno-omit-frame-pointer` | the call stack can be walked after a fault |
 /// | `-Wall`, `-Wmain` | a student wants to know; `-Wmain` also tells that `main` returns nothing |
 pub const COMPILE_FLAGS: &[&str] = &[
     "-std=gnu17",
-    "-g",
     "-O2",
-    "-fPIC",
-    "-fcommon",
     "-fsigned-char",
-    "-fno-strict-aliasing",
     "-fwrapv",
     "-fno-delete-null-pointer-checks",
-    "-ffp-contract=off",
     "-fno-omit-frame-pointer",
     "-Wall",
     "-Wmain",
@@ -53,10 +47,6 @@ const OPTIONAL_COMPILE_FLAGS: &[&str] = &[
     "-Wno-error=main-return-type",
     "-fstack-clash-protection",
 ];
-
-/// Flags of the link: `-Bsymbolic` lets a program's own `time` or `y1` win over libc's, `-z defs` makes an undefined
-/// function an error of the build and not of the run.
-pub const LINK_FLAGS: &[&str] = &["-shared", "-Wl,-Bsymbolic", "-Wl,-z,defs"];
 
 /// Flags of the link that are used where the linker knows them: both halve the memory mappings of a private copy, of
 /// which each robot has one.
@@ -153,16 +143,21 @@ impl Compiler {
 
     /// The flags of a compilation to an object file.
     pub fn compile_flags(&self) -> impl Iterator<Item = &str> {
-        COMPILE_FLAGS.iter().copied().chain(self.optional_compile_flags.iter().map(String::as_str))
+        c::COMPILE_FLAGS
+            .iter()
+            .chain(COMPILE_FLAGS)
+            .copied()
+            .chain(self.optional_compile_flags.iter().map(String::as_str))
     }
 
-    /// The flags of the link, before the object files; `-lm` goes behind them.
+    /// The flags of the link, before the object files; [`robios_sys::c::LIBRARIES`] go behind them.
     pub fn link_flags(&self) -> impl Iterator<Item = &str> {
-        LINK_FLAGS.iter().copied().chain(self.optional_link_flags.iter().map(String::as_str))
+        c::LINK_FLAGS.iter().copied().chain(self.optional_link_flags.iter().map(String::as_str))
     }
 
     fn probe(&mut self, cache: &Cache) -> Result<(), CompilerError> {
-        let wanted = format!("{COMPILE_FLAGS:?}{OPTIONAL_COMPILE_FLAGS:?}{LINK_FLAGS:?}{OPTIONAL_LINK_FLAGS:?}");
+        let base: (Vec<&str>, Vec<&str>) = (self.compile_flags().collect(), self.link_flags().collect());
+        let wanted = format!("{base:?}{OPTIONAL_COMPILE_FLAGS:?}{OPTIONAL_LINK_FLAGS:?}");
         let digest = blake3::hash(format!("{}\n{wanted}", self.identity()).as_bytes());
         let key = format!("compiler-{}", &digest.to_hex()[..32]);
         let kept: Option<(Vec<String>, Vec<String>)> =
@@ -173,12 +168,12 @@ impl Compiler {
         }
         let folder = cache.build_folder()?;
         std::fs::write(folder.path().join("empty.c"), "int eyesim_probe(void) { return 0; }\n")?;
-        let compile = ["-Werror", "-c", "empty.c", "-o", "empty.o"];
-        let base: Vec<&str> = COMPILE_FLAGS.iter().copied().chain(compile).collect();
-        self.optional_compile_flags = self.accepted(folder.path(), &base, OPTIONAL_COMPILE_FLAGS)?;
-        let link = ["empty.o", "-o", "empty.so", "-lm"];
-        let base: Vec<&str> = LINK_FLAGS.iter().copied().chain(link).collect();
-        self.optional_link_flags = self.accepted(folder.path(), &base, OPTIONAL_LINK_FLAGS)?;
+        let (compile, link) = base;
+        let compile: Vec<&str> = compile.into_iter().chain(["-Werror", "-c", "empty.c", "-o", "empty.o"]).collect();
+        let compile = self.accepted(folder.path(), &compile, OPTIONAL_COMPILE_FLAGS)?;
+        let link: Vec<&str> = link.into_iter().chain(["empty.o", "-o", "empty.so", "-lm"]).collect();
+        let link = self.accepted(folder.path(), &link, OPTIONAL_LINK_FLAGS)?;
+        (self.optional_compile_flags, self.optional_link_flags) = (compile, link);
         cache.set_note(
             &key,
             &serde_json::to_string(&(&self.optional_compile_flags, &self.optional_link_flags))

@@ -44,6 +44,8 @@ impl ProgramSource {
 /// A program that was found, with what the user should know about how.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
+    /// The program's name, its `argv[0]`: that of the file, without folder and extension, or of the folder.
+    pub name: String,
     /// What to build or load.
     pub source: ProgramSource,
     /// Remarks such as "`maze.dll` is a Windows library: its source `maze.c` is used instead".
@@ -117,29 +119,44 @@ fn quoted(names: &[String]) -> String {
 /// # Errors
 /// [`FindError`] with every place tried if nothing usable is there.
 pub fn find_program(reference: &str, search: &SearchPath) -> Result<Found, FindError> {
-    let mut finder = Finder { search, attempts: Vec::new(), notes: Vec::new() };
+    let mut finder = Finder { search, attempts: Vec::new(), notes: Vec::new(), folder_name: None };
     if let Some(source) = finder.find(reference) {
-        return Ok(Found { source, notes: finder.notes });
+        return Ok(finder.found(source));
     }
     let parts: Vec<&str> = reference.split(',').map(str::trim).collect();
     if parts.len() > 1 && parts.iter().all(|part| has_extension(Path::new(part), "c")) {
         finder.attempts.clear();
         let sources: Option<Vec<PathBuf>> = parts.iter().map(|part| finder.find_c_file(part)).collect();
-        if let Some(sources) = sources {
-            return Ok(Found { source: ProgramSource::C(sources), notes: finder.notes });
+        if let Some(source) = sources.map(ProgramSource::C) {
+            return Ok(finder.found(source));
         }
     }
     let near = finder.near_names(reference);
     Err(FindError { reference: reference.to_owned(), attempts: finder.attempts, near })
 }
 
+/// The name of the file or folder `path`: without the extension if it is a file.
+fn name_of(path: &Path) -> String {
+    // `.` and `..` have a name too.
+    let absolute = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let name = if absolute.is_dir() { absolute.file_name() } else { absolute.file_stem() };
+    name.map_or_else(|| "program".into(), |name| name.to_string_lossy().into_owned())
+}
+
 struct Finder<'a> {
     search: &'a SearchPath,
     attempts: Vec<Attempt>,
     notes: Vec<String>,
+    /// The name of the folder, if a folder was found.
+    folder_name: Option<String>,
 }
 
 impl Finder<'_> {
+    fn found(self, source: ProgramSource) -> Found {
+        let name = self.folder_name.unwrap_or_else(|| name_of(source.path()));
+        Found { name, source, notes: self.notes }
+    }
+
     fn find(&mut self, reference: &str) -> Option<ProgramSource> {
         self.candidates(reference).into_iter().find_map(|path| self.look_at(&path))
     }
@@ -218,7 +235,9 @@ impl Finder<'_> {
     fn usable(&mut self, path: &Path) -> Result<ProgramSource, Option<String>> {
         let Ok(metadata) = fs::metadata(path) else { return Err(None) };
         if metadata.is_dir() {
-            return usable_folder(path);
+            let source = usable_folder(path)?;
+            self.folder_name = Some(name_of(path));
+            return Ok(source);
         }
         if path.file_name().is_some_and(|name| name == "Cargo.toml") {
             return Ok(ProgramSource::Cargo(path.parent().unwrap_or(Path::new(".")).to_owned()));
@@ -438,7 +457,9 @@ mod tests {
             place.check(name, &["sims/maze.c"]);
         }
         for name in ["wall.so", "wall.dll", "wall", "wall/", "wall/Cargo.toml"] {
-            assert!(matches!(place.check(name, &["sims/wall"]).source, ProgramSource::Cargo(_)), "{name}");
+            let found = place.check(name, &["sims/wall"]);
+            assert!(matches!(found.source, ProgramSource::Cargo(_)), "{name}");
+            assert_eq!(found.name, "wall", "{name}");
         }
     }
 
@@ -464,9 +485,9 @@ mod tests {
     #[test]
     fn several_sources_are_named_with_commas_or_by_their_folder() {
         let place = Place::with(&[("sims/main.c", b""), ("map.c", b""), ("sims/bug/b.c", b""), ("sims/bug/a.c", b"")]);
-        place.check("main.c,map.c", &["sims/main.c", "map.c"]);
+        assert_eq!(place.check("main.c,map.c", &["sims/main.c", "map.c"]).name, "main");
         place.check("main.c, map.c", &["sims/main.c", "map.c"]);
-        place.check("bug", &["sims/bug/a.c", "sims/bug/b.c"]);
+        assert_eq!(place.check("bug", &["sims/bug/a.c", "sims/bug/b.c"]).name, "bug");
         assert!(place.check_missing("main.c,mop.c").contains("mop.c"));
     }
 

@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use object::read::elf::{ElfFile64, FileHeader as _, ProgramHeader as _};
-use object::{Object as _, ObjectSymbol as _, elf};
+use object::{Object as _, ObjectSegment as _, ObjectSymbol as _, elf};
 use parking_lot::Mutex;
+use robios_sys::PROGRAM_SYMBOL;
 
 use super::kind::{FileKind, HEAD_BYTES, file_kind};
 
@@ -21,11 +22,26 @@ pub struct ProgramImage {
     loaded_len: usize,
     /// Addresses of the loaded segments, relative to the base.
     span: Range<usize>,
-    segments: usize,
-    defined: Vec<String>,
+    mappings: usize,
+    description: Option<Description>,
     undefined: Vec<String>,
     /// The debug information, read when a line is first asked for; `None` inside if there is none.
     lines: OnceLock<Option<Mutex<addr2line::Loader>>>,
+}
+
+/// The beginning of what a library exports as [`PROGRAM_SYMBOL`]: numbers that stand in the file as they are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Description {
+    /// Bytes of the description.
+    pub size: u32,
+    /// ABI version that the program was built against.
+    pub abi: u32,
+    /// RoBIOS generation.
+    pub generation: u32,
+    /// Bits of [`robios_sys::flag`].
+    pub flags: u32,
+    /// One of [`robios_sys::language`].
+    pub language: u32,
 }
 
 /// A place in a program's source.
@@ -86,11 +102,11 @@ impl ProgramImage {
             return Err(ImageError::Foreign { path: path.to_owned(), what });
         }
         let parts = parts_of(&bytes).map_err(|what| ImageError::Broken { path: path.to_owned(), what })?;
-        let Parts { loaded_len, span, segments, defined, undefined } = parts;
+        let Parts { loaded_len, span, mappings, description, undefined } = parts;
         let source_folder = source_folder.map(|folder| fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned()));
         let path = path.to_owned();
         let lines = OnceLock::new();
-        Ok(Self { path, source_folder, bytes, loaded_len, span, segments, defined, undefined, lines })
+        Ok(Self { path, source_folder, bytes, loaded_len, span, mappings, description, undefined, lines })
     }
 
     /// The library's file, with its debug information.
@@ -120,15 +136,15 @@ impl ProgramImage {
         self.span.clone()
     }
 
-    /// Memory mappings of one copy at most: one a loaded segment, one for the part that is made read-only, one for
-    /// variables that start as zero.
+    /// Memory mappings of one copy: one a loaded segment, and for what the dynamic linker splits off: variables that
+    /// start as zero, what is made read-only after loading, gaps between segments.
     pub fn mappings(&self) -> usize {
-        self.segments + 2
+        self.mappings
     }
 
-    /// Whether the library exports `symbol`.
-    pub fn defines(&self, symbol: &str) -> bool {
-        self.defined.iter().any(|name| name == symbol)
+    /// What the library says of itself; `None` if it is no robot program.
+    pub fn description(&self) -> Option<Description> {
+        self.description
     }
 
     /// Functions and variables that the library takes from elsewhere, sorted.
@@ -187,48 +203,71 @@ impl std::fmt::Debug for ProgramImage {
 struct Parts {
     loaded_len: usize,
     span: Range<usize>,
-    segments: usize,
-    defined: Vec<String>,
+    mappings: usize,
+    description: Option<Description>,
     undefined: Vec<String>,
 }
 
 fn parts_of(bytes: &[u8]) -> Result<Parts, String> {
+    // The smallest page: with larger ones there are fewer mappings, never more.
+    const PAGE: u64 = 4096;
     let text = |error: object::Error| error.to_string().to_lowercase();
     let file = ElfFile64::<object::Endianness>::parse(bytes).map_err(text)?;
     let endian = file.endian();
     let headers = file.elf_header().program_headers(endian, bytes).map_err(text)?;
-    let mut loaded_len = 0;
+    let (mut loaded_len, mut mappings) = (0, 0);
     let mut span: Option<Range<u64>> = None;
-    let mut segments = 0;
     for header in headers {
         match header.p_type(endian) {
             elf::PT_LOAD => {}
             elf::PT_INTERP => return Err("it is an executable, not a library".into()),
+            elf::PT_GNU_RELRO => {
+                mappings += 1;
+                continue;
+            }
             _ => continue,
         }
-        segments += 1;
         let file_end = header.p_offset(endian).saturating_add(header.p_filesz(endian));
         loaded_len = loaded_len.max(usize::try_from(file_end).unwrap_or(usize::MAX));
-        let range = header.p_vaddr(endian)..header.p_vaddr(endian).saturating_add(header.p_memsz(endian));
+        let start = header.p_vaddr(endian);
+        let end = start.saturating_add(header.p_memsz(endian));
+        let zeroed_from = start.saturating_add(header.p_filesz(endian));
+        mappings += 1 + usize::from(end.div_ceil(PAGE) > zeroed_from.div_ceil(PAGE));
         span = Some(match span {
-            None => range,
-            Some(span) => span.start.min(range.start)..span.end.max(range.end),
+            None => start..end,
+            Some(span) => {
+                mappings += usize::from(start / PAGE > span.end.div_ceil(PAGE));
+                span.start.min(start)..span.end.max(end)
+            }
         });
     }
     let Some(span) = span else { return Err("it has nothing to load".into()) };
     if loaded_len > bytes.len() {
         return Err(format!("it is cut short: {} bytes of {loaded_len}", bytes.len()));
     }
-    let (mut defined, mut undefined) = (Vec::new(), Vec::new());
+    let (mut description, mut undefined) = (None, Vec::new());
     for symbol in file.dynamic_symbols() {
-        let Ok(name) = symbol.name() else { continue };
-        let names = if symbol.is_undefined() { &mut undefined } else { &mut defined };
-        if !name.is_empty() {
-            names.push(name.to_owned());
+        match symbol.name() {
+            Ok(name) if symbol.is_undefined() && !name.is_empty() => undefined.push(name.to_owned()),
+            Ok(PROGRAM_SYMBOL) => description = description_at(&file, symbol.address()),
+            _ => {}
         }
     }
     undefined.sort();
     undefined.dedup();
     let address = |value: u64| usize::try_from(value).map_err(|error| format!("its addresses are too large ({error})"));
-    Ok(Parts { loaded_len, span: address(span.start)?..address(span.end)?, segments, defined, undefined })
+    Ok(Parts { loaded_len, span: address(span.start)?..address(span.end)?, mappings, description, undefined })
+}
+
+fn description_at(file: &ElfFile64<'_>, address: u64) -> Option<Description> {
+    const BYTES: u64 = 20;
+    let data = file.segments().find_map(|segment| segment.data_range(address, BYTES).ok().flatten())?;
+    let number = |at: usize| Some(u32::from_ne_bytes(data.get(4 * at..4 * at + 4)?.try_into().ok()?));
+    Some(Description {
+        size: number(0)?,
+        abi: number(1)?,
+        generation: number(2)?,
+        flags: number(3)?,
+        language: number(4)?,
+    })
 }

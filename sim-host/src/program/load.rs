@@ -1,16 +1,20 @@
 //! Loads private copies of a library: each robot has the program's globals for itself.
 
-use std::ffi::{CString, OsStr};
+use std::ffi::{CString, OsStr, c_char, c_int, c_void};
 use std::fs;
 use std::io;
+use std::marker::PhantomData;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
-use robios_sys::{ABI_VERSION, Misfit, PROGRAM_SYMBOL, Program, Robios6Call, Run};
+use robios_sys::{
+    ABI_VERSION, Host, PROGRAM_SYMBOL, Program, Robios6, Robios6Call, Robios6Table, Support, SupportTable, flag,
+};
 
-use super::image::{ImageError, ProgramImage, SourceLine};
+use super::image::{ProgramImage, SourceLine};
+use super::prepare::Prepared;
 
 /// So many copies of a run are whole files with their debug information, for debuggers and profilers; further ones hold
 /// only what is mapped.
@@ -19,9 +23,6 @@ const WHOLE_COPIES: usize = 8;
 /// A library that cannot be loaded as a robot program.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
-    /// The file is no library for this system, or cannot be read.
-    #[error(transparent)]
-    Image(#[from] ImageError),
     /// A library without the entry symbol.
     #[error("`{}` was not built for eyesim: it does not export `{PROGRAM_SYMBOL}`{}", path.display(), robios_hint(robios))]
     NotAProgram {
@@ -66,6 +67,14 @@ pub enum LoadError {
         /// What the dynamic linker says.
         what: String,
     },
+    /// An argument that no C string can hold.
+    #[error("an argument of `{}` has a NUL character: {argument}", path.display())]
+    Argument {
+        /// The library.
+        path: PathBuf,
+        /// What is wrong with it.
+        argument: String,
+    },
     /// A copy cannot be written.
     #[error("cannot copy `{}` to the run folder `{}`: {error}; $TMPDIR chooses another place", path.display(), folder.display())]
     Copy {
@@ -106,53 +115,77 @@ fn robios_hint(robios: &[String]) -> String {
     }
 }
 
-/// A robot's own copy of a program, ready to run. It stays mapped until the process ends.
-#[derive(Clone, Debug)]
+/// A robot's own copy of a program with its arguments, ready to run. It stays mapped until the process ends.
+#[derive(Clone)]
 pub struct LoadedProgram {
-    image: Arc<ProgramImage>,
+    prepared: Arc<Prepared>,
+    arguments: Vec<CString>,
     base: usize,
-    run: Run,
-    language: u32,
-    flags: u32,
+    description: &'static Program,
+}
+
+impl std::fmt::Debug for LoadedProgram {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("LoadedProgram").field("name", &self.prepared.name).field("base", &self.base).finish()
+    }
+}
+
+/// The tables of a host type.
+struct Tables<H>(PhantomData<H>);
+
+impl<H: Support + Robios6> Tables<H> {
+    const SUPPORT: &'static SupportTable = &SupportTable::of::<H>();
+    const ROBIOS6: &'static Robios6Table = &Robios6Table::of::<H>();
+    const HOST: &'static Host = &Host::new(Self::SUPPORT, Self::ROBIOS6);
 }
 
 impl LoadedProgram {
-    /// The function that runs the program's `main`.
-    pub fn run(&self) -> Run {
-        self.run
+    /// The program's name, its `argv[0]`.
+    pub fn name(&self) -> &str {
+        &self.prepared.name
     }
 
-    /// The language of the program's shim, a constant of `robios_sys::language`.
-    pub fn language(&self) -> u32 {
-        self.language
+    /// What this is a copy of.
+    pub fn prepared(&self) -> &Prepared {
+        &self.prepared
     }
 
-    /// Bits of `robios_sys::flag`.
-    pub fn flags(&self) -> u32 {
-        self.flags
+    /// Whether the program's exit code says anything: not where `main` returns no value.
+    pub fn has_exit_code(&self) -> bool {
+        self.description.flags & flag::VOID_MAIN == 0
     }
 
-    /// The library that this is a copy of.
-    pub fn image(&self) -> &ProgramImage {
-        &self.image
+    /// Runs the program's `main` on this thread, its calls answered by `host`; gives its exit code.
+    ///
+    /// The program is native code of the user's and can do whatever this process can; faults are the executive's. One run
+    /// at a time, as the copy has its globals once.
+    pub fn run<H: Support + Robios6>(&self, host: &H) -> i32 {
+        let mut argv: Vec<*const c_char> = self.arguments.iter().map(|argument| argument.as_ptr()).collect();
+        argv.push(std::ptr::null());
+        let argc = self.arguments.len() as c_int;
+        let robot = std::ptr::from_ref(host).cast_mut().cast::<c_void>();
+        // SAFETY: the tables are those of `H`, so that `robot` leads to what their entries expect
+        // (`CallContext::from_context`), shared and alive until `run` returns; argv has argc strings that end in 0, then
+        // a null pointer, alive as long; the description was checked when it was loaded.
+        unsafe { (self.description.run)(Tables::<H>::HOST, robot, argc, argv.as_ptr()) }
     }
 
     /// The addresses at which the copy's code and variables lie.
     pub fn addresses(&self) -> Range<usize> {
-        let span = self.image.span();
+        let span = self.prepared.image.span();
         self.base + span.start..self.base + span.end
     }
 
     /// The line of the source at `address`, if it lies in this copy and the debug information tells it. See
     /// [`ProgramImage::source_line`].
     pub fn source_line(&self, address: usize) -> Option<SourceLine> {
-        self.image.source_line(self.offset(address)?)
+        self.prepared.image.source_line(self.offset(address)?)
     }
 
     /// The line in the program's own sources of the first of `addresses` (a call stack, innermost first) that has one. See
     /// [`ProgramImage::own_source_line`].
     pub fn own_source_line(&self, addresses: &[usize]) -> Option<SourceLine> {
-        self.image.own_source_line(addresses.iter().filter_map(|&address| self.offset(address)))
+        self.prepared.image.own_source_line(addresses.iter().filter_map(|&address| self.offset(address)))
     }
 
     fn offset(&self, address: usize) -> Option<usize> {
@@ -176,32 +209,35 @@ impl Loader {
         Ok(Self { folder: tempfile::Builder::new().prefix("eyesim-run-").tempdir()?, copies: 0 })
     }
 
-    /// Maps a private copy of `image` for one robot.
+    /// Maps a private copy of `prepared` for one robot, which runs it with `arguments` behind the program's name.
     ///
     /// The library's constructors run on this thread. The copy is never unmapped: what it left behind (exit handlers,
     /// thread-locals) may still point into it.
     ///
     /// # Errors
     /// [`LoadError`] if it is no program for this eyesim or the dynamic linker refuses it.
-    pub fn load(&mut self, image: &Arc<ProgramImage>) -> Result<LoadedProgram, LoadError> {
-        if !image.defines(PROGRAM_SYMBOL) {
-            return Err(LoadError::NotAProgram { path: image.path().to_owned(), robios: robios_functions(image) });
-        }
+    pub fn load(&mut self, prepared: &Arc<Prepared>, arguments: &[String]) -> Result<LoadedProgram, LoadError> {
+        let image = &prepared.image;
+        check_description(image)?;
+        let arguments = c_arguments(&prepared.name, arguments)
+            .map_err(|argument| LoadError::Argument { path: image.path().to_owned(), argument })?;
         let library = self.map_copy(image)?;
-        let missing = |_| LoadError::NotAProgram { path: image.path().to_owned(), robios: Vec::new() };
-        // SAFETY: the symbol is only used as an address here.
-        let program = unsafe { library.get::<*const Program>(PROGRAM_SYMBOL) }.map_err(missing)?.as_raw_ptr();
+        let symbol =
+            // SAFETY: the symbol is only used as an address here.
+            unsafe { library.get::<*const Program>(PROGRAM_SYMBOL) }.map_err(|error| refused(image.path(), Path::new(""), &error))?;
+        let description = symbol.as_raw_ptr().cast_const().cast::<Program>();
         // The copy stays for ever: a loaded image may have left pointers into itself anywhere.
         std::mem::forget(library);
-        let program = program.cast_const().cast::<Program>();
-        let (base, program) = checked(image, program)?;
-        Ok(LoadedProgram {
-            image: Arc::clone(image),
-            base,
-            run: program.run,
-            language: program.language,
-            flags: program.flags,
-        })
+        let misfit = |what: &str| LoadError::Misfit { path: image.path().to_owned(), what: what.to_owned() };
+        if description.is_null() || !description.is_aligned() {
+            return Err(misfit("its description is not where it should be"));
+        }
+        // SAFETY: not null, aligned, and `check_description` has seen in the file that a description of this version and
+        // at least this size is there; it is a constant in an image that is never unmapped.
+        let description = unsafe { &*description };
+        description.check().map_err(|why| misfit(&why.to_string()))?;
+        let base = base_of(std::ptr::from_ref(description).addr()).ok_or_else(|| misfit("its address is unknown"))?;
+        Ok(LoadedProgram { prepared: Arc::clone(prepared), arguments, base, description })
     }
 
     fn map_copy(&mut self, image: &ProgramImage) -> Result<Library, LoadError> {
@@ -225,31 +261,19 @@ impl Loader {
     }
 }
 
-/// The base of a loaded copy and the description that it exports, if it fits this host.
-fn checked(image: &ProgramImage, program: *const Program) -> Result<(usize, &'static Program), LoadError> {
+/// Checks what can be seen in the file, before any of the library's code runs.
+fn check_description(image: &ProgramImage) -> Result<(), LoadError> {
     let path = || image.path().to_owned();
-    let misfit = |what: &str| LoadError::Misfit { path: path(), what: what.to_owned() };
-    if program.is_null() || !program.is_aligned() {
-        return Err(misfit("its description is not where it should be"));
+    let Some(description) = image.description() else {
+        return Err(LoadError::NotAProgram { path: path(), robios: robios_functions(image) });
+    };
+    if description.abi != ABI_VERSION {
+        return Err(LoadError::Abi { path: path(), program: description.abi });
     }
-    // SAFETY: a description starts with two numbers, its size and the version of its layout, in every version; the
-    // pointer is the address of the exported symbol, not null and aligned.
-    let [size, abi] = unsafe { program.cast::<[u32; 2]>().read() };
-    if abi != ABI_VERSION {
-        return Err(LoadError::Abi { path: path(), program: abi });
+    if (description.size as usize) < size_of::<Program>() {
+        return Err(LoadError::Misfit { path: path(), what: "its description is too short".into() });
     }
-    if (size as usize) < size_of::<Program>() {
-        return Err(misfit("its description is too short"));
-    }
-    // SAFETY: the library says that a description of this version and at least this size is there; it is a constant
-    // in an image that is never unmapped.
-    let program = unsafe { &*program };
-    program.check().map_err(|why| match why {
-        Misfit::Abi { program } => LoadError::Abi { path: path(), program },
-        other => misfit(&other.to_string()),
-    })?;
-    let base = base_of(std::ptr::from_ref(program).addr()).ok_or_else(|| misfit("its address is unknown"))?;
-    Ok((base, program))
+    Ok(())
 }
 
 /// The base address of the loaded image that `address` lies in.
@@ -324,11 +348,8 @@ fn check_against_limit<'a>(
     Err(LoadError::TooManyMappings { robots, needed, allowed, advised })
 }
 
-/// The arguments of a program as C strings, `argv[0]` first.
-///
-/// # Errors
-/// The place of the argument that holds a NUL.
-pub fn c_arguments<'a>(name: &'a str, arguments: impl IntoIterator<Item = &'a str>) -> Result<Vec<CString>, usize> {
-    let words = std::iter::once(name).chain(arguments);
-    words.enumerate().map(|(at, word)| CString::new(word).ok().ok_or(at)).collect()
+/// The arguments of a program as C strings, `argv[0]` first; the argument that holds a NUL if one does.
+fn c_arguments(name: &str, arguments: &[String]) -> Result<Vec<CString>, String> {
+    let words = std::iter::once(name).chain(arguments.iter().map(String::as_str));
+    words.map(|word| CString::new(word).map_err(|error| error.to_string())).collect()
 }

@@ -12,6 +12,16 @@ pub mod find;
 pub mod image;
 pub mod kind;
 pub mod load;
+pub mod prepare;
+pub mod symbols;
 #[cfg(test)]
 mod tests;
 pub mod words;
+
+pub use build::{Builder, Tools};
+pub use cache::Cache;
+pub use compile::ShimKit;
+pub use find::{Found, SearchPath, find_program};
+pub use load::{LoadedProgram, Loader, check_mappings};
+pub use prepare::{Prepared, prepare};
+pub use words::split_words;

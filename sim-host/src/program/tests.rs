@@ -1,29 +1,31 @@
 //! Building and loading with the real compiler. Where there is none, the tests say so and end.
 
-use std::ffi::{CStr, c_char, c_int};
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
-use std::ptr;
 use std::sync::Arc;
+
+use robios_sys::{CallContext, Robios6, Support};
 
 use super::build::{BuildError, Builder, Built, Tools};
 use super::cache::Cache;
 use super::compile::{CompileError, ShimKit};
 use super::compiler::{Compiler, CompilerError};
+use super::find::Found;
 use super::find::ProgramSource;
 use super::image::{ImageError, ProgramImage};
-use super::load::{LoadError, LoadedProgram, Loader, c_arguments, check_mappings};
+use super::load::{LoadError, LoadedProgram, Loader, check_mappings};
+use super::prepare::{Prepared, prepare};
+use super::symbols::warnings_about;
 
 /// A kit that needs no host: `run` calls `main` and returns what it returns.
 fn kit() -> ShimKit {
     ShimKit {
-        generation: 6,
         headers: vec![
             ("eyebot.h", "#include <stdio.h>\nint TestAnswer(void);\n"),
             ("hdt_sem.h", "#define PSD_FRONT -200\n"),
         ],
-        shims: vec![(
+        shim: vec![(
             "shim.c",
             r#"
             #ifdef EYESIM_VOID_MAIN
@@ -46,8 +48,7 @@ fn kit() -> ShimKit {
                 eyesim_program = { sizeof eyesim_program, 1, 6, 0, 1, 0, 0, run };
             "#,
         )],
-        compile_flags: Vec::new(),
-        link_flags: Vec::new(),
+        shim_flags: &["-g", "-O1", "-fPIC"],
     }
 }
 
@@ -106,13 +107,19 @@ impl Bench {
         self.build(names).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    fn image(&self, names: &[&str]) -> Arc<ProgramImage> {
+    fn prepared(&self, names: &[&str]) -> Arc<Prepared> {
         let built = self.built(names);
-        Arc::new(ProgramImage::read(&built.library, Some(self.folder.path())).expect("an image"))
+        prepared(ProgramImage::read(&built.library, Some(self.folder.path())).expect("an image"))
     }
 
     fn loaded(&self, names: &[&str]) -> LoadedProgram {
-        Loader::new().expect("a run folder").load(&self.image(names)).unwrap_or_else(|error| panic!("{error}"))
+        self.loaded_with(names, &[])
+    }
+
+    fn loaded_with(&self, names: &[&str], arguments: &[&str]) -> LoadedProgram {
+        let arguments: Vec<String> = arguments.iter().map(|&argument| argument.to_owned()).collect();
+        let loaded = Loader::new().expect("a run folder").load(&self.prepared(names), &arguments);
+        loaded.unwrap_or_else(|error| panic!("{error}"))
     }
 
     /// A script that runs the compiler and counts how often it does more than tell its version.
@@ -126,12 +133,21 @@ impl Bench {
     }
 }
 
-fn run(program: &LoadedProgram, arguments: &[&str]) -> c_int {
-    let strings = c_arguments("program", arguments.iter().copied()).expect("no NUL");
-    let mut argv: Vec<*const c_char> = strings.iter().map(|word| word.as_ptr()).collect();
-    argv.push(ptr::null());
-    // SAFETY: the kit's `run` does not look at host and robot; argv has argc strings and a null behind them.
-    unsafe { program.run()(ptr::null(), ptr::null_mut(), argv.len() as c_int - 1, argv.as_ptr()) }
+/// A host that answers each call with its documented failure.
+struct NoHost;
+
+impl CallContext for NoHost {}
+impl Support for NoHost {}
+impl Robios6 for NoHost {}
+
+fn prepared(image: ProgramImage) -> Arc<Prepared> {
+    let source = ProgramSource::Library(image.path().to_owned());
+    let (output, warnings) = (String::new(), Vec::new());
+    Arc::new(Prepared { name: "program".into(), source, image, output, compiled: true, warnings })
+}
+
+fn run(program: &LoadedProgram) -> i32 {
+    program.run(&NoHost)
 }
 
 #[test]
@@ -142,9 +158,8 @@ fn a_plain_program_builds_and_runs_with_its_arguments() {
     )]) else {
         return;
     };
-    let program = bench.loaded(&["args.c"]);
-    assert_eq!(run(&program, &["--kp", "0.5"]), 42);
-    assert_eq!(run(&program, &[]), 1);
+    assert_eq!(run(&bench.loaded_with(&["args.c"], &["--kp", "0.5"])), 42);
+    assert_eq!(run(&bench.loaded(&["args.c"])), 1);
 }
 
 #[test]
@@ -153,7 +168,7 @@ fn old_c_compiles_with_warnings() {
     let Some(bench) = Bench::with(&[("old.c", old)]) else { return };
     let built = bench.built(&["old.c"]);
     assert!(built.output.contains("old.c:13:3: warning: implicit declaration"), "{}", built.output);
-    assert_eq!(run(&bench.loaded(&["old.c"]), &[]), 48);
+    assert_eq!(run(&bench.loaded(&["old.c"])), 48);
 }
 
 #[test]
@@ -162,7 +177,7 @@ fn a_void_main_ends_with_zero() {
         return;
     };
     assert!(bench.built(&["void.c"]).output.contains("-Wmain"));
-    assert_eq!(run(&bench.loaded(&["void.c"]), &[]), 0);
+    assert_eq!(run(&bench.loaded(&["void.c"])), 0);
 }
 
 #[test]
@@ -170,7 +185,7 @@ fn a_main_that_returns_nothing_explicitly_gives_zero() {
     let Some(bench) = Bench::with(&[("zero.c", "int main(void)\n{\n  volatile int i = 7;\n  i++;\n}\n")]) else {
         return;
     };
-    assert_eq!(run(&bench.loaded(&["zero.c"]), &[]), 0);
+    assert_eq!(run(&bench.loaded(&["zero.c"])), 0);
 }
 
 #[test]
@@ -181,7 +196,7 @@ fn several_files_become_one_program() {
     else {
         return;
     };
-    assert_eq!(run(&bench.loaded(&["main.c", "plan.c"]), &[]), 42);
+    assert_eq!(run(&bench.loaded(&["main.c", "plan.c"])), 42);
 }
 
 #[test]
@@ -228,12 +243,12 @@ fn nothing_is_compiled_when_nothing_has_changed() {
     // A header counts as much as a source.
     bench.write("map.h", "#define SIZE 4\n");
     assert!(bench.built(&["maze.c"]).compiled);
-    assert_eq!(run(&bench.loaded(&["maze.c"]), &[]), 4);
+    assert_eq!(run(&bench.loaded(&["maze.c"])), 4);
     let count = compilations();
     // A source or header that is as it was before is there already.
     bench.write("map.h", "#define SIZE 3\n");
     bench.built(&["maze.c"]);
-    assert_eq!(run(&bench.loaded(&["maze.c"]), &[]), 3);
+    assert_eq!(run(&bench.loaded(&["maze.c"])), 3);
     // Flags count too.
     bench.tools.cflags = Some("-DOTHER='a b'".into());
     assert!(bench.built(&["maze.c"]).compiled);
@@ -245,9 +260,9 @@ fn a_header_that_is_put_beside_the_source_is_seen() {
     let Some(bench) = Bench::with(&[("a.c", "#include \"hdt_sem.h\"\nint main(void) { return -PSD_FRONT; }\n")]) else {
         return;
     };
-    assert_eq!(run(&bench.loaded(&["a.c"]), &[]), 200);
+    assert_eq!(run(&bench.loaded(&["a.c"])), 200);
     bench.write("hdt_sem.h", "#define PSD_FRONT -7\n");
-    assert_eq!(run(&bench.loaded(&["a.c"]), &[]), 7);
+    assert_eq!(run(&bench.loaded(&["a.c"])), 7);
 }
 
 #[test]
@@ -256,7 +271,7 @@ fn a_broken_cache_entry_is_built_again() {
     let library = bench.built(&["a.c"]).library;
     fs::write(&library, "half").expect("broken");
     assert!(bench.built(&["a.c"]).compiled);
-    assert_eq!(run(&bench.loaded(&["a.c"]), &[]), 5);
+    assert_eq!(run(&bench.loaded(&["a.c"])), 5);
 }
 
 #[test]
@@ -298,13 +313,13 @@ fn a_broken_or_missing_compiler_is_told() {
 fn each_copy_has_its_own_globals() {
     let counter = "int count;\nint main(void) { static int calls = 10; return ++count * 100 + ++calls; }\n";
     let Some(bench) = Bench::with(&[("count.c", counter)]) else { return };
-    let image = bench.image(&["count.c"]);
+    let prepared = bench.prepared(&["count.c"]);
     let mut loader = Loader::new().expect("a run folder");
     // More than are whole files, so that copies of the loaded part only are among them.
-    let programs: Vec<LoadedProgram> = (0..20).map(|_| loader.load(&image).expect("a copy")).collect();
+    let programs: Vec<LoadedProgram> = (0..20).map(|_| loader.load(&prepared, &[]).expect("a copy")).collect();
     for program in &programs {
-        assert_eq!(run(program, &[]), 111);
-        assert_eq!(run(program, &[]), 212);
+        assert_eq!(run(program), 111);
+        assert_eq!(run(program), 212);
     }
     let mut starts: Vec<usize> = programs.iter().map(|program| program.addresses().start).collect();
     starts.sort_unstable();
@@ -317,13 +332,17 @@ fn addresses_lead_to_source_lines() {
     let text = "int depth;\n__attribute__((noinline)) int deeper(int n)\n{\n  depth += n;\n  return depth;\n}\nint main(void)\n{\n  return deeper(3);\n}\n";
     let Some(bench) = Bench::with(&[("line.c", text)]) else { return };
     let program = bench.loaded(&["line.c"]);
-    let entry = program.run() as usize;
-    let in_shim = program.source_line(entry).expect("the shim's line");
-    assert!(in_shim.file.ends_with("shim.c") && in_shim.function.as_deref() == Some("run"), "{in_shim:?}");
-    let deeper = (program.addresses().start..program.addresses().end)
-        .find(|&address| program.source_line(address).is_some_and(|line| line.function.as_deref() == Some("deeper")))
-        .expect("code of `deeper`");
-    let line = program.own_source_line(&[entry, deeper]).expect("a line");
+    let address_in = |function: &str| {
+        program
+            .addresses()
+            .find(|&address| {
+                program.source_line(address).is_some_and(|line| line.function.as_deref() == Some(function))
+            })
+            .unwrap_or_else(|| panic!("no code of `{function}`"))
+    };
+    let in_shim = address_in("run");
+    assert!(program.source_line(in_shim).expect("a line").file.ends_with("shim.c"));
+    let line = program.own_source_line(&[in_shim, address_in("deeper")]).expect("a line");
     assert!(["line.c:3", "line.c:4"].contains(&line.to_string().as_str()), "{line:?}");
     assert_eq!(line.function.as_deref(), Some("deeper"));
     assert_eq!(program.source_line(1), None);
@@ -332,9 +351,9 @@ fn addresses_lead_to_source_lines() {
 #[test]
 fn libraries_that_do_not_fit_are_told_why() {
     let classic = "extern int VWDriveStraight(void); int main(void) { return VWDriveStraight(); }\n";
-    let number = "const struct { unsigned size, abi, rest[8]; } eyesim_program = { 40, 99 };\n";
+    let number = "const struct { unsigned size, abi, rest[8]; } eyesim_program = { 40, 99, { 6 } };\n";
     let short = "const struct { unsigned size, abi, rest[8]; } eyesim_program = { 8, 1 };\n";
-    let missing = "extern int Plan(void); const struct { unsigned size, abi; int (*f)(void); } eyesim_program = { 40, 1, Plan };\n";
+    let missing = "extern int Plan(void); const struct { unsigned size, abi, rest[3]; int (*f)(void); } eyesim_program = { 40, 1, { 6, 0, 1 }, Plan };\n";
     let files = [("classic.c", classic), ("number.c", number), ("short.c", short), ("missing.c", missing)];
     let Some(bench) = Bench::with(&files) else { return };
     let message = |name: &str| {
@@ -342,8 +361,8 @@ fn libraries_that_do_not_fit_are_told_why() {
         let mut compiler = std::process::Command::new("cc");
         compiler.args(["-shared", "-fPIC", "-o"]).arg(&library).arg(bench.path(name));
         assert!(compiler.status().expect("a compiler").success());
-        let image = Arc::new(ProgramImage::read(&library, None).expect("an image"));
-        Loader::new().expect("a run folder").load(&image).expect_err("a misfit").to_string()
+        let prepared = prepared(ProgramImage::read(&library, None).expect("an image"));
+        Loader::new().expect("a run folder").load(&prepared, &[]).expect_err("a misfit").to_string()
     };
     let classic = message("classic.c");
     assert!(
@@ -375,9 +394,9 @@ fn files_that_are_no_library_are_refused() {
 #[test]
 fn too_many_copies_are_refused_before_the_run() {
     let Some(bench) = Bench::with(&[("a.c", "int main(void) { return 5; }\n")]) else { return };
-    let image = bench.image(&["a.c"]);
-    assert!(check_mappings([(&*image, 10)], 2).is_ok());
-    match check_mappings([(&*image, 10), (&*image, 100_000_000)], 2) {
+    let prepared = bench.prepared(&["a.c"]);
+    assert!(check_mappings([(&prepared.image, 10)], 2).is_ok());
+    match check_mappings([(&prepared.image, 10), (&prepared.image, 100_000_000)], 2) {
         Err(LoadError::TooManyMappings { robots, needed, allowed, advised }) => {
             assert_eq!(robots, 100_000_010);
             assert!(allowed < needed && needed <= advised);
@@ -386,12 +405,55 @@ fn too_many_copies_are_refused_before_the_run() {
     }
 }
 
+/// A host that hears what a program prints.
+#[derive(Default)]
+struct Listener {
+    console: std::cell::RefCell<String>,
+}
+
+impl CallContext for Listener {}
+impl Robios6 for Listener {}
+impl Support for Listener {
+    fn console(&self, _: i32, bytes: Option<&[u8]>) -> Result<i32, robios_sys::Stop> {
+        self.console.borrow_mut().push_str(&String::from_utf8_lossy(bytes.unwrap_or_default()));
+        Ok(0)
+    }
+}
+
 #[test]
-fn arguments_become_c_strings() {
-    let arguments = c_arguments("maze", ["--kp", "0.5"]).expect("no NUL");
-    assert_eq!(
-        arguments.iter().map(|word| CStr::to_str(word).expect("text")).collect::<Vec<_>>(),
-        ["maze", "--kp", "0.5"]
-    );
-    assert_eq!(c_arguments("maze", ["a\0b"]), Err(1));
+fn the_kit_of_robios_6_gives_programs_what_they_include() {
+    let text = "#include <stdio.h>\n#include <stdlib.h>\n#include \"eyebot.h\"\n#include \"hdt_sem.h\"\nint main(int argc, char **argv)\n{\n  VWHandle vw = VWInit(VW_DRIVE, 1);\n  printf(\"%s %d %d\\n\", argv[1], argc, vw);\n  exit(PSD_FRONT == -200 ? 3 : 4);\n}\n";
+    let Some(bench) = Bench::with(&[("a.c", text)]) else { return };
+    let builder = Builder::new(bench.cache(), ShimKit::robios6(), Tools::default());
+    let source = bench.sources(&["a.c"]);
+    let found = [Found { name: "a".into(), source, notes: Vec::new() }];
+    let prepared = prepare(&builder, &found).pop().expect("a result").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((prepared.output.as_str(), prepared.name.as_str()), ("", "a"));
+    // Nothing that the shim itself uses is outside the guarantee.
+    assert_eq!(prepared.warnings, Vec::<String>::new());
+    let program = Loader::new().expect("a run folder").load(&prepared, &["b c".into()]).expect("a program");
+    let host = Listener::default();
+    assert_eq!(program.run(&host), 3);
+    assert_eq!(host.console.take(), "b c 2 0\n");
+}
+
+#[test]
+fn a_library_built_elsewhere_is_warned_of_by_name() {
+    let text = "#include <stdlib.h>\nint Answer(void) { return rand() + system(\"true\"); }\n";
+    let Some(bench) = Bench::with(&[("other.c", text)]) else { return };
+    let library = bench.path("other.so");
+    let mut compiler = std::process::Command::new("cc");
+    compiler.args(["-shared", "-fPIC", "-o"]).arg(&library).arg(bench.path("other.c"));
+    assert!(compiler.status().expect("a compiler").success());
+    let warnings = warnings_about(&ProgramImage::read(&library, None).expect("an image"), "other");
+    let found =
+        |name: &str| warnings.iter().any(|warning| warning.contains(&format!("program `other` uses `{name}`: ")));
+    assert!(found("rand") && found("system") && warnings.len() == 2, "{warnings:?}");
+}
+
+#[test]
+fn programs_may_be_loaded_and_told_of_on_any_thread() {
+    fn check<T: Send + Sync>() {}
+    check::<LoadedProgram>();
+    check::<Builder>();
 }

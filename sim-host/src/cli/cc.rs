@@ -1,0 +1,86 @@
+//! `eyesim cc`: builds the library of a robot program from C sources by hand.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context as _, bail};
+use clap::Args;
+
+use crate::program::build::{Builder, Tools};
+use crate::program::cache::Cache;
+use crate::program::compile::ShimKit;
+
+/// Arguments of `eyesim cc`.
+#[derive(Args, Debug)]
+pub struct CcArgs {
+    /// The C sources of one program
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// The library to write
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// RoBIOS generation that the program is written for
+    #[arg(long, value_name = "GENERATION", default_value_t = 6, value_parser = clap::value_parser!(u32).range(6..=6))]
+    pub api: u32,
+    /// Show the commands that are run
+    #[arg(short, long)]
+    pub verbose: bool,
+    /// Further flags of the compiler, behind `--`
+    #[arg(last = true, value_name = "FLAGS")]
+    pub flags: Vec<String>,
+}
+
+/// Compiles and links the sources, prints the compiler's warnings, writes the library.
+///
+/// # Errors
+/// If a source is missing or refused, there is no compiler, or the library cannot be written.
+pub fn run(args: &CcArgs) -> anyhow::Result<ExitCode> {
+    check_files(&args.files, &args.output)?;
+    let cache = Cache::of_user().context("no folder to build in")?;
+    let builder = Builder::new(cache, ShimKit::robios6(), Tools::of_environment());
+    let (commands, output) = builder.build_to(&args.files, &args.output, &args.flags)?;
+    if args.verbose {
+        eprint!("{commands}");
+    }
+    eprint!("{output}");
+    Ok(ExitCode::SUCCESS)
+}
+
+fn check_files(files: &[PathBuf], output: &Path) -> anyhow::Result<()> {
+    for file in files {
+        if file.join("Cargo.toml").is_file() {
+            bail!(
+                "`{}` is a Cargo package: cargo builds it (`cargo build --release`), and `eyesim run` does so itself",
+                file.display()
+            );
+        }
+        let is_c = file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("c"));
+        if !is_c {
+            bail!("`{}` is not a C source: the files of a program are named `*.c`", file.display());
+        }
+    }
+    let is_source = output
+        .extension()
+        .is_some_and(|extension| ["c", "h"].iter().any(|source| extension.eq_ignore_ascii_case(source)));
+    if is_source {
+        bail!("the library would be written over `{}`: give it a name that ends in `.so`", output.display());
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(files: &[&str], output: &str) -> Result<(), String> {
+        let files: Vec<PathBuf> = files.iter().map(PathBuf::from).collect();
+        check_files(&files, Path::new(output)).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn sources_are_not_overwritten_and_other_files_not_compiled() {
+        assert_eq!(check(&["maze.c", "MAP.C"], "maze.so"), Ok(()));
+        assert!(check(&["maze.c"], "map.c").expect_err("a source").contains("written over `map.c`"));
+        assert!(check(&["maze.o"], "maze.so").expect_err("an object").contains("`maze.o` is not a C source"));
+    }
+}

@@ -1,0 +1,89 @@
+//! From what was found to images that robots can load: each program is built and read once.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::build::{BuildError, Builder};
+use super::find::{Found, ProgramSource};
+use super::image::{ImageError, ProgramImage};
+use super::symbols::warnings_about;
+
+/// A program that is built and read, for every robot that runs it.
+#[derive(Debug)]
+pub struct Prepared {
+    /// Its name, the `argv[0]` of its robots.
+    pub name: String,
+    /// What it was made from.
+    pub source: ProgramSource,
+    /// The library.
+    pub image: ProgramImage,
+    /// What the compiler said, now or when the library was built.
+    pub output: String,
+    /// Whether a compiler ran now.
+    pub compiled: bool,
+    /// What in the program is outside the guarantee of equal runs, a line each.
+    pub warnings: Vec<String>,
+}
+
+impl Prepared {
+    /// The files that make the program what it is, for the list of a run's inputs.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        match &self.source {
+            ProgramSource::C(sources) => sources.clone(),
+            ProgramSource::Library(library) => vec![library.clone()],
+            ProgramSource::Cargo(_) => vec![self.image.path().to_owned()],
+        }
+    }
+}
+
+/// A program that cannot be prepared.
+#[derive(Debug, thiserror::Error)]
+pub enum PrepareError {
+    /// It does not build.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// What was built or given is not a library that can be loaded.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+}
+
+/// Builds and reads each program of `found` once, in parallel; the results are in the order of `found`, and programs
+/// from one source share theirs.
+///
+/// # Errors
+/// For each program [`PrepareError`] on its own.
+pub fn prepare(builder: &Builder, found: &[Found]) -> Vec<Result<Arc<Prepared>, Arc<PrepareError>>> {
+    let mut distinct: Vec<&Found> = Vec::new();
+    for program in found {
+        if distinct.iter().all(|known| known.source != program.source) {
+            distinct.push(program);
+        }
+    }
+    let sources: Vec<ProgramSource> = distinct.iter().map(|program| program.source.clone()).collect();
+    let built = builder.build_all(&sources);
+    let prepared: Vec<Result<Arc<Prepared>, Arc<PrepareError>>> = distinct
+        .iter()
+        .zip(built)
+        .map(|(program, built)| {
+            let prepare = || {
+                let built = built?;
+                let image = ProgramImage::read(&built.library, source_folder(&program.source))?;
+                let warnings = warnings_about(&image, &program.name);
+                let (name, source) = (program.name.clone(), built.source);
+                Ok(Prepared { name, source, image, output: built.output, compiled: built.compiled, warnings })
+            };
+            prepare().map(Arc::new).map_err(Arc::new)
+        })
+        .collect();
+    let place = |program: &Found| distinct.iter().position(|known| known.source == program.source);
+    found.iter().filter_map(|program| prepared.get(place(program)?).cloned()).collect()
+}
+
+/// The folder from which source files are named in messages.
+fn source_folder(source: &ProgramSource) -> Option<&Path> {
+    match source {
+        ProgramSource::C(sources) => sources.first()?.parent(),
+        ProgramSource::Cargo(folder) => Some(folder),
+        ProgramSource::Library(_) => None,
+    }
+}

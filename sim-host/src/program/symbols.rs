@@ -1,0 +1,39 @@
+//! What a library takes from the C library although it reaches beyond the robot.
+
+use std::collections::BTreeMap;
+
+use robios_sys::{c, language};
+
+use super::image::ProgramImage;
+
+/// Symbols that the shim of C programs imports for itself, for the descriptors that are not the robot's console.
+const SHIM: &[&str] = &["syscall"];
+
+/// Symbols that the Rust standard library imports for itself, whether a program uses what they do or not: of these a
+/// Rust program's imports tell nothing.
+const RUST_RUNTIME: &[&str] = &[];
+
+/// What in `image` is outside the guarantee that a run is the same every time: a line for each reason, with the names of
+/// the functions; `name` is the program's. In a C program that eyesim has built that is only what no shim replaces.
+///
+/// Rust programs are judged only by what their standard library does not import anyway: `Instant`, `sleep` and the seeds of
+/// `HashMap` are not told here, see `docs/programs.md`.
+pub fn warnings_about(image: &ProgramImage, name: &str) -> Vec<String> {
+    let own = match image.description().map(|description| description.language) {
+        Some(language::C) => SHIM,
+        Some(language::RUST) => RUST_RUNTIME,
+        _ => &[],
+    };
+    let told = image.undefined().iter().filter(|name| !own.contains(&name.as_str()));
+    let mut by_reason: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for name in told {
+        if let Some(reason) = c::outside_guarantee(name) {
+            by_reason.entry(reason).or_default().push(name);
+        }
+    }
+    let line = |(reason, names): (&str, Vec<&str>)| {
+        let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+        format!("program `{name}` uses {}: {reason}", names.join(", "))
+    };
+    by_reason.into_iter().map(line).collect()
+}
