@@ -878,6 +878,16 @@ LIBC(int, setitimer, (int which, const struct itimerval *to, struct itimerval *b
     (void)which, (void)to, (void)before;
     return refused("setitimer");
 }
+LIBC(int, clock_settime, (clockid_t id, const struct timespec *to))
+{
+    (void)id, (void)to;
+    return refused("clock_settime");
+}
+LIBC(int, settimeofday, (const struct timeval *to, const void *zone))
+{
+    (void)to, (void)zone;
+    return refused("settimeofday");
+}
 LIBC(int, timer_create, (clockid_t id, void *event, void *timer))
 {
     (void)id, (void)event, (void)timer;
@@ -907,4 +917,15 @@ LIBC(char *, ctime_r, (const time_t *at, char *to))
 {
     struct tm broken;
     return gmtime_r(at, &broken) == NULL ? NULL : asctime_r(&broken, to);
+}
+
+static char digits[400];
+
+LIBC(char *, ecvt, (double value, int count, int *point, int *is_negative))
+{
+    return ecvt_r(value, count, point, is_negative, digits, sizeof digits) == 0 ? digits : NULL;
+}
+LIBC(char *, fcvt, (double value, int count, int *point, int *is_negative))
+{
+    return fcvt_r(value, count, point, is_negative, digits, sizeof digits) == 0 ? digits : NULL;
 }

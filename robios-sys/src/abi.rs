@@ -188,3 +188,26 @@ impl std::fmt::Display for Misfit {
 }
 
 impl std::error::Error for Misfit {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    unsafe extern "C" fn run(_: *const Host, _: *mut c_void, _: c_int, _: *const *const c_char) -> c_int {
+        0
+    }
+
+    #[test]
+    fn a_program_is_refused_for_what_does_not_fit() {
+        let good = || Program::robios6(language::RUST, run);
+        assert_eq!(good().check(), Ok(()));
+        let older = Program { robios_size: good().robios_size - 8, ..good() };
+        assert_eq!(older.check(), Ok(()), "a table is only appended to");
+        let newer = Program { robios_size: good().robios_size + 8, ..good() };
+        assert_eq!(newer.check(), Err(Misfit::Newer));
+        let other = Program { abi: ABI_VERSION + 1, ..good() };
+        assert_eq!(other.check(), Err(Misfit::Abi { program: ABI_VERSION + 1 }));
+        let seventh = Program { generation: 7, ..good() };
+        assert_eq!(seventh.check(), Err(Misfit::Generation(7)));
+    }
+}

@@ -3,7 +3,10 @@
 mod common;
 
 use common::{Robot, build, has_compiler};
-use robios_sys::{EXIT_ABORTED, EXIT_STOPPED, c, support};
+use robios_sys::robios6::{ColImage, HDTEntry, Image, PositionType, RadioIOParameters, RadioStatus, SpeedType};
+use robios_sys::{
+    ByteRoom, ByteSlice, Callback, EXIT_ABORTED, EXIT_STOPPED, Host, Program, Robios6Table, SupportTable, c, support,
+};
 
 /// Every way in which a student's compiler may be called.
 const LEVELS: [&[&str]; 6] = [
@@ -371,6 +374,7 @@ int main(void)
 {
     struct timespec now, half = {0, 500000000}, wrong = {0, -1};
     struct timeval tv, quarter = {0, 250000};
+    int point, negative;
     time_t then = START + 86400;
     if (time(NULL) != START) return 1;
     if (sleep(2) != 0 || usleep(500000) != 0 || nanosleep(&half, NULL) != 0) return 2;
@@ -385,6 +389,7 @@ int main(void)
     if (localtime(&then)->tm_mday != 2 || mktime(localtime(&then)) != then) return 9;
     if (strcmp(ctime(&then), "Sun Jan  2 00:00:00 2000\n") != 0) return 10;
     if (alarm(1) != 0) return 11;
+    if (strcmp(fcvt(2.5, 1, &point, &negative), "25") != 0 || point != 1 || negative) return 12;
     return 0;
 }"#);
     assert_eq!(code, 0);
@@ -475,6 +480,36 @@ __attribute__((constructor)) static void begin(void) { early = LCDClear() + rand
 __attribute__((destructor)) static void unload(void) { LCDClear(); printf("late\n"); }
 int main(void) { return early; }"#);
     assert_eq!((code, robot.printed().as_str()), (0, "end\n"));
+}
+
+#[test]
+fn c_and_rust_agree_on_every_layout() {
+    if !has_compiler() {
+        return;
+    }
+    let sizes = [
+        ("struct eyesim_host", size_of::<Host>()),
+        ("struct eyesim_program", size_of::<Program>()),
+        ("struct eyesim_support", size_of::<SupportTable>()),
+        ("struct eyesim_robios6", size_of::<Robios6Table>()),
+        ("struct eyesim_bytes", size_of::<ByteSlice>()),
+        ("struct eyesim_room", size_of::<ByteRoom>()),
+        ("struct eyesim_callback", size_of::<Callback>()),
+        ("image", size_of::<Image>()),
+        ("colimage", size_of::<ColImage>()),
+        ("PositionType", size_of::<PositionType>()),
+        ("SpeedType", size_of::<SpeedType>()),
+        ("RadioIOParameters", size_of::<RadioIOParameters>()),
+        ("RadioStatus", size_of::<RadioStatus>()),
+        ("HDT_entry_type", size_of::<HDTEntry>()),
+    ];
+    let mut text = "#include \"eyebot.h\"\n#include \"abi.h\"\n".to_owned();
+    for (name, size) in sizes {
+        text += &format!("_Static_assert(sizeof({name}) == {size}, \"{name}\");\n");
+    }
+    let offset = std::mem::offset_of!(Robios6Table, VWStalled);
+    text += &format!("_Static_assert(offsetof(struct eyesim_robios6, VWStalled) == {offset}, \"VWStalled\");\n");
+    build(&[&(text + "int main(void) { return 0; }\n")], &[], &[]);
 }
 
 #[test]

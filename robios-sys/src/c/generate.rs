@@ -8,7 +8,7 @@ use crate::robios6::{CONSTANTS, Robios6Call, Robios6Table, hdt_type, semantics};
 use crate::support::{SupportCall, SupportTable};
 use crate::table::{Family, Function, Parameter};
 
-/// The generated files: path below the crate's folder, and text.
+/// The generated files: path from the crate's folder, and text.
 pub fn generated() -> Vec<(&'static str, String)> {
     let robios6: Vec<_> = Robios6Call::ALL.iter().map(|call| call.function()).collect();
     let support: Vec<_> = SupportCall::ALL.iter().map(|call| call.function()).collect();
@@ -18,6 +18,7 @@ pub fn generated() -> Vec<(&'static str, String)> {
         ("include/hdt.h", constant_header("HDT", "kinds of devices", hdt_type::HDT_TYPES)),
         ("shim/abi.h", abi_header(&support, &robios6)),
         ("shim/robios6.c", shim_functions(&robios6)),
+        ("../docs/c-library.md", super::page::c_library_page()),
     ]
 }
 

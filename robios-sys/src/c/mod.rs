@@ -3,6 +3,7 @@
 
 mod generate;
 mod library;
+mod page;
 
 pub use generate::generated;
 pub use library::{OUTSIDE_GUARANTEE, REPLACED, outside_guarantee};

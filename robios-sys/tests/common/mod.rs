@@ -8,7 +8,7 @@ use std::ffi::{CString, c_char, c_int, c_void};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::ptr::{from_ref, null};
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock};
 
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 use robios_sys::c;
@@ -48,6 +48,20 @@ pub fn compile(folder: &Path, arguments: &[&str]) {
     assert!(output.status.success() && said.is_empty(), "{compiler} {}:\n{said}", arguments.join(" "));
 }
 
+/// The shim's object file for the flags: compiled once in each test process, by whoever asks first.
+fn shim(flags: &[&str]) -> String {
+    static COMPILED: Mutex<BTreeMap<String, String>> = Mutex::new(BTreeMap::new());
+    let mut compiled = COMPILED.lock().expect("nobody panics while compiling the shim");
+    let (key, number) = (flags.concat(), compiled.len());
+    let object = compiled.entry(key).or_insert_with(|| {
+        let object = format!("{}/shim-{}-{number}.o", env!("CARGO_TARGET_TMPDIR"), std::process::id());
+        let to = ["-Wall", "-Wextra", "-I.", "-c", c::SHIM_SOURCE, "-o", &object];
+        compile(folder().path(), &[c::SHIM_FLAGS, flags, &to].concat());
+        object
+    });
+    object.clone()
+}
+
 /// A program's library, which lives as long as this.
 pub struct Built {
     folder: tempfile::TempDir,
@@ -57,9 +71,7 @@ pub struct Built {
 /// Builds a program of C files, each with its text; `flags` go to all of them and to the shim's `main` check.
 pub fn build(files: &[&str], flags: &[&str], shim_flags: &[&str]) -> Built {
     let folder = folder();
-    let mut objects = vec!["shim.o".to_owned()];
-    let shim = [c::SHIM_FLAGS, shim_flags, &["-Wall", "-Wextra", "-I.", "-c", c::SHIM_SOURCE, "-o", "shim.o"]].concat();
-    compile(folder.path(), &shim);
+    let mut objects = vec![shim(shim_flags)];
     for (index, text) in files.iter().enumerate() {
         let (source, object) = (format!("program{index}.c"), format!("program{index}.o"));
         std::fs::write(folder.path().join(&source), text).expect("the temporary folder is writable");

@@ -1,0 +1,87 @@
+//! The page of the documentation that lists what the shim does to the C library.
+
+use std::fmt::Write as _;
+
+use super::{OUTSIDE_GUARANTEE, REPLACED};
+
+const BEGIN: &str = "\
+# The C library inside a robot program
+
+All robots run in one process, so they share one C library: one state of `rand`, one `exit`, one standard output, one
+clock that is not theirs. What a program calls must not reach beyond its robot or beyond virtual time. So every C
+program that `eyesim` builds is linked with a shim (`robios-sys/shim`) that defines these functions anew, inside the
+program's own library, as weak symbols. The library is linked with `-Bsymbolic`: the program's references end in the
+shim, and a function of the program's own called `time`, `y1`, `send` or `index` wins over both, in all of its files.
+
+The compiler's own replacements (`printf` by `puts` or `putchar`, the checked forms of `_FORTIFY_SOURCE`, `getchar` by
+`getc(stdin)`) end in the shim too, at every level of optimisation. Functions that no C standard has (`y1`, `index`,
+`gamma`, ...) are compiled with `-fno-builtin-NAME`, since a compiler would compute a call with constant arguments by
+its own function of that name and not by the program's.
+
+## Decisions
+
+- **The end.** `exit`, and returning from `main`, call what `atexit`, `on_exit` and C++ have registered, the last first,
+  inside the robot: these functions may call RoBIOS. `_exit`, `_Exit`, `quick_exit`, `abort` and a failed assertion do
+  not, and neither does a program that the simulator stops: every call of it would be the last.
+- **Exit codes** are the numbers that the program gives, not cut to 8 bits. `void main()` gives 0. After `abort`, a failed
+  assertion or an overrun buffer it is 134, as in a shell, and the robot counts as failed.
+- **Random numbers.** `rand`, `random` and the system's entropy are streams of the robot's own, which follow from the
+  run's seed, the robot and the function. `srand(s)` starts the stream anew at a place that `s` chooses: the same `s`
+  gives the same numbers again, other ones for another robot, so that a swarm whose programs all call `srand(1)` does
+  not march in step. Without `srand` robots differ as well. The `drand48` family is the generator that POSIX fixes to the
+  bit; `srand48` gives its sequence, and only the unseeded start is the robot's own. `rand_r` and `random_r` work on the
+  state that they are given and need no replacement.
+- **Time.** Virtual time 0 is 1 January 2000, 0:00 UTC; clocks that do not tell the date start at 0. CPU time is virtual
+  time. Local time is UTC everywhere. Asking for the time costs virtual time (at least 1 us), so that a loop that waits
+  for a time ends.
+- **Output** goes to the robot's console a line at a time, with the virtual time at which the line ended; what is left is
+  shown at the end. Lines above 1024 bytes are cut. `stdout` and `stderr` are streams of the library's own, so that
+  everything that prints to them is caught; `setvbuf`, `fflush` and `fprintf` work on them.
+- **Input** is at its end.
+- **Alarms** are refused: they would arrive by signal, in real time.
+
+## Replaced
+
+| functions | what they do |
+|---|---|
+";
+
+const MIDDLE: &str = "
+## Outside of the guarantee
+
+Not replaced: what these do may differ between runs, reach other robots, or end the simulator. A library that was built
+elsewhere and imports one of them, or one of the functions above, gets a warning that names it.
+
+| functions | why |
+|---|---|
+";
+
+const END: &str = "
+Files are real files: two robots that write one file, and programs that read what changes between runs, are outside as
+well. So are C++ streams (`std::cout`): use `printf`. A C++ program that the simulator stops is left without running the
+destructors of its local variables.
+
+What the C library itself finds broken (`free(): invalid pointer`) ends in a signal and is reported as a fault.
+";
+
+/// The text of `docs/c-library.md`.
+pub fn c_library_page() -> String {
+    [BEGIN, &rows(REPLACED), MIDDLE, &rows(OUTSIDE_GUARANTEE), END].concat()
+}
+
+/// One row for each reason, in the order of their first symbols.
+fn rows(symbols: &[(&str, &str)]) -> String {
+    let mut reasons: Vec<&str> = Vec::new();
+    for (_, reason) in symbols {
+        if !reasons.contains(reason) {
+            reasons.push(reason);
+        }
+    }
+    let mut text = String::new();
+    for reason in reasons {
+        let names: Vec<_> =
+            symbols.iter().filter(|(_, other)| *other == reason).map(|(name, _)| format!("`{name}`")).collect();
+        writeln!(text, "| {} | {reason} |", names.join(", ")).expect("a string takes every line");
+    }
+    text
+}
