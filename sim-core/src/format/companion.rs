@@ -319,7 +319,7 @@ impl Reader<'_> {
         let number = i64::from_str_radix(digits.as_str(), digits.radix()).ok();
         let number = number.filter(|number| (low..=high).contains(number));
         if number.is_none() {
-            let message = format!("`{key}` is out of range");
+            let message = format!("{key} `{digits}` is out of range");
             self.sink.error("number-range", self.span(value.span()), message, expected);
         }
         number

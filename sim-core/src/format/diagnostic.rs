@@ -77,16 +77,22 @@ pub fn has_errors(diagnostics: &[Diagnostic]) -> bool {
     diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
 }
 
+/// Diagnostics of one file that are kept; of those that follow, only their number.
+const MAX_KEPT: usize = 1000;
+
 /// Collects the diagnostics of one file.
 #[derive(Debug)]
 pub(super) struct Sink {
     file: String,
     diagnostics: Vec<Diagnostic>,
+    left_out: usize,
+    /// The last diagnostic that was left out, the worst severity of all of them.
+    last_left_out: Option<Diagnostic>,
 }
 
 impl Sink {
     pub(super) fn new(file: &str) -> Self {
-        Self { file: file.to_owned(), diagnostics: Vec::new() }
+        Self { file: file.to_owned(), diagnostics: Vec::new(), left_out: 0, last_left_out: None }
     }
 
     /// Adds a diagnostic and hands it out, so that a suggestion can be added.
@@ -98,8 +104,7 @@ impl Sink {
         message: impl Into<String>,
         expected: impl Into<String>,
     ) -> &mut Diagnostic {
-        let place = self.diagnostics.len();
-        self.diagnostics.push(Diagnostic {
+        let diagnostic = Diagnostic {
             severity,
             code,
             file: self.file.clone(),
@@ -107,8 +112,15 @@ impl Sink {
             message: message.into(),
             expected: expected.into(),
             suggestion: None,
-        });
-        &mut self.diagnostics[place]
+        };
+        let place = self.diagnostics.len();
+        if place < MAX_KEPT {
+            self.diagnostics.push(diagnostic);
+            return &mut self.diagnostics[place];
+        }
+        self.left_out += 1;
+        let worst = self.last_left_out.take().map_or(severity, |last| last.severity.max(severity));
+        self.last_left_out.insert(Diagnostic { severity: worst, ..diagnostic })
     }
 
     pub(super) fn warn(
@@ -134,6 +146,13 @@ impl Sink {
     /// All diagnostics, in the order of the text.
     pub(super) fn finish(mut self) -> Vec<Diagnostic> {
         self.diagnostics.sort_by_key(|diagnostic| diagnostic.span);
+        self.diagnostics.extend(self.last_left_out.map(|last| Diagnostic {
+            code: "file-more",
+            message: format!("{} more mistakes in this file are left out", self.left_out),
+            expected: "a file of this kind".to_owned(),
+            suggestion: None,
+            ..last
+        }));
         self.diagnostics
     }
 }

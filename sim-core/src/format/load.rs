@@ -74,7 +74,8 @@ pub fn load_sim(path: &str, files: &dyn Files) -> Loaded {
     loader.diagnostics.extend(diagnostics);
     let folder = path::folder_of(path).to_owned();
     let world = loader.world(&sim, &folder);
-    let robots = loader.robots(&sim, &folder, &world);
+    let robots = loader.robots(&sim, &folder, world.as_ref());
+    let world = world.unwrap_or_default();
     let objects = world.objects.iter().chain(&sim.objects).cloned().collect();
     loader.finish(SceneSpec { file: path.to_owned(), folder, world, robots, objects })
 }
@@ -190,6 +191,14 @@ impl<'a> Loader<'a> {
             }
             break;
         }
+        if found.is_none()
+            && let Some(place) = path::beside(&reference.text, folder)
+            && let Ok(bytes) = self.files.read(&place)
+        {
+            let message = format!("`{}` is not found; `{place}` is taken instead", reference.text);
+            sink.warn("file-moved", reference.span, message, "a name relative to this file");
+            found = Some((place, bytes));
+        }
         if found.is_none() {
             found = places.iter().find_map(|place| self.in_other_case(place));
             if let Some((place, _)) = &found {
@@ -240,38 +249,39 @@ impl<'a> Loader<'a> {
         })
     }
 
-    fn world(&mut self, sim: &SimSpec, folder: &str) -> WorldSpec {
+    /// The world that the sim file names; `None`, with an error, if there is none.
+    fn world(&mut self, sim: &SimSpec, folder: &str) -> Option<WorldSpec> {
         let Some(line) = &sim.world else {
             // A line that could not be read has its own error.
             if !super::has_errors(&self.diagnostics) {
                 let expected = "`world FILE.wld` or `maze FILE.maz`";
                 self.report(sim, Severity::Error, "sim-world-missing", Span::default(), "no world is given", expected);
             }
-            return WorldSpec::default();
+            return None;
         };
-        let Some((path, bytes)) = self.find(&sim.file, folder, &line.path) else {
-            return WorldSpec::default();
-        };
+        let (path, bytes) = self.find(&sim.file, folder, &line.path)?;
         let text = self.take(&path, bytes);
         let (world, diagnostics) = match line.kind {
             WorldKind::World => read_world(&path, &text),
             WorldKind::Maze => read_maze(&path, &text),
         };
         self.diagnostics.extend(diagnostics);
-        world
+        Some(world)
     }
 
-    fn robots(&mut self, sim: &SimSpec, folder: &str, world: &WorldSpec) -> Vec<RobotSpec> {
-        let mut starts = world.starts.iter();
+    fn robots(&mut self, sim: &SimSpec, folder: &str, world: Option<&WorldSpec>) -> Vec<RobotSpec> {
+        let mut starts = world.map_or(&[][..], |world| &world.starts).iter();
         let mut robots = Vec::new();
         if sim.robots.is_empty() && !super::has_errors(&self.diagnostics) {
             let expected = "a line `robi FILE.robi PROGRAM`";
-            self.report(sim, Severity::Error, "sim-robot-missing", Span::default(), "the scene has no robot", expected);
+            let message = "the scene has no robot";
+            self.report(sim, Severity::Warning, "sim-robot-missing", Span::default(), message, expected);
         }
         for (index, line) in sim.robots.iter().enumerate() {
             let robi = self.robi(sim, folder, line);
             let start = line.start.or_else(|| starts.next().map(|start| start.pose));
-            if start.is_none() && sim.world.is_some() {
+            // Where the world is missing, that is what has to be mended.
+            if let (None, Some(world)) = (start, world) {
                 let message = format!("no start is left for this robot: the world has {}", world.starts.len());
                 let expected = "`X Y PHI` on this line, `position X Y PHI` in the world or a start letter in the maze";
                 self.report(sim, Severity::Error, "sim-start-missing", line.span, message, expected);

@@ -137,12 +137,8 @@ impl Drawing {
             sink.warn("maz-letter", span, message, expected);
             return;
         }
-        // On a wall's place a letter counts for the cell on its left.
-        let Some(column) = place.div_ceil(2).checked_sub(1).filter(|_| row > 0) else {
-            let message = format!("`{letter}` lies outside the cells");
-            sink.warn("maz-letter-place", span, message, "a letter inside a cell, below the upper border");
-            return;
-        };
+        // On a wall's place a letter counts for the cell on its left; no row begins with a letter.
+        let column = place.div_ceil(2).saturating_sub(1);
         self.columns = self.columns.max(column + 1);
         self.letters.push((kind, column, row, span));
         if letter.is_ascii_uppercase() {

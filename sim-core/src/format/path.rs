@@ -17,8 +17,9 @@ const INSTALLED: [&str; 3] = ["", "worlds", "robis"];
 /// working folder, in the installation and in its folders `worlds` and `robis`; an absolute one as it stands and, since old
 /// files write so, below the installation.
 ///
-/// Source: reference section 4.0; that `folder` comes before the working folder is our choice, so that a scene does not
-/// depend on where it is run from.
+/// Source: reference section 4.0; that `folder` comes before the working folder, so that a scene does not
+/// depend on where it is run from, is our choice, and so is that `..` undoes the part before it, whether or not that part is
+/// a link.
 pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     let text = text.replace('\\', "/");
     let mut places = Vec::new();
@@ -41,6 +42,12 @@ pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
         }
     }
     unique
+}
+
+/// The file in `folder` of the same name as the absolute path `text`, for scenes that came from another machine.
+pub(super) fn beside(text: &str, folder: &str) -> Option<String> {
+    let text = text.replace('\\', "/");
+    is_absolute(&text).then(|| join(folder, file_name(&text)))
 }
 
 /// The folder that a path's last part is in; empty for the working folder.

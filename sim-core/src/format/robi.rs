@@ -260,7 +260,7 @@ impl Reader {
             other => {
                 let word = rest.first().unwrap_or(keyword);
                 let message = format!("unknown drive `{}`; a differential drive is taken", other.unwrap_or_default());
-                let diagnostic = self.sink.warn("robi-drive-kind", word.span, message, DRIVE_FORM);
+                let diagnostic = self.sink.error("robi-drive-kind", word.span, message, DRIVE_FORM);
                 diagnostic.suggestion =
                     line::nearest(other.unwrap_or_default(), DRIVES).map(|kind| format!("write `{kind}`"));
                 return;

@@ -1,5 +1,8 @@
 //! Hand-written values for the readers.
 
+mod mistakes;
+mod properties;
+
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -23,7 +26,11 @@ impl Memory {
 
 impl Files for Memory {
     fn read(&self, path: &str) -> Result<Vec<u8>, FileError> {
-        self.files.get(path).cloned().ok_or(FileError::Missing)
+        match self.files.get(path) {
+            Some(_) if path.starts_with("locked") => Err(FileError::Unreadable("permission denied".to_owned())),
+            Some(bytes) => Ok(bytes.clone()),
+            None => Err(FileError::Missing),
+        }
     }
 
     fn list(&self, folder: &str) -> Vec<String> {
@@ -254,4 +261,66 @@ fn a_robot_without_a_start_is_an_error() {
     let loaded = load_sim("a.sim", &files);
     assert_eq!(codes(&loaded.diagnostics), ["sim-start-missing"]);
     assert_eq!(loaded.diagnostics[0].span.line, 3);
+}
+
+#[test]
+fn files_of_another_machine_are_found_beside_the_sim() {
+    let files = Memory::new(&[
+        ("x/a.sim", "world \"C:\\My Files\\w.wld\"\nrobi /home/student/S4.robi p.so 1 2 3\n"),
+        ("x/w.wld", "floor 1000 1000"),
+        ("x/S4.robi", S4),
+    ]);
+    let loaded = load_sim("x/a.sim", &files);
+    assert_eq!(codes(&loaded.diagnostics), ["file-moved", "file-moved"]);
+    assert_eq!(loaded.scene.robots.len(), 1);
+}
+
+#[test]
+fn a_robot_type_is_read_once_under_all_its_names() {
+    let files = Memory::new(&[
+        ("a.sim", "world w.wld\nrobi S4.robi p.so 1 1 0\nrobi ./S4.robi p.so 2 2 0\nrobi S4.robi p.so 3 3 0\n"),
+        ("w.wld", "floor 1000 1000"),
+        ("S4.robi", &format!("{S4}frobnicate\n")),
+    ]);
+    let loaded = load_sim("a.sim", &files);
+    assert_eq!(codes(&loaded.diagnostics), ["robi-keyword"]);
+    assert_eq!((loaded.scene.robots.len(), loaded.inputs.len()), (3, 3));
+}
+
+#[test]
+fn text_that_is_not_utf8_is_read_with_a_warning() {
+    let mut files = Memory::new(&[]);
+    files.files.insert("w.wld".to_owned(), b"floor 10 10\r\n; M\xfcller\r\n0 0 5 5\r\n".to_vec());
+    let loaded = load_world("w.wld", &files);
+    assert_eq!(codes(&loaded.diagnostics), ["file-encoding"]);
+    assert_eq!((loaded.diagnostics[0].span.line, loaded.diagnostics[0].span.column), (2, 4));
+    assert_eq!(loaded.scene.world.walls.len(), 1);
+}
+
+#[test]
+fn an_omni_and_an_ackermann_robot() {
+    let omni = "diameter 300\nwheel 100 360 7300 220\n\
+                drive OMNI_DRIVE MOTOR_FL QUAD_FL MOTOR_FR QUAD_FR MOTOR_BL QUAD_BL MOTOR_BR QUAD_BR\n";
+    let (robi, diagnostics) = read_robi("o.robi", omni);
+    assert_eq!((diagnostics, robi.drive.motors.len(), robi.drive.wheelbase), (vec![], 4, 0.22));
+    let car = "diameter 300\nwheel 100 360 7300 220\ndrive ACKERMANN_DRIVE M Q S\n";
+    let (robi, diagnostics) = read_robi("folder/car.robi", car);
+    assert_eq!((diagnostics, robi.name.as_str()), (vec![], "car"));
+    let motor = MotorSpec { motor: "M".to_owned(), encoder: Some("Q".to_owned()) };
+    assert_eq!((robi.drive.motors, robi.drive.steering.as_deref()), (vec![motor], Some("S")));
+    assert!((robi.drive.wheelbase - 0.18).abs() < 1e-12, "0.6 of the diameter: {}", robi.drive.wheelbase);
+}
+
+#[test]
+fn specs_of_every_kind() {
+    insta::assert_debug_snapshot!(
+        "world",
+        read_world("w.wld", "floor 2000 1000\nfloor_texture \"a b.png\"\nposition 1 2 90\n0 0 1 1 2 3 4 5 6\n").0
+    );
+    insta::assert_debug_snapshot!("maze", read_maze("m.maz", " _\n|S|\n|o|\n|X|\n100").0);
+    let (mut robi, _) = read_robi("S4.robi", S4);
+    read_companion("S4.toml", COMPANION, &mut robi);
+    insta::assert_debug_snapshot!("robi", robi);
+    let sim = "world a.wld\nrobi a.robi a.so\nrobi b.robi b.so 1 2 3\nobject 1 2 3 0.5 can.ms3d\n";
+    insta::assert_debug_snapshot!("sim", read_sim("s.sim", sim).0);
 }

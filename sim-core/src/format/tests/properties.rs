@@ -1,0 +1,209 @@
+//! Properties that hold for every text.
+
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+use proptest::prelude::*;
+
+use super::super::*;
+use crate::unit::{metres_from_mm, radians_from_degrees};
+
+const VALID: [&str; 4] = [
+    "floor 4000 3000\npush 10 20 90\n0 0 100 0\n0 0 10 10 5 200 1 2 3\npop\nposition 1 2 3\nfloor_texture \"a b.png\"\n",
+    "360\n _____\n|S|  X|\n|o_.u_|\n|_____|\n720\n",
+    super::S4,
+    "world %sim%\\a.wld\nrobi a.robi 'b c.so' 1 2 3\nobject 1 2 3 0.1 x.ms3d\nsettings VIS\n",
+];
+
+/// Reads `text` with every reader and checks what must hold for any text.
+fn read_all(text: &str) {
+    let (world, of_world) = read_world("f", text);
+    let (maze, of_maze) = read_maze("f", text);
+    let (mut robi, of_robi) = read_robi("f", text);
+    let of_companion = read_companion("f", text, &mut robi);
+    let (sim, of_sim) = read_sim("f", text);
+    for world in [&world, &maze] {
+        assert!(world.floor.is_finite() && world.floor.max_element() <= MAX_LENGTH);
+        for wall in &world.walls {
+            assert!(wall.from.abs().max(wall.to.abs()).max_element() <= MAX_LENGTH && wall.from != wall.to, "{wall:?}");
+            assert!(wall.thickness >= 0.0 && wall.height > 0.0, "{wall:?}");
+        }
+        assert!(world.starts.iter().all(|start| start.pose.position.is_finite()));
+    }
+    assert!(robi.diameter > 0.0 && robi.wheel.diameter > 0.0 && robi.wheel.track > 0.0 && robi.drive.wheelbase > 0.0);
+    assert!(robi.psds.iter().all(|psd| psd.position.is_finite() && psd.range > 0.0));
+    assert!(sim.robots.iter().flat_map(|robot| robot.start).all(|start| start.position.is_finite()));
+    for diagnostic in [of_world, of_maze, of_robi, of_companion, of_sim].concat() {
+        let Span { start, end, .. } = diagnostic.span;
+        assert!(text.get(start..end).is_some(), "{diagnostic:?} does not lie in the text");
+        assert!(!diagnostic.message.is_empty() && !diagnostic.expected.is_empty());
+    }
+}
+
+/// One of the valid texts with some bytes changed, removed or doubled.
+fn mutated() -> impl Strategy<Value = Vec<u8>> {
+    let change = (any::<prop::sample::Index>(), 0..4_u8, any::<u8>());
+    (0..VALID.len(), prop::collection::vec(change, 1..8)).prop_map(|(which, changes)| {
+        let mut bytes = VALID[which].as_bytes().to_vec();
+        for (place, kind, byte) in changes {
+            let place = place.index(bytes.len().max(1));
+            match kind {
+                0 if place < bytes.len() => bytes[place] = byte,
+                1 if place < bytes.len() => drop(bytes.remove(place)),
+                2 => bytes.insert(place, byte),
+                _ => bytes.extend_from_within(place..),
+            }
+        }
+        bytes
+    })
+}
+
+/// Numbers as users write them, sensible and not.
+fn word() -> impl Strategy<Value = String> {
+    prop_oneof![
+        any::<f64>().prop_map(|number| number.to_string()),
+        (-10_000..10_000_i32).prop_map(|number| number.to_string()),
+        prop::sample::select(
+            &[
+                "floor",
+                "push",
+                "pop",
+                "position",
+                "psd",
+                "wheel",
+                "drive",
+                "camera",
+                "robi",
+                "inf",
+                "nan",
+                "1e308",
+                "x",
+                "\"",
+                "S1(-1,1)",
+                "(",
+                "[drive]",
+                "=",
+                "360",
+                "|",
+                "_",
+                ";",
+                "#",
+                "\n",
+                "\t",
+                "-0",
+                "1e9",
+                "OMNI_DRIVE"
+            ][..]
+        )
+        .prop_map(str::to_owned),
+    ]
+}
+
+proptest! {
+    #[test]
+    fn arbitrary_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+        read_all(&decode(&bytes).0);
+    }
+
+    #[test]
+    fn arbitrary_texts_never_panic(text in "\\PC{0,200}") {
+        read_all(&text);
+    }
+
+    #[test]
+    fn mutated_files_never_panic(bytes in mutated()) {
+        read_all(&decode(&bytes).0);
+    }
+
+    #[test]
+    fn words_in_any_order_never_panic(words in prop::collection::vec(word(), 0..60)) {
+        read_all(&words.join(" "));
+        read_all(&words.join("\n"));
+    }
+
+    #[test]
+    fn worlds_come_back(walls in prop::collection::vec(prop::array::uniform4(-1_000_000..1_000_000_i32), 0..40)) {
+        let walls: Vec<_> = walls.into_iter().filter(|wall| wall[..2] != wall[2..]).collect();
+        let mut text = String::from("floor 5000 4000\r\n");
+        for [a, b, c, d] in &walls {
+            write!(text, " {a}\t{b} {c}  {d} ;comment\r\n").unwrap();
+        }
+        let (world, diagnostics) = read_world("w", &text);
+        prop_assert_eq!(diagnostics, vec![]);
+        let read: Vec<_> = world.walls.iter().map(|wall| [wall.from.x, wall.from.y, wall.to.x, wall.to.y]).collect();
+        let written: Vec<_> = walls.iter().map(|wall| wall.map(|mm| metres_from_mm(f64::from(mm)))).collect();
+        prop_assert_eq!(read, written);
+    }
+
+    #[test]
+    fn psds_come_back(psds in prop::collection::vec((-900..900_i32, -900..900_i32, 0..900_i32, -360..360_i32), 0..9)) {
+        let mut text = String::from("wheel 50 3600 1000 90\ndrive DIFFERENTIAL_DRIVE A B C D\n");
+        for (id, (x, y, z, angle)) in psds.iter().enumerate() {
+            writeln!(text, "psd PSD{id} {id} {x} {y} {z} {angle}").unwrap();
+        }
+        let (robi, diagnostics) = read_robi("r", &text);
+        prop_assert_eq!(diagnostics, vec![]);
+        let read: Vec<_> = robi.psds.iter().map(|psd| (psd.position.to_array(), psd.angle)).collect();
+        let written: Vec<_> = psds
+            .iter()
+            .map(|&(x, y, z, angle)| {
+                ([x, y, z].map(|mm| metres_from_mm(f64::from(mm))), radians_from_degrees(f64::from(angle)))
+            })
+            .collect();
+        prop_assert_eq!(read, written);
+    }
+
+    /// The walls of a maze are the drawn pieces, and no wall goes on where another ends.
+    #[test]
+    fn mazes_come_back(rows in 1..7_usize, columns in 1..7_usize, bits in prop::collection::vec(any::<bool>(), 200)) {
+        let mut bits = bits.into_iter().cycle();
+        let mut drawn = BTreeSet::new();
+        let mut text = String::new();
+        for row in 0..=rows {
+            for place in 0..=2 * columns {
+                let is_wall = bits.next() == Some(true);
+                let y = (rows - row) as i64;
+                let x = (place / 2) as i64;
+                text.push(match (place % 2, is_wall) {
+                    (0, true) if row > 0 => {
+                        drawn.insert((x, y, false));
+                        '|'
+                    }
+                    (1, true) => {
+                        drawn.insert((x, y, true));
+                        '_'
+                    }
+                    _ => ' ',
+                });
+            }
+            // A row of blanks alone would not count.
+            if row > 0 {
+                text.replace_range(text.len() - 2 * columns - 1..text.len() - 2 * columns, "|");
+                drawn.insert((0, (rows - row) as i64, false));
+            } else {
+                text.replace_range(1..2, "_");
+                drawn.insert((0, rows as i64, true));
+            }
+            text.push('\n');
+        }
+        text.push_str("1000");
+        let (maze, diagnostics) = read_maze("m", &text);
+        prop_assert_eq!(diagnostics, vec![]);
+        let mut read = BTreeSet::new();
+        let mut ends = BTreeSet::new();
+        for wall in &maze.walls {
+            let is_level = wall.from.y == wall.to.y;
+            let (low, high) = (wall.from.min(wall.to), wall.from.max(wall.to));
+            let [from, to] = [low, high].map(|end| (end.x as i64, end.y as i64));
+            let length = (to.0 - from.0) + (to.1 - from.1);
+            for step in 0..length {
+                let piece = if is_level { (from.0 + step, from.1, true) } else { (from.0, from.1 + step, false) };
+                prop_assert!(read.insert(piece), "{piece:?} twice");
+            }
+            for end in [from, to] {
+                prop_assert!(ends.insert((end, is_level)), "two walls in line meet at {end:?}");
+            }
+        }
+        prop_assert_eq!(read, drawn);
+    }
+}
