@@ -2,5 +2,6 @@
 
 pub mod cc;
 pub mod new;
+pub mod check;
 pub mod progress;
 pub mod table;
