@@ -168,3 +168,220 @@ fn poses_are_equal_to_the_bit_for_every_slot_length() {
         assert_eq!(script(Time(slot)), reference, "slots of {slot} us");
     }
 }
+
+#[test]
+fn moves_of_nothing_of_a_micron_and_backwards_end() {
+    for length in [0.0, 5e-324, 1e-300, 1e-6, -1e-6, -0.3, 1e-9] {
+        let mut motion = robot(model(), vec![], Pose::default());
+        let displacement = Twist::new(length, 0.0);
+        motion.command(Time(3), Command::Drive { displacement, duration: length.abs() / 0.2 }, &[]).expect("sound");
+        let end = motion.drive_end().expect("an end");
+        assert!(end.seconds() <= 3e-6 + length.abs() / 0.2 + 1e-6, "{length} m end at {end:?}");
+        assert_eq!(motion.pose(end).position, DVec2::new(length, 0.0));
+        assert!(motion.is_drive_done(end));
+        let mut motion = robot(model(), vec![], Pose::default());
+        let displacement = Twist::new(0.0, length);
+        motion.command(Time(3), Command::Drive { displacement, duration: 0.0 }, &[]).expect("sound");
+        let end = motion.drive_end().expect("an end");
+        assert_eq!(motion.pose(end).heading.radians(), length);
+    }
+}
+
+#[test]
+fn drives_take_longer_where_the_limits_say_so() {
+    let mut motion = robot(model(), vec![], Pose::default());
+    let displacement = Twist::new(0.6, 0.3);
+    motion.command(Time::ZERO, Command::Drive { displacement, duration: 0.0 }, &[]).expect("sound");
+    assert_eq!(motion.drive_end(), Some(Time::from_millis(1_000)));
+    let speed = motion.speed(Time::from_millis(500));
+    assert!(
+        (speed.vx - 0.6).abs() < 1e-15 && (speed.omega - 0.3).abs() < 1e-15,
+        "the curve keeps its shape: {speed:?}"
+    );
+}
+
+#[test]
+fn every_turning_speed_follows_its_arc() {
+    for exponent in -300..=4 {
+        let omega = 10.0_f64.powi(exponent);
+        let fast = Model { max_turn: f64::INFINITY, max_wheel_rate: 1e9, ..model() };
+        let mut motion = robot(fast, vec![], Pose::default());
+        motion.command(Time::ZERO, Command::Twist(Twist::new(0.5, omega)), &[]).expect("sound");
+        let pose = motion.pose(Time::from_millis(2_000));
+        let angle = 2.0 * omega;
+        assert!((pose.heading.radians() - angle).abs() <= 1e-15 * angle.max(1.0), "heading at {omega} rad/s");
+        let (x, y) = if angle < 1e-3 {
+            // The series of the arc, to more digits than a double has.
+            (1.0 - angle * angle / 6.0, angle / 2.0 - angle.powi(3) / 24.0)
+        } else {
+            let radius = 0.5 / omega;
+            (radius * libm::sin(angle), radius * (1.0 - libm::cos(angle)))
+        };
+        assert!((pose.position - DVec2::new(x, y)).length() < 1e-13, "{pose:?} at {omega} rad/s");
+    }
+}
+
+#[test]
+fn a_million_turns_end_where_they_began() {
+    let mut motion = robot(Model { axis_offset: 0.04, ..model() }, vec![], Pose::new(0.0, 0.0, 1.0));
+    let mut world = World::new(Arc::new(Walls::new(vec![])), Time::from_millis(1_000), [&mut motion]);
+    let mut at = Time::ZERO;
+    // In quarters, as a program that goes round a square for ever does.
+    for _ in 0..4_000_000 {
+        let displacement = Twist::new(0.0, PI / 2.0);
+        motion.command(at, Command::Drive { displacement, duration: 0.0 }, &[]).expect("sound");
+        at = motion.drive_end().expect("an end");
+        if at >= world.slot_end() {
+            world.advance(&mut [&mut motion]);
+        }
+    }
+    let pose = motion.pose(at);
+    assert_eq!(pose.heading.turns(), 1_000_000);
+    assert!((pose.heading.remainder() - 1.0).abs() < 1e-9, "{pose:?}");
+    assert!(pose.position.length() < 1e-9, "within 1 nm: {pose:?}");
+}
+
+#[test]
+fn ten_kilometres_away_a_square_still_closes() {
+    let start = Pose::new(1e4, -1e4, 0.7);
+    let mut motion = robot(model(), vec![], start);
+    let mut at = Time::ZERO;
+    for _ in 0..100 {
+        for command in [drive(0.2, 0.0, 1.0), drive(0.0, PI / 2.0, 1.0)] {
+            motion.command(at, command, &[]).expect("sound");
+            at = motion.drive_end().expect("an end");
+        }
+    }
+    let end = motion.pose(at);
+    assert!((end.position - start.position).length() < 1e-9, "{end:?}");
+    assert!((end.heading.remainder() - 0.7).abs() < 1e-12);
+}
+
+#[test]
+fn an_ackermann_drive_refuses_what_it_cannot_steer() {
+    let car = Model { kind: DriveKind::Ackermann, wheelbase: 0.16, axis_offset: -0.08, ..model() };
+    let mut motion = robot(car, vec![], Pose::default());
+    let turn = Command::Drive { displacement: Twist::new(0.0, 1.0), duration: 1.0 };
+    assert_eq!(motion.command(Time::ZERO, turn, &[]), Err(CommandError::TurnOnSpot));
+    assert_eq!(motion.command(Time::ZERO, Command::Twist(Twist::new(0.0, 1.0)), &[]), Err(CommandError::TurnOnSpot));
+    let tight = Command::Drive { displacement: Twist::new(0.15, 1.0), duration: 1.0 };
+    assert_eq!(motion.command(Time::ZERO, tight, &[]), Err(CommandError::TooTight { min_radius_mm: 160 }));
+    let wide = Command::Drive { displacement: Twist::new(0.16, 1.0), duration: 1.0 };
+    motion.command(Time::ZERO, wide, &[]).expect("the tightest curve");
+    // A speed whose curve is too tight is driven with the wheels turned as far as they go.
+    motion.command(Time(1), Command::Twist(Twist::new(0.1, 3.0)), &[]).expect("sound");
+    assert_eq!(motion.steering(Time(1)), PI / 4.0);
+    assert!((motion.speed(Time(1)).omega - 0.1 / 0.16).abs() < 1e-12);
+    // Motor and servo: the servo's angle stays when the motor stops.
+    motion.command(Time(2), Command::Halt, &[]).expect("sound");
+    motion.command(Time(3), Command::Steer(-0.3), &[]).expect("sound");
+    motion.command(Time(4), Command::Wheels([2.0, 9.0, 9.0, 9.0]), &[]).expect("sound");
+    let speed = motion.speed(Time(4));
+    assert!((speed.vx - 0.054).abs() < 1e-15);
+    assert!((speed.omega + 0.054 * libm::tan(0.3) / 0.16).abs() < 1e-15);
+    assert_eq!(motion.wheel_angles(Time(1_000_004))[1..], [0.0; 3]);
+}
+
+#[test]
+fn an_omni_drive_moves_to_the_side() {
+    let omni = Model { kind: DriveKind::Omni, ..model() };
+    let mut motion = robot(omni, vec![], Pose::new(0.0, 0.0, PI / 2.0));
+    let displacement = Twist { vx: 0.0, vy: 0.3, omega: 0.0 };
+    motion.command(Time::ZERO, Command::Drive { displacement, duration: 1.0 }, &[]).expect("sound");
+    let end = motion.drive_end().expect("an end");
+    assert!((motion.pose(end).position - DVec2::new(-0.3, 0.0)).length() < 1e-15);
+    let wheels = motion.wheel_angles(end);
+    assert!((wheels[1] - 0.3 / 0.027).abs() < 1e-12 && (wheels[0] + wheels[1]).abs() < 1e-12, "{wheels:?}");
+}
+
+#[test]
+fn wheels_turn_with_the_way_and_stand_still_at_a_wall() {
+    let mut motion = robot(model(), room(2.0), Pose::new(1.0, 1.0, 0.0));
+    motion.command(Time::ZERO, Command::Wheels([10.0, 10.0, 0.0, 0.0]), &[]).expect("sound");
+    let at = Time::from_millis(60_000);
+    let way = motion.pose(at).position.x - 1.0;
+    assert!((motion.wheel_angles(at)[0] - way / 0.027).abs() < 1e-12);
+    assert!((motion.odometry(at).position.x - way).abs() < 1e-15);
+    assert_eq!(motion.path_length(at), way);
+    motion.set_odometry(at, Pose::new(5.0, 6.0, 0.5)).expect("sound");
+    assert_eq!(motion.odometry(at), Pose::new(5.0, 6.0, 0.5));
+    assert!(motion.is_stalled(at) && motion.contacts(at) == 1, "setting the odometry moves nothing");
+}
+
+#[test]
+fn wedged_in_a_corner_a_robot_comes_out_backwards() {
+    let mut motion = robot(model(), room(2.0), Pose::new(1.5, 1.5, PI / 4.0));
+    motion.command(Time::ZERO, Command::Twist(Twist::new(0.3, 0.0)), &[]).expect("sound");
+    let mut at = Time::from_millis(5_000);
+    assert!(motion.is_stalled(at));
+    for _ in 0..8 {
+        motion.command(at, drive(0.0, 0.6, 1.0), &[]).expect("sound");
+        at = motion.drive_end().expect("a disc turns in a corner");
+    }
+    for heading in 0..24 {
+        let angle = f64::from(heading) * PI / 12.0;
+        let mut motion = motion.clone();
+        let turn = angle - motion.pose(at).heading.remainder();
+        motion.command(at, Command::Drive { displacement: Twist::new(0.0, turn), duration: 1.0 }, &[]).expect("sound");
+        let turned = motion.drive_end().expect("an end");
+        motion.command(turned, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("sound");
+        let end = motion.pose(turned + Time::from_millis(100)).position;
+        // Out: the headings between straight back along either wall.
+        let leaves = (12..=18).contains(&heading);
+        assert_eq!((end - motion.pose(turned).position).length() > 1e-3, leaves, "heading {angle}");
+    }
+}
+
+#[test]
+fn a_gap_a_millimetre_wider_than_the_robot_is_wide_enough() {
+    let width = 2.0 * 0.093 + 1e-3;
+    let at = |x: f64, y: f64| DVec2::new(x, y);
+    let walls = vec![
+        Segment::new(at(1.0, width / 2.0), at(3.0, width / 2.0)),
+        Segment::new(at(1.0, -width / 2.0), at(3.0, -width / 2.0)),
+        Segment::new(at(1.0, width / 2.0), at(1.0, 1.0)),
+        Segment::new(at(1.0, -width / 2.0), at(1.0, -1.0)),
+    ];
+    let mut through = robot(model(), walls.clone(), Pose::default());
+    through.command(Time::ZERO, drive(0.5, 0.0, 8.0), &[]).expect("sound");
+    assert!(through.drive_end().is_some());
+    let mut beside = robot(model(), walls, Pose::new(0.0, 0.6e-3, 0.0));
+    beside.command(Time::ZERO, drive(0.5, 0.0, 8.0), &[]).expect("sound");
+    assert_eq!(beside.drive_end(), None);
+}
+
+#[test]
+fn a_drive_with_lag_ends_at_its_mark() {
+    let lame = Model { wheel_lag: 0.1, ..model() };
+    for (command, length, angle) in [(drive(0.2, 0.0, 2.0), 0.4, 0.0), (drive(0.2, 0.5, 2.0), 0.4, 1.0)] {
+        let mut motion = robot(lame.clone(), vec![], Pose::default());
+        motion.command(Time(2_345), command, &[]).expect("sound");
+        let end = motion.drive_end().expect("an end");
+        assert!(end > Time::from_millis(2_090) && end < Time::from_millis(2_130), "the lag is made up later: {end:?}");
+        assert!(!motion.is_drive_done(end - Time(1)) && motion.is_drive_done(end));
+        assert!((motion.path_length(end) - length).abs() < 1e-12);
+        assert!((motion.pose(end).heading.radians() - angle).abs() < 1e-9);
+        let later = end + Time::from_millis(500);
+        assert_eq!(motion.pose(later), motion.pose(end), "the mark is held");
+    }
+}
+
+#[test]
+fn asking_ahead_changes_nothing() {
+    let lame = Model { wheel_lag: 0.1, ..model() };
+    for model in [model(), lame] {
+        let mut curious = robot(model.clone(), room(2.0), Pose::new(1.0, 1.0, 0.4));
+        let mut patient = curious.clone();
+        for n in 0..50 {
+            let at = Time(n * 70_003);
+            let command = Command::Twist(Twist::new(0.3 - 0.02 * (n % 17) as f64, (n % 5) as f64 - 1.7));
+            for motion in [&mut curious, &mut patient] {
+                motion.command(at, command, &[]).expect("sound");
+            }
+            curious.drive_end();
+            curious.pose(at + Time::from_millis(5_000));
+            assert_eq!(curious.pose(at), patient.pose(at));
+        }
+        assert_eq!(curious.state(Time(9_000_000)), patient.state(Time(9_000_000)));
+    }
+}

@@ -82,7 +82,8 @@ pub(super) fn step(
 /// The rates that the controllers ask of the wheels; sums up the errors.
 fn control(model: &Model, gains: &Gains, set: Twist, steering: f64, actuation: &mut Actuation) -> Wheels {
     let is = model.twist_from_wheels(&actuation.rates, steering);
-    let close = 1e-9 * model.max_wheel_rate * model.wheel_diameter;
+    // Finer than what counts as settled, so that all errors rest at 0 then.
+    let close = 1e-10 * model.max_wheel_rate * model.wheel_diameter;
     let error = |set: f64, is: f64, close: f64| if (set - is).abs() <= close { 0.0 } else { set - is };
     let (error_v, error_w) =
         (error(set.vx, is.vx, close), error(set.omega, is.omega, close / model.track.min(model.wheelbase)));
@@ -105,4 +106,98 @@ fn control(model: &Model, gains: &Gains, set: Twist, steering: f64, actuation: &
         actuation.sum_w = sum_w;
     }
     if saturated { wheels.map(|rate| rate / excess) } else { wheels }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::DriveKind;
+    use super::*;
+
+    fn model(wheel_lag: f64) -> Model {
+        Model {
+            kind: DriveKind::Differential,
+            wheel_diameter: 0.1,
+            max_wheel_rate: 10.0,
+            ticks_per_turn: 1000.0,
+            track: 0.2,
+            wheelbase: 0.2,
+            axis_offset: 0.0,
+            max_speed: f64::INFINITY,
+            max_turn: f64::INFINITY,
+            body_radius: 0.15,
+            wheel_lag,
+            max_steering: 0.0,
+        }
+    }
+
+    #[test]
+    fn a_lag_is_first_order() {
+        let model = model(0.1);
+        let mut actuation = Actuation::default();
+        for tick in 1..=30 {
+            actuation = step(&model, None, Target::Wheels([8.0, -4.0, 0.0, 0.0]), 0.0, actuation);
+            let risen = 1.0 - math::exp(-0.1 * f64::from(tick));
+            assert!((actuation.rates[0] - 8.0 * risen).abs() < 1e-13, "tick {tick}");
+            assert!((actuation.rates[1] + 4.0 * risen).abs() < 1e-13, "tick {tick}");
+        }
+        for _ in 0..300 {
+            actuation = step(&model, None, Target::Wheels([8.0, -4.0, 0.0, 0.0]), 0.0, actuation);
+        }
+        assert_eq!(actuation.rates, [8.0, -4.0, 0.0, 0.0], "it settles");
+    }
+
+    /// Ticks until nothing changes any more, and the twist then.
+    fn settle(model: &Model, gains: &Gains, set: Twist, mut actuation: Actuation) -> (usize, Twist, Actuation) {
+        for tick in 0..100_000 {
+            let next = step(model, Some(gains), Target::Twist(set), 0.0, actuation);
+            if next == actuation {
+                return (tick, model.twist_from_wheels(&actuation.rates, 0.0), actuation);
+            }
+            actuation = next;
+        }
+        panic!("does not settle");
+    }
+
+    #[test]
+    fn controllers_reach_the_set_speed_without_an_error_that_stays() {
+        let model = model(0.1);
+        let set = Twist::new(0.2, 0.7);
+        let reached = |gains: &Gains| {
+            let (ticks, twist, _) = settle(&model, gains, set, Actuation::default());
+            assert!((twist.vx - set.vx).abs() < 1e-12 && (twist.omega - set.omega).abs() < 1e-12, "{twist:?}");
+            ticks
+        };
+        // The parameters of the ROM's demo, of the book, and slow ones.
+        let demo = reached(&Gains { vv: 7.0, tv: 0.3, vw: 7.0, tw: 0.1 });
+        let slow = reached(&Gains { vv: 0.5, tv: 0.3, vw: 0.5, tw: 0.3 });
+        reached(&Gains { vv: 7.0, tv: 0.3, vw: 10.0, tw: 0.1 });
+        assert!(demo < slow, "greater gains settle sooner: {demo} and {slow} ticks");
+    }
+
+    #[test]
+    fn a_saturated_controller_does_not_wind_up() {
+        let model = model(0.1);
+        let gains = Gains { vv: 2.0, tv: 0.1, vw: 2.0, tw: 0.1 };
+        // 1 m/s is twice what the wheels can do.
+        let (_, twist, mut actuation) = settle(&model, &gains, Twist::new(1.0, 0.0), Actuation::default());
+        assert!((twist.vx - 0.5).abs() < 1e-6, "at the limit: {twist:?}");
+        let mut ticks = 0;
+        while model.twist_from_wheels(&actuation.rates, 0.0).vx > 0.11 {
+            actuation = step(&model, Some(&gains), Target::Twist(Twist::new(0.1, 0.0)), 0.0, actuation);
+            ticks += 1;
+        }
+        assert!(ticks < 50, "half a second after the set speed has fallen the robot is slow: {ticks} ticks");
+        let (_, twist, _) = settle(&model, &gains, Twist::new(0.1, 0.0), actuation);
+        assert!((twist.vx - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn without_proportional_action_nothing_moves_and_nothing_breaks() {
+        let gains = Gains { vv: 0.0, tv: 1e-300, vw: 1e300, tw: 1e-3 };
+        let mut actuation = Actuation::default();
+        for _ in 0..1000 {
+            actuation = step(&model(0.05), Some(&gains), Target::Twist(Twist::new(0.1, 0.5)), 0.0, actuation);
+            assert!(actuation.rates.iter().all(|rate| rate.abs() <= 10.0 + 1e-9), "{actuation:?}");
+        }
+    }
 }

@@ -181,3 +181,88 @@ impl Model {
         wheels.iter().fold(0.0, |most: f64, rate| most.max(rate.abs())) / self.max_wheel_rate
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn model(kind: DriveKind) -> Model {
+        Model {
+            kind,
+            wheel_diameter: 0.1,
+            max_wheel_rate: 6.0,
+            ticks_per_turn: 1000.0,
+            track: 0.2,
+            wheelbase: 0.3,
+            axis_offset: 0.0,
+            max_speed: 0.5,
+            max_turn: 2.0,
+            body_radius: 0.15,
+            wheel_lag: 0.0,
+            max_steering: std::f64::consts::FRAC_PI_4,
+        }
+    }
+
+    fn assert_close(a: Twist, b: Twist) {
+        let apart = (a.vx - b.vx).abs().max((a.vy - b.vy).abs()).max((a.omega - b.omega).abs());
+        assert!(apart < 1e-15, "{a:?} is not {b:?}");
+    }
+
+    #[test]
+    fn a_differential_drive_follows_the_matrix_of_the_paper() {
+        let model = model(DriveKind::Differential);
+        // c = 0.05 m a radian, d = 0.2 m: v = c/2 (L + R), omega = c/d (R - L).
+        assert_close(model.twist_from_wheels(&[2.0, 4.0, 0.0, 0.0], 0.0), Twist::new(0.15, 0.5));
+        assert_eq!(model.twist_from_wheels(&[0.3, 0.3, 0.0, 0.0], 0.0).omega, 0.0);
+    }
+
+    #[test]
+    fn each_mecanum_motion_has_its_own_pattern_of_wheels() {
+        let model = model(DriveKind::Omni);
+        let to_side = model.twist_from_wheels(&[-1.0, 1.0, 1.0, -1.0], 0.0);
+        assert_close(to_side, Twist { vx: 0.0, vy: 0.05, omega: 0.0 });
+        // c / (2 (W + L)) (-, +, -, +): 0.05 / (2 * 0.5) * 4.
+        assert_close(model.twist_from_wheels(&[-1.0, 1.0, -1.0, 1.0], 0.0), Twist::new(0.0, 0.2));
+        assert_close(model.twist_from_wheels(&[1.0; 4], 0.0), Twist::new(0.05, 0.0));
+    }
+
+    #[test]
+    fn wheels_and_twists_are_inverse() {
+        let twist = Twist { vx: 0.13, vy: -0.07, omega: 0.9 };
+        let omni = model(DriveKind::Omni);
+        assert_close(omni.twist_from_wheels(&omni.wheels_from_twist(twist), 0.0), twist);
+        let differential = model(DriveKind::Differential);
+        let twist = Twist::new(-0.2, 1.1);
+        assert_close(differential.twist_from_wheels(&differential.wheels_from_twist(twist), 0.0), twist);
+        let ackermann = model(DriveKind::Ackermann);
+        let twist = Twist::new(-0.2, 0.3);
+        let steering = ackermann.steering(twist).expect("it drives");
+        assert!(steering < 0.0, "backwards to the left is steered to the right");
+        assert_close(ackermann.twist_from_wheels(&ackermann.wheels_from_twist(twist), steering), twist);
+    }
+
+    #[test]
+    fn limits_keep_the_curve_of_what_the_wheels_cannot_do() {
+        let model = model(DriveKind::Differential);
+        assert_close(model.clamp_twist(Twist::new(-0.9, 0.0)), Twist::new(-0.3, 0.0));
+        assert_close(model.clamp_twist(Twist::new(0.0, 9.0)), Twist::new(0.0, 2.0));
+        // Cut to 0.5 m/s and 2 rad/s, the outer wheel would turn at 14 rad/s: all by 6 / 14.
+        assert_close(model.clamp_twist(Twist::new(3.0, 2.5)), Twist::new(0.5, 2.0).scaled(6.0 / 14.0));
+        let within = Twist::new(0.1, 0.2);
+        assert_eq!(model.clamp_twist(within), within);
+        assert_eq!(model.clamp_wheels(&[7.0, -9.0, 1.0, 0.0]), [6.0, -6.0, 1.0, 0.0]);
+        assert!((model.shortest_duration(Twist::new(0.6, 0.0)) - 2.0).abs() < 1e-15);
+        assert!((model.shortest_duration(Twist::new(0.0, 4.0)) - 2.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_model_that_cannot_be_computed_with_is_named() {
+        let wrong = Model { track: 0.0, ..model(DriveKind::Differential) };
+        assert_eq!(wrong.check().expect_err("no track").to_string(), "`track` is 0, accepted: a number greater than 0");
+        for value in [f64::NAN, f64::INFINITY, -1.0] {
+            assert!(Model { wheel_diameter: value, ..model(DriveKind::Omni) }.check().is_err());
+            assert!(Model { wheel_lag: value, ..model(DriveKind::Omni) }.check().is_err());
+        }
+        assert_eq!(Model { max_speed: f64::INFINITY, ..model(DriveKind::Omni) }.check(), Ok(()));
+    }
+}

@@ -225,7 +225,7 @@ impl Motion {
         !matches!(self.stage_at(at).orders_at(at).pending, Pending::Drive { .. })
     }
 
-    /// The first microsecond at which the drive in progress is done; `None` without one, or when it does not end on the
+    /// The first microsecond at which the last drive is done, in the past if it is; `None` without one, or when it does not end on the
     /// present plan because the body is stopped before.
     ///
     /// With wheels that never settle (a controller that oscillates), a drive of more than 1,000 s is answered by an

@@ -27,7 +27,7 @@ pub enum Command {
     Drive {
         /// Arc length (m) and angle (rad) to cover; the drive ends exactly there.
         displacement: Twist,
-        /// Seconds to take, 0 or more.
+        /// Seconds to take, from 0 to 10^12.
         duration: f64,
     },
     /// All wheels to rest.
@@ -64,7 +64,7 @@ pub(super) enum Pending {
     Wheels(Wheels),
     Twist(Twist),
     Drive {
-        /// The displacement commanded: the direction in which progress counts.
+        /// The displacement commanded, as far as it counts as progress.
         whole: Twist,
         /// What the robot believes to be left of it.
         remaining: Twist,
@@ -78,8 +78,10 @@ impl Pending {
         let length = whole.speed();
         if length > 0.0 {
             whole.vx / length * covered.vx + whole.vy / length * covered.vy
-        } else {
+        } else if whole.omega != 0.0 {
             whole.omega.signum() * covered.omega
+        } else {
+            0.0
         }
     }
 
@@ -154,8 +156,7 @@ impl Orders {
 
     fn with_drive(self, model: &Model, displacement: Twist, duration: f64) -> Result<Self, CommandError> {
         check_drivable(model, displacement)?;
-        // Negated, so that NaN is refused as well.
-        if !(duration >= 0.0 && duration.is_finite()) {
+        if !(0.0..=1e12).contains(&duration) {
             return Err(CommandError::NotFinite);
         }
         let mut steering = self.steering;
@@ -165,15 +166,22 @@ impl Orders {
             if steering.abs() > model.max_steering + 1e-6 {
                 let min_radius = model.wheelbase / crate::math::tan(model.max_steering);
                 return Err(CommandError::TooTight {
-                    min_radius_mm: crate::unit::mm_from_metres(min_radius).ceil() as u32,
+                    min_radius_mm: (crate::unit::mm_from_metres(min_radius) - 1e-6).ceil() as u32,
                 });
             }
         }
         let duration = duration.max(model.shortest_duration(displacement));
         let rate = if duration > 0.0 { displacement.scaled(1.0 / duration) } else { Twist::ZERO };
-        // Too short to have a duration, or a reciprocal of it, that is a number: done as soon as begun.
         let rate = if rate.is_finite() { rate } else { Twist::ZERO };
-        let pending = Pending::Drive { whole: displacement, remaining: displacement, rate };
+        // Progress is not counted by what is so slow that it has lost its digits; without any, the drive is done at once.
+        let counts = |rate: f64, value: f64| if rate >= 1e-290 { value } else { 0.0 };
+        let speed = rate.speed();
+        let whole = Twist {
+            vx: counts(speed, displacement.vx),
+            vy: counts(speed, displacement.vy),
+            omega: counts(rate.omega.abs(), displacement.omega),
+        };
+        let pending = Pending::Drive { whole, remaining: displacement, rate };
         Ok(Self { pending, steering, ..self })
     }
 }
