@@ -48,8 +48,7 @@ static char *take_argument(int argc, char **argv)
 static void complain_of(char **argv, const char *what, const char *option, int len)
 {
     if (opterr)
-        fprintf(stderr, "%s: %s -- '%.*s'\n", argv[0], what, len, option);
-    written(0);
+        libc_fprintf(stderr, "%s: %s -- '%.*s'\n", argv[0], what, len, option);
 }
 
 static int long_option(int argc, char **argv, const char *letters, const struct option *options, int *index,

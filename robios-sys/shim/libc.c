@@ -140,6 +140,42 @@ static struct console *console_of(int descriptor)
         return written(result_);                                                                                        \
     } while (0)
 
+/* Those that name their stream are replaced for one reason: that a program which only prints can be stopped. */
+LIBC(int, fputc, (int c, FILE *stream))
+{
+    flockfile(stream);
+    c = fputc_unlocked(c, stream);
+    funlockfile(stream);
+    return written(c);
+}
+LIBC(int, putc, (int c, FILE *stream)) { return libc_fputc(c, stream); }
+LIBC(int, _IO_putc, (int c, FILE *stream)) { return libc_fputc(c, stream); }
+LIBC(int, fputs, (const char *text, FILE *stream))
+{
+    int result;
+    flockfile(stream);
+    result = fputs_unlocked(text, stream);
+    funlockfile(stream);
+    return written(result);
+}
+LIBC(size_t, fwrite, (const void *bytes, size_t size, size_t count, FILE *stream))
+{
+    flockfile(stream);
+    count = fwrite_unlocked(bytes, size, count, stream);
+    funlockfile(stream);
+    written(0);
+    return count;
+}
+LIBC(int, fprintf, (FILE *stream, const char *format, ...))
+{
+    WITH_ARGUMENTS(format, vfprintf(stream, format, arguments));
+}
+LIBC(int, __fprintf_chk, (FILE *stream, int flag, const char *format, ...))
+{
+    (void)flag;
+    WITH_ARGUMENTS(format, vfprintf(stream, format, arguments));
+}
+
 LIBC(int, printf, (const char *format, ...)) { WITH_ARGUMENTS(format, vfprintf(stdout, format, arguments)); }
 LIBC(int, vprintf, (const char *format, va_list arguments)) { return written(vfprintf(stdout, format, arguments)); }
 LIBC(int, __printf_chk, (int flag, const char *format, ...))
@@ -166,12 +202,12 @@ LIBC(int, __vwprintf_chk, (int flag, const wchar_t *format, va_list arguments))
 }
 LIBC(int, puts, (const char *text))
 {
-    if (fputs(text, stdout) < 0)
+    if (libc_fputs(text, stdout) < 0)
         return EOF;
-    return written(fputc('\n', stdout));
+    return libc_fputc('\n', stdout);
 }
-LIBC(int, putchar, (int c)) { return written(fputc(c, stdout)); }
-LIBC(int, putchar_unlocked, (int c)) { return written(fputc(c, stdout)); }
+LIBC(int, putchar, (int c)) { return libc_fputc(c, stdout); }
+LIBC(int, putchar_unlocked, (int c)) { return libc_fputc(c, stdout); }
 LIBC(wint_t, putwchar, (wchar_t c)) { return fputwc(c, stdout); }
 LIBC(void, perror, (const char *text))
 {
@@ -179,10 +215,9 @@ LIBC(void, perror, (const char *text))
     char description[128];
     const char *said = strerror_r(number, description, sizeof description);
     if (text != NULL && *text != '\0')
-        fprintf(stderr, "%s: %s\n", text, said);
+        libc_fprintf(stderr, "%s: %s\n", text, said);
     else
-        fprintf(stderr, "%s\n", said);
-    written(0);
+        libc_fprintf(stderr, "%s\n", said);
 }
 LIBC(int, fflush, (FILE *stream))
 {
@@ -377,13 +412,12 @@ static void complain(int number, int has_number, const char *format, va_list arg
     char name[128] = "", description[128];
     int32_t len = 0;
     SUPPORT(program_name, room_of(name, sizeof name - 1), &len);
-    fprintf(stderr, "%s: ", name);
+    libc_fprintf(stderr, "%s: ", name);
     if (format != NULL)
         vfprintf(stderr, format, arguments);
     if (has_number)
-        fprintf(stderr, "%s%s", format == NULL ? "" : ": ", strerror_r(number, description, sizeof description));
-    fputc('\n', stderr);
-    written(0);
+        libc_fprintf(stderr, "%s%s", format == NULL ? "" : ": ", strerror_r(number, description, sizeof description));
+    libc_fputc('\n', stderr);
 }
 
 LIBC(void, vwarn, (const char *format, va_list arguments)) { complain(errno, 1, format, arguments); }
@@ -698,8 +732,7 @@ static void pass_us(int64_t span)
 
 static int refused(const char *name)
 {
-    fprintf(stderr, "%s is not available to robot programs\n", name);
-    written(0);
+    libc_fprintf(stderr, "%s is not available to robot programs\n", name);
     errno = ENOSYS;
     return -1;
 }

@@ -35,8 +35,6 @@ pub mod failure {
     pub const PANIC: i32 = 3;
     /// The stack protector found the stack smashed.
     pub const STACK: i32 = 4;
-    /// A function was called that a robot program cannot have, such as `longjmp` out of its `main`.
-    pub const FORBIDDEN: i32 = 5;
 }
 
 crate::table::function_table! {

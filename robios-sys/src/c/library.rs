@@ -31,6 +31,13 @@ pub const REPLACED: &[(&str, &str)] = &[
     ("stdin", ENDS_INPUT),
     ("stdout", PRINTS),
     ("stderr", PRINTS),
+    ("fputc", PRINTS_ANY),
+    ("putc", PRINTS_ANY),
+    ("_IO_putc", PRINTS_ANY),
+    ("fputs", PRINTS_ANY),
+    ("fwrite", PRINTS_ANY),
+    ("fprintf", PRINTS_ANY),
+    ("__fprintf_chk", PRINTS_ANY),
     ("printf", PRINTS),
     ("vprintf", PRINTS),
     ("__printf_chk", PRINTS),
@@ -145,6 +152,7 @@ const ENDS_AT_ONCE: &str = "ends the robot's program at once";
 const FAILS: &str = "ends the robot's program as failed, with a message";
 const REGISTERS: &str = "the function is called when the robot's program ends";
 const PRINTS: &str = "prints to the robot's console, line by line";
+const PRINTS_ANY: &str = "as ever; on the robot's console the robot can be stopped there";
 const PRINTS_TO: &str = "descriptors 1 and 2 are the robot's console; others fail";
 const ENDS_INPUT: &str = "standard input is at its end";
 const CHECKS: &str = "a failed check ends the robot's program as failed, with a message";
@@ -247,13 +255,39 @@ const STREAMS: &str = "streams of C++ print to the host's standard output";
 
 /// Why a symbol that a library built elsewhere imports is outside the guarantee; `None` if it is not.
 ///
-/// Without the shim, what it [replaces](REPLACED) is outside too.
+/// Without the shim, most of what it [replaces](REPLACED) is outside too, except what almost every library imports and
+/// what matters only when the program is broken.
 pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
-    let entry = OUTSIDE_GUARANTEE.iter().chain(REPLACED).find(|(name, _)| *name == symbol)?;
-    let is_replaced = REPLACED.iter().any(|(name, _)| *name == symbol);
-    Some(if is_replaced {
-        "acts on the process, and not on the robot, in a library built without the shim"
-    } else {
-        entry.1
-    })
+    let reason = |list: &[(&str, &'static str)]| list.iter().find(|(name, _)| *name == symbol).map(|(_, why)| *why);
+    let is_harmless = |what: &str| [PRINTS_ANY, CHECKS, STATE_GIVEN].contains(&what);
+    let is_everywhere = ["__cxa_atexit", "__stack_chk_fail", "__chk_fail", "__longjmp_chk"].contains(&symbol);
+    match reason(REPLACED) {
+        Some(what) if is_harmless(what) || is_everywhere => None,
+        Some(_) => Some("acts on the process, and not on the robot, in a library built without the shim"),
+        None => reason(OUTSIDE_GUARANTEE),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_every_library_imports_is_no_reason_for_a_warning() {
+        for harmless in ["__cxa_atexit", "__stack_chk_fail", "fwrite", "__memcpy_chk", "erand48", "strlen", "VWInit"] {
+            assert_eq!(outside_guarantee(harmless), None, "{harmless}");
+        }
+        for warned in ["exit", "rand", "time", "printf", "stdout", "fork", "pthread_create"] {
+            assert!(outside_guarantee(warned).is_some(), "{warned}");
+        }
+    }
+
+    #[test]
+    fn no_symbol_is_in_both_lists_or_twice() {
+        let mut names: Vec<_> = REPLACED.iter().chain(OUTSIDE_GUARANTEE).map(|(name, _)| name).collect();
+        names.sort_unstable();
+        let count = names.len();
+        names.dedup();
+        assert_eq!(names.len(), count);
+    }
 }

@@ -18,6 +18,8 @@ The compiler's own replacements (`printf` by `puts` or `putchar`, the checked fo
 `gamma`, ...) are compiled with `-fno-builtin-NAME`, since a compiler would compute a call with constant arguments by
 its own function of that name and not by the program's.
 
+All this is for Linux with glibc and for the compilers gcc and clang.
+
 ## Decisions
 
 - **The end.** `exit`, and returning from `main`, call what `atexit`, `on_exit` and C++ have registered, the last first,
