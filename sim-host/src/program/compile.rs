@@ -5,9 +5,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use robios_sys::c;
+use robios_sys::{Robios6Call, c};
 
 use super::compiler::Compiler;
+use super::find::edit_distance;
 
 /// The texts that every C program is built with: the headers it may include, and the shim that is linked to it.
 #[derive(Clone, Debug)]
@@ -104,18 +105,96 @@ pub enum CompileError {
 }
 
 fn undefined_hint(undefined: &[String]) -> String {
-    match undefined {
-        [] => String::new(),
-        [main] if main == "main" => "\n  the program has no function `main`".into(),
-        names => {
-            let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-            format!(
-                "\n  not defined: {}; a program of several files is named with all of them (`main.c,map.c`) or by its \
-                 folder",
-                names.join(", ")
-            )
+    let names = |names: &[&String]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    let (of_7, others): (Vec<&String>, Vec<&String>) =
+        undefined.iter().partition(|name| ROBIOS_7.contains(&name.as_str()));
+    let mut hint = String::new();
+    if !of_7.is_empty() {
+        hint += &format!("\n  RoBIOS 7 has {}; this program is built for RoBIOS 6", names(&of_7));
+    }
+    for name in &others {
+        if let Some(near) = near_robios_function(name) {
+            hint += &format!("\n  `{name}` is not defined; did you mean `{near}`?");
         }
     }
+    match others.as_slice() {
+        [] => {}
+        [main] if *main == "main" => hint += "\n  the program has no function `main`",
+        others => {
+            hint += &format!(
+                "\n  not defined: {}; a program of several files is named with all of them (`main.c,map.c`) or by its \
+                 folder",
+                names(others)
+            );
+        }
+    }
+    hint
+}
+
+/// Functions that RoBIOS 7 has and RoBIOS 6 has not.
+const ROBIOS_7: &[&str] = &[
+    "ANALOGRead",
+    "ANALOGVoltage",
+    "AUDone",
+    "AUMicrophone",
+    "AUPlay",
+    "CAMGetGray",
+    "DIGITALRead",
+    "DIGITALReadAll",
+    "DIGITALSetup",
+    "DIGITALWrite",
+    "ENCODERRead",
+    "ENCODERReset",
+    "IPCol2Gray",
+    "IPGray2Col",
+    "IPOverlay",
+    "IPSetSize",
+    "KEYGetXY",
+    "KEYReadXY",
+    "LCDCircle",
+    "LCDGetSize",
+    "LCDImage",
+    "LCDImageBinary",
+    "LCDImageGray",
+    "LCDImageSize",
+    "LCDImageStart",
+    "LCDPixel",
+    "LCDRefresh",
+    "LCDSetColor",
+    "LCDSetFont",
+    "LCDSetFontSize",
+    "LCDSetMode",
+    "LIDARGet",
+    "LIDARSet",
+    "MOTORPID",
+    "MOTORPIDOff",
+    "MOTORSpeed",
+    "RADIOGetID",
+    "RADIOReceive",
+    "RADIORelease",
+    "RADIOStatus",
+    "SERInit",
+    "SERReceive",
+    "SERSend",
+    "SIMGetObject",
+    "SIMGetRobot",
+    "SIMSetObject",
+    "SIMSetRobot",
+    "VWControl",
+    "VWCurve",
+    "VWDone",
+    "VWDrive",
+    "VWRemain",
+    "VWStraight",
+    "VWTurn",
+    "VWWait",
+];
+
+/// The RoBIOS 6 function whose name is nearest to `name`, if one is near: up to a slip in four letters.
+fn near_robios_function(name: &str) -> Option<&'static str> {
+    let distance = |call: &Robios6Call| edit_distance(&call.name().to_lowercase(), &name.to_lowercase());
+    let nearest = Robios6Call::ALL.iter().min_by_key(|call| distance(call))?;
+    (distance(nearest) <= name.len() / 4).then(|| nearest.name())
 }
 
 impl Compilation<'_> {
@@ -315,6 +394,18 @@ mod tests {
         assert_eq!(undefined_symbols(gnu), ["Plan"]);
         assert_eq!(undefined_symbols(lld), ["Plan"]);
         assert!(undefined_symbols("maze.c:3: multiple definition of `main'").is_empty());
+    }
+
+    #[test]
+    fn misspelled_functions_and_those_of_another_generation_are_told() {
+        let hint = |names: &[&str]| undefined_hint(&names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>());
+        assert!(hint(&["VWDriveStrait"]).contains("`VWDriveStrait` is not defined; did you mean `VWDriveStraight`?"));
+        assert!(hint(&["psdget"]).contains("did you mean `PSDGet`?"));
+        assert_eq!(hint(&["VWStraight"]), "\n  RoBIOS 7 has `VWStraight`; this program is built for RoBIOS 6");
+        assert!(!hint(&["Plan"]).contains("did you mean"));
+        for name in ROBIOS_7 {
+            assert_eq!(Robios6Call::from_name(name), None, "{name}");
+        }
     }
 
     #[test]

@@ -176,11 +176,16 @@ impl ProgramImage {
         innermost
     }
 
-    /// The line of the first of `offsets` (a call stack, innermost first) that lies in the program's own sources, so not
-    /// in its shim or in the library of its language; if none does, of the first that is known.
+    /// The line of the first place in a call stack that lies in the program's own sources, so not in its shim or in the
+    /// library of its language; if none does, of the first that is known.
+    ///
+    /// `offsets` go from the innermost to the outermost: a program counter, then return addresses. Others among them do
+    /// no harm, if they do not point into code.
     pub fn own_source_line(&self, offsets: impl IntoIterator<Item = usize>) -> Option<SourceLine> {
         let mut first = None;
-        for line in offsets.into_iter().filter_map(|offset| self.source_line(offset)) {
+        for (depth, offset) in offsets.into_iter().enumerate() {
+            // A return address is behind its call, which may be the last of its line.
+            let Some(line) = self.source_line(offset.saturating_sub(usize::from(depth > 0))) else { continue };
             if self.source_folder.is_none() || line.file.is_relative() {
                 return Some(line);
             }

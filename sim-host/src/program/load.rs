@@ -182,10 +182,12 @@ impl LoadedProgram {
         self.prepared.image.source_line(self.offset(address)?)
     }
 
-    /// The line in the program's own sources of the first of `addresses` (a call stack, innermost first) that has one. See
-    /// [`ProgramImage::own_source_line`].
+    /// The line in the program's own sources that a call stack leads to: `addresses` are the program counter, then return
+    /// addresses, innermost first; those outside of this copy are passed over. See [`ProgramImage::own_source_line`].
     pub fn own_source_line(&self, addresses: &[usize]) -> Option<SourceLine> {
-        self.prepared.image.own_source_line(addresses.iter().filter_map(|&address| self.offset(address)))
+        // An address outside of the copy becomes an offset outside of its code.
+        let offsets = addresses.iter().map(|&address| self.offset(address).unwrap_or(usize::MAX));
+        self.prepared.image.own_source_line(offsets)
     }
 
     fn offset(&self, address: usize) -> Option<usize> {

@@ -342,7 +342,7 @@ fn addresses_lead_to_source_lines() {
     };
     let in_shim = address_in("run");
     assert!(program.source_line(in_shim).expect("a line").file.ends_with("shim.c"));
-    let line = program.own_source_line(&[in_shim, address_in("deeper")]).expect("a line");
+    let line = program.own_source_line(&[in_shim, address_in("deeper") + 1]).expect("a line");
     assert!(["line.c:3", "line.c:4"].contains(&line.to_string().as_str()), "{line:?}");
     assert_eq!(line.function.as_deref(), Some("deeper"));
     assert_eq!(program.source_line(1), None);
