@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::spec::{PathRef, RobiSpec, RobotLine, RobotSpec, SceneSpec, SimSpec, WorldKind, WorldSpec};
-use super::{Span, path, read_companion, read_maze, read_robi, read_sim, read_world};
+use super::{Span, clearance, path, read_companion, read_maze, read_robi, read_sim, read_world};
 use crate::RobotId;
 
 /// The file system as the readers see it; paths have slashes.
@@ -65,6 +65,7 @@ impl Loaded {
 /// Reads a sim file and all worlds and robis that it names. Programs are not looked for.
 ///
 /// Robots without a pose take the starts of the world in order. A robot type is read once, however many robots have it.
+/// A robot that starts inside a wall or another robot is warned about.
 pub fn load_sim(path: &str, files: &dyn Files) -> Loaded {
     let mut loader = Loader::new(files);
     let Some(text) = loader.root(path) else {
@@ -76,6 +77,7 @@ pub fn load_sim(path: &str, files: &dyn Files) -> Loaded {
     let world = loader.world(&sim, &folder);
     let robots = loader.robots(&sim, &folder, world.as_ref());
     let world = world.unwrap_or_default();
+    loader.diagnostics.extend(clearance::check(path, &world, &robots));
     let objects = world.objects.iter().chain(&sim.objects).cloned().collect();
     loader.finish(SceneSpec { file: path.to_owned(), folder, world, robots, objects })
 }

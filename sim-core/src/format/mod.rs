@@ -5,6 +5,7 @@
 //! programs and builds nothing; the classic formats of EyeSim 5 and 6 are read, lines of EyeSim VR are recognised and
 //! reported. The formats are described in docs/formats.md.
 
+mod clearance;
 mod companion;
 mod diagnostic;
 mod line;

@@ -71,12 +71,20 @@ const MISTAKES: &[(&str, &str, &str)] = &[
 /// Mistakes that show only when files are looked for.
 const SCENES: &[(&str, &str)] = &[
     ("file-case", "world W.WLD\nrobi S4.robi p.so 1 1 0\n"),
-    ("file-missing", "world v.wld\nrobi S4.robi p.so 1 1 0\n"),
+    ("file-missing", "world u.wld\nrobi S4.robi p.so 1 1 0\n"),
     ("file-missing", "world w.wld\nrobi %sim%/S5.robi p.so 1 1 0\n"),
     ("file-moved", "world C:\\x\\w.wld\nrobi S4.robi p.so 1 1 0\n"),
     ("file-unreadable", "world locked.wld\nrobi S4.robi p.so 1 1 0\n"),
     ("sim-robot-missing", "world w.wld\n"),
     ("sim-start-missing", "world w.wld\nrobi S4.robi p.so\n"),
+    (
+        "sim-start-overlap",
+        "world w.wld\nrobi S4.robi p.so 0 0 0\nrobi S4.robi p.so 185 0 0\nrobi S4.robi p.so 371.1 0 0\n",
+    ),
+    (
+        "sim-start-wall",
+        "world v.wld\nrobi S4.robi p.so 906 500 0\nrobi S4.robi p.so 500 500 0\nrobi S4.robi p.so 500 102 0\n",
+    ),
     ("sim-world-missing", "robi S4.robi p.so 1 1 0\n"),
 ];
 
@@ -101,7 +109,13 @@ fn diagnostics(file: &str, text: &str) -> Vec<Diagnostic> {
 }
 
 fn scene_diagnostics(text: &str) -> Vec<Diagnostic> {
-    let files = Memory::new(&[("a.sim", text), ("w.wld", "floor 10 10"), ("S4.robi", S4), ("locked.wld", "")]);
+    let files = Memory::new(&[
+        ("a.sim", text),
+        ("w.wld", "floor 10 10"),
+        ("v.wld", "floor 9 9\n1000 0 1000 900\n0 0 900 0 20 100\n"),
+        ("S4.robi", S4),
+        ("locked.wld", ""),
+    ]);
     load_sim("a.sim", &files).diagnostics
 }
 
@@ -144,6 +158,7 @@ fn a_flood_of_mistakes_is_cut_off() {
 /// Codes in the readers' sources: string literals such as `"wld-keyword"`.
 fn codes_in_source() -> BTreeSet<&'static str> {
     let sources = [
+        include_str!("../clearance.rs"),
         include_str!("../companion.rs"),
         include_str!("../diagnostic.rs"),
         include_str!("../line.rs"),

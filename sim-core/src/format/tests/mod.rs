@@ -278,7 +278,7 @@ fn files_of_another_machine_are_found_beside_the_sim() {
 #[test]
 fn a_robot_type_is_read_once_under_all_its_names() {
     let files = Memory::new(&[
-        ("a.sim", "world w.wld\nrobi S4.robi p.so 1 1 0\nrobi ./S4.robi p.so 2 2 0\nrobi S4.robi p.so 3 3 0\n"),
+        ("a.sim", "world w.wld\nrobi S4.robi p.so 100 1 0\nrobi ./S4.robi p.so 300 2 0\nrobi S4.robi p.so 500 3 0\n"),
         ("w.wld", "floor 1000 1000"),
         ("S4.robi", &format!("{S4}frobnicate\n")),
     ]);
