@@ -1,1 +1,94 @@
 //! The safe Rust RoBIOS API for robot programs.
+//!
+//! A program is a function that gets the [`Robot`]; everything that the robot has is asked for there, and what is
+//! asked for is released when it is dropped. Lengths, angles, speeds and times have their units. A program is built
+//! as a library (`crate-type = ["cdylib"]`) that [`program!`] gives its entry.
+//!
+//! ```standalone_crate
+//! use robios_api::prelude::*;
+//!
+//! robios_api::program!(main);
+//!
+//! fn main(robot: &Robot) -> Result {
+//!     let drive = robot.drive()?;
+//!     let front = robot.psd(PsdAt::Front)?;
+//!     drive.set_speed(0.2.metres_per_second(), 0.radians_per_second())?;
+//!     while front.distance().is_none_or(|distance| distance > 0.1.metres()) {
+//!         robot.sleep(50.millis());
+//!     }
+//!     writeln!(robot.lcd(), "stopped at x = {:.2}", drive.position().x);
+//!     Ok(())
+//! }
+//! # let fake = robios_api::fake::Fake::new().psd(PsdAt::Front, |now| Some(1.metres() - now.position.x));
+//! # assert!(fake.run(main).expect_finished().lcd_line(0).starts_with("stopped at x = "));
+//! ```
+//!
+//! [`fake`] runs a program in a unit test without a simulator.
+//!
+//! # Outside the guarantee
+//! A run is a function of its files and its seed only if its programs are. `std` offers what is not:
+//!
+//! | instead of | use |
+//! |---|---|
+//! | `std::time::Instant`, `SystemTime` | [`Robot::now`] |
+//! | `std::thread::sleep` | [`Robot::sleep`], [`Robot::ticker`] |
+//! | `println!`, `eprintln!`, which write to the simulator's own output | `writeln!` to [`Robot::console`] |
+//! | `HashMap` and `HashSet`, whose order is random | `BTreeMap`, `BTreeSet` |
+//! | random numbers of the system | [`Robot::random`] |
+//! | threads | [`Robot::every`] |
+//! | `std::process::exit`, which would end the simulator | return from the program's function |
+//!
+//! Camera, image processing, radio and multi-tasking are not offered yet.
+
+#![warn(missing_docs)]
+
+mod actuator;
+mod audio;
+mod call_site;
+mod console;
+mod device;
+mod drive;
+pub mod entry;
+mod error;
+pub mod fake;
+mod key;
+mod lcd;
+mod os;
+mod port;
+mod psd;
+mod random;
+mod robot;
+mod sensor;
+mod serial;
+mod time;
+mod tv_remote;
+mod unit;
+
+pub use actuator::{Encoder, Motor, Servo, ServoPosition, Ticks};
+pub use audio::{Audio, SoundLevel};
+pub use console::Console;
+pub use device::{BumperAt, Device, EncoderAt, InfraredAt, MotorAt, PsdAt, ServoAt};
+pub use drive::{ControlGains, Drive, Position, Remaining, Velocity};
+pub use error::{Error, Result};
+pub use key::Key;
+pub use lcd::{Cursor, Ink, Lcd, LcdPlace, Overflow, Pixel};
+pub use os::{DeviceEntry, MachineType, RobotNumber};
+pub use port::{AnalogValue, Ports};
+pub use psd::{Psd, RawDistance};
+pub use random::Random;
+pub use robot::Robot;
+pub use sensor::{Bumper, Calibration, Compass, Infrared};
+pub use serial::{Baud, Handshake, Serial, SerialAt};
+pub use time::{Ticker, TimeOfDay, Timer, TimersHeld};
+pub use tv_remote::{TvCode, TvCoding, TvMode, TvRemote, TvSettings};
+pub use unit::{Angle, Frequency, Length, Ratio, Speed, TurnRate, Units};
+
+/// What most programs use: `use robios_api::prelude::*;`.
+pub mod prelude {
+    pub use std::time::Duration;
+
+    pub use crate::{
+        Angle, BumperAt, Compass, Drive, EncoderAt, Error, InfraredAt, Key, Length, MotorAt, Psd, PsdAt, Result, Robot,
+        ServoAt, Speed, TurnRate, Units,
+    };
+}

@@ -35,6 +35,8 @@ pub mod failure {
     pub const PANIC: i32 = 3;
     /// The stack protector found the stack smashed.
     pub const STACK: i32 = 4;
+    /// `main` of a Rust program returned an error.
+    pub const ERROR: i32 = 5;
 }
 
 crate::table::function_table! {

@@ -1,0 +1,148 @@
+//! The names of a robot's devices, as `hdt_sem.h` and the robi file have them.
+
+use std::fmt::{self, Display, Formatter};
+
+use robios_sys::robios6::{DeviceSemantics, semantics};
+
+macro_rules! names {
+    ($($(#[$attribute:meta])* $Name:ident { $($Variant:ident = $CONSTANT:ident),* $(,)? })*) => {$(
+        $(#[$attribute])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum $Name {
+            $(
+                #[doc = concat!("`", stringify!($CONSTANT), "`")]
+                $Variant,
+            )*
+            /// One that only the robi file names: its number there.
+            Other(DeviceSemantics),
+        }
+
+        impl $Name {
+            /// Its number in `hdt_sem.h`.
+            pub const fn semantics(self) -> DeviceSemantics {
+                match self {
+                    $(Self::$Variant => semantics::$CONSTANT,)*
+                    Self::Other(semantics) => semantics,
+                }
+            }
+
+            /// The one with this number.
+            pub const fn from_semantics(semantics: DeviceSemantics) -> Self {
+                match semantics {
+                    $(semantics::$CONSTANT => Self::$Variant,)*
+                    other => Self::Other(other),
+                }
+            }
+        }
+
+        impl Display for $Name {
+            fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+                match self {
+                    $(Self::$Variant => f.write_str(stringify!($CONSTANT)),)*
+                    Self::Other(semantics) => semantics.fmt(f),
+                }
+            }
+        }
+    )*};
+}
+
+names! {
+    /// Which PSD distance sensor.
+    PsdAt {
+        Front = PSD_FRONT, FrontLeft = PSD_FRONTLEFT, FrontRight = PSD_FRONTRIGHT, LeftDiagonal = PSD_LEFTDIAG,
+        RightDiagonal = PSD_RIGHTDIAG, Left = PSD_LEFT, LeftFront = PSD_LEFTFRONT, LeftBack = PSD_LEFTBACK,
+        RightFront = PSD_RIGHTFRONT, RightBack = PSD_RIGHTBACK, Right = PSD_RIGHT, Front2 = PSD_FRONT2,
+        Back = PSD_BACK, BackLeft = PSD_BACKLEFT, BackRight = PSD_BACKRIGHT,
+    }
+    /// Which motor.
+    MotorAt {
+        Left = MOTOR_LEFT, Right = MOTOR_RIGHT, FrontLeft = MOTOR_FL, FrontRight = MOTOR_FR, BackLeft = MOTOR_BL,
+        BackRight = MOTOR_BR, Drive = MOTOR_DRIVE,
+    }
+    /// Which wheel encoder.
+    EncoderAt {
+        Left = QUAD_LEFT, Right = QUAD_RIGHT, FrontLeft = QUAD_FL, FrontRight = QUAD_FR, BackLeft = QUAD_BL,
+        BackRight = QUAD_BR, Drive = QUAD_DRIVE,
+    }
+    /// Which servo.
+    ServoAt {
+        Servo1 = SERVO1, Servo2 = SERVO2, Servo3 = SERVO3, Servo4 = SERVO4, Servo5 = SERVO5, Servo6 = SERVO6,
+        Servo7 = SERVO7, Servo8 = SERVO8, Servo9 = SERVO9, Servo10 = SERVO10, Servo11 = SERVO11, Servo12 = SERVO12,
+        Steer = SERVO_STEER, Camera = SERVO_CAMERA,
+    }
+    /// Which bumper.
+    BumperAt {
+        Right = BUMP_RIGHT, Left = BUMP_LEFT, Front = BUMP_FRONT, Back = BUMP_BACK, FrontLeft = BUMP_FRONTLEFT,
+        FrontRight = BUMP_FRONTRIGHT, BackLeft = BUMP_BACKLEFT, BackRight = BUMP_BACKRIGHT,
+    }
+    /// Which infrared proximity sensor.
+    InfraredAt {
+        Front = IR_FRONT, Left = IR_LEFT, Right = IR_RIGHT, Back = IR_BACK, LeftDiagonal = IR_LEFTDIAG,
+        RightDiagonal = IR_RIGHTDIAG, FrontLeft = IR_FRONTLEFT, FrontRight = IR_FRONTRIGHT, BackLeft = IR_BACKLEFT,
+        BackRight = IR_BACKRIGHT,
+    }
+}
+
+/// A device of the robot, as errors name it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Device {
+    /// A PSD distance sensor.
+    Psd(PsdAt),
+    /// A motor.
+    Motor(MotorAt),
+    /// A wheel encoder.
+    Encoder(EncoderAt),
+    /// A servo.
+    Servo(ServoAt),
+    /// A bumper.
+    Bumper(BumperAt),
+    /// An infrared proximity sensor.
+    Infrared(InfraredAt),
+    /// The driving interface.
+    Drive,
+    /// The compass.
+    Compass,
+    /// The receiver of a TV remote control.
+    TvRemote,
+    /// The display.
+    Lcd,
+    /// A timer.
+    Timer,
+    /// The robot's clock.
+    Clock,
+    /// The system variables.
+    Variables,
+    /// The loudspeaker.
+    Speaker,
+    /// The microphone.
+    Microphone,
+    /// A serial interface.
+    Serial,
+    /// The analogue inputs.
+    Analog,
+}
+
+impl Display for Device {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Psd(at) => write!(f, "PSD sensor `{at}`"),
+            Self::Motor(at) => write!(f, "motor `{at}`"),
+            Self::Encoder(at) => write!(f, "encoder `{at}`"),
+            Self::Servo(at) => write!(f, "servo `{at}`"),
+            Self::Bumper(at) => write!(f, "bumper `{at}`"),
+            Self::Infrared(at) => write!(f, "infrared sensor `{at}`"),
+            Self::Drive => f.write_str("driving interface `VW_DRIVE`"),
+            Self::Compass => f.write_str("compass `COMPASS`"),
+            Self::TvRemote => f.write_str("receiver `IRTV`"),
+            Self::Lcd => f.write_str("LCD"),
+            Self::Timer => f.write_str("timer"),
+            Self::Clock => f.write_str("clock"),
+            Self::Variables => f.write_str("system variable"),
+            Self::Speaker => f.write_str("speaker"),
+            Self::Microphone => f.write_str("microphone"),
+            Self::Serial => f.write_str("serial interface"),
+            Self::Analog => f.write_str("analogue input"),
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! The way into a program and out of it: the exported symbol, and what stands between the program's `main` and the
+//! host. No panic passes it.
+
+use std::any::Any;
+use std::cell::{Cell, RefCell};
+use std::error::Error as StdError;
+use std::ffi::{CStr, c_char, c_int, c_void};
+use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
+use std::sync::Once;
+
+use robios_sys::support::failure;
+use robios_sys::{ByteSlice, EXIT_PANICKED, EXIT_STOPPED};
+
+use crate::Robot;
+use crate::robot::Stopped;
+
+/// Exit code of a program whose `main` returned an error, as of any Rust program.
+const EXIT_FAILED: c_int = 1;
+
+/// Makes a function the robot program of this library: exports it under the name that the simulator looks for.
+///
+/// The function takes `&Robot` and returns nothing or a [`Result`](crate::Result), of whatever error (one of `anyhow`
+/// as well). Once in a library, whose `Cargo.toml` has `crate-type = ["cdylib"]`. The panic strategy must be
+/// `unwind`, which is the default.
+///
+/// ```standalone_crate
+/// use robios_api::prelude::*;
+///
+/// robios_api::program!(main);
+///
+/// fn main(robot: &Robot) -> Result {
+///     writeln!(robot.lcd(), "hello");
+///     Ok(())
+/// }
+/// # assert_eq!(robios_api::fake::Fake::new().run(main).lcd_line(0), "hello");
+/// # let _ = ();
+/// ```
+#[macro_export]
+macro_rules! program {
+    ($main:path) => {
+        const _: () = {
+            #[cfg(not(panic = "unwind"))]
+            compile_error!(
+                "robot programs need `panic = \"unwind\"` in their profile: an abort would end the simulator"
+            );
+
+            unsafe extern "C" fn run(
+                host: *const $crate::entry::Host,
+                robot: *mut ::core::ffi::c_void,
+                argc: ::core::ffi::c_int,
+                argv: *const *const ::core::ffi::c_char,
+            ) -> ::core::ffi::c_int {
+                // SAFETY: the host keeps to the contract of `robios_sys::Run`, of which this is one.
+                unsafe { $crate::entry::run(host, robot, argc, argv, $main) }
+            }
+
+            #[allow(non_upper_case_globals, reason = "the name that the host looks for")]
+            #[unsafe(no_mangle)]
+            pub static eyesim_program: $crate::entry::Program = $crate::entry::program(run);
+        };
+    };
+}
+
+pub use robios_sys::{Host, Program};
+
+/// What the program's function may return.
+pub trait Outcome {
+    /// The text of the failure, if it is one.
+    fn failure(self) -> Option<String>;
+}
+
+impl Outcome for () {
+    fn failure(self) -> Option<String> {
+        None
+    }
+}
+
+/// Any error, with its sources.
+impl<E: Into<Box<dyn StdError>>> Outcome for Result<(), E> {
+    fn failure(self) -> Option<String> {
+        let error = self.err()?.into();
+        let mut text = error.to_string();
+        let mut source = error.source();
+        while let Some(cause) = source {
+            text.push_str(&format!(": {cause}"));
+            source = cause.source();
+        }
+        Some(text)
+    }
+}
+
+/// The description of a program that [`program!`](crate::program) exports.
+pub const fn program(run: robios_sys::Run) -> Program {
+    Program::robios6(robios_sys::language::RUST, run)
+}
+
+/// Runs a program's `main` between the host and the library, and gives its exit code.
+///
+/// # Safety
+/// The arguments are those of [`robios_sys::Run`], for a host of RoBIOS 6.
+pub unsafe fn run<O: Outcome>(
+    host: *const Host,
+    context: *mut c_void,
+    argc: c_int,
+    argv: *const *const c_char,
+    main: impl FnOnce(&Robot) -> O,
+) -> c_int {
+    install_hook();
+    // SAFETY: the caller vouches for the arguments.
+    let arguments = unsafe { arguments(argc, argv) };
+    // SAFETY: the caller vouches for host and context, and the robot is closed below.
+    let robot = unsafe { Robot::new(host, context, arguments) };
+    let outcome = {
+        let _inside = Inside::enter();
+        panic::catch_unwind(AssertUnwindSafe(|| main(&robot).failure()))
+    };
+    let code = match outcome {
+        Ok(None) => 0,
+        Ok(Some(text)) => {
+            report(&robot, failure::ERROR, &text);
+            EXIT_FAILED
+        }
+        Err(payload) if payload.is::<Stopped>() => EXIT_STOPPED,
+        Err(payload) => {
+            report(&robot, failure::PANIC, &panic_text(payload));
+            EXIT_PANICKED
+        }
+    };
+    robot.close();
+    robot.0.failure.get().unwrap_or(code)
+}
+
+/// What a timer's function does that unwound: reports a panic, and leaves the rest to the call around it.
+pub(crate) fn leave_callback(robot: &Robot, payload: Box<dyn Any + Send>) {
+    if !payload.is::<Stopped>() {
+        report(robot, failure::PANIC, &panic_text(payload));
+        robot.0.failure.set(Some(EXIT_PANICKED));
+    }
+}
+
+/// Tells the host why the program ends.
+fn report(robot: &Robot, kind: i32, text: &str) {
+    if let Some(tables) = robot.tables() {
+        // SAFETY: the tables are valid until the robot is closed; text lives, and the result may be null. The status
+        // says nothing: the program ends anyway.
+        let _ =
+            unsafe { ((*tables.support).failed)(tables.context, kind, ByteSlice::from(text), std::ptr::null_mut()) };
+    }
+}
+
+/// The program's arguments without its name, which is the first.
+///
+/// # Safety
+/// `argv` has `argc` strings that end in 0, or is null.
+unsafe fn arguments(argc: c_int, argv: *const *const c_char) -> Vec<String> {
+    if argv.is_null() {
+        return Vec::new();
+    }
+    (1..usize::try_from(argc).unwrap_or(0))
+        // SAFETY: the index is below argc, and the caller vouches for the strings.
+        .map(|index| unsafe { CStr::from_ptr(*argv.add(index)) }.to_string_lossy().into_owned())
+        .collect()
+}
+
+thread_local! {
+    /// How many programs run on this thread: more than one only in a test of this crate.
+    static INSIDE: Cell<u32> = const { Cell::new(0) };
+    /// The last panic of the program on this thread: place and text.
+    static LAST_PANIC: RefCell<Option<String>> = const { RefCell::new(None) };
+}
+
+/// While it lives, panics of this thread are the program's.
+struct Inside;
+
+impl Inside {
+    fn enter() -> Self {
+        INSIDE.set(INSIDE.get() + 1);
+        Self
+    }
+}
+
+impl Drop for Inside {
+    fn drop(&mut self) {
+        INSIDE.set(INSIDE.get() - 1);
+    }
+}
+
+/// Keeps panics of a program off standard error: the host shows them with the robot's name.
+///
+/// A library has its own copy of `std` and so its own hook. In a unit test the hook is shared with the test harness,
+/// which goes on to get all others.
+fn install_hook() {
+    static INSTALLED: Once = Once::new();
+    INSTALLED.call_once(|| {
+        let others = panic::take_hook();
+        panic::set_hook(Box::new(move |panic| {
+            if INSIDE.get() == 0 {
+                others(panic);
+            } else {
+                LAST_PANIC.set(Some(shown(panic)));
+            }
+        }));
+    });
+}
+
+/// A panic as `src/lib.rs:12:5: text`.
+fn shown(panic: &PanicHookInfo<'_>) -> String {
+    let text = panic.payload_as_str().unwrap_or("a panic without a text");
+    match panic.location() {
+        Some(place) => format!("{place}: {text}"),
+        None => text.to_owned(),
+    }
+}
+
+/// What a panic that was caught says, with its place if the hook has seen it.
+fn panic_text(payload: Box<dyn Any + Send>) -> String {
+    LAST_PANIC.take().unwrap_or_else(|| match payload.downcast::<String>() {
+        Ok(text) => *text,
+        Err(payload) => match payload.downcast::<&str>() {
+            Ok(text) => (*text).to_owned(),
+            Err(_other) => "a panic without a text".to_owned(),
+        },
+    })
+}

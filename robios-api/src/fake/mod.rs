@@ -1,0 +1,324 @@
+//! A fake robot for unit tests of robot programs: no simulator, no files, no world.
+//!
+//! A [`Fake`] says what the robot has and what happens to it over virtual time; [`Fake::run`] runs a program on it
+//! from start to end, and the [`Run`] tells what the program did. Programs without end are stopped at a limit of
+//! virtual time. The robot is ideal: drives take exactly their time, and nothing is in its way.
+//!
+//! ```
+//! use robios_api::fake::Fake;
+//! use robios_api::prelude::*;
+//!
+//! fn main(robot: &Robot) -> Result {
+//!     let front = robot.psd(PsdAt::Front)?;
+//!     robot.wait_for_key(Key::Key4);
+//!     let drive = robot.drive()?;
+//!     drive.straight(0.4.metres(), 0.2.metres_per_second())?.wait()?;
+//!     if front.distance().is_some() {
+//!         writeln!(robot.lcd(), "wall");
+//!     }
+//!     Ok(())
+//! }
+//!
+//! let run = Fake::new()
+//!     .psd(PsdAt::Front, |now| Some(1.metres() - now.position.x))
+//!     .key(2.5.seconds(), Key::Key4)
+//!     .run(main)
+//!     .expect_finished();
+//! assert_eq!(run.lcd_line(0), "wall");
+//! assert!((run.position().x - 0.4.metres()).abs() < 1.millimetres());
+//! assert_eq!(run.calls_of("VWDriveStraight").count(), 1);
+//! ```
+
+mod lcd;
+mod motion;
+mod robios;
+mod robot;
+
+use std::ffi::{CString, c_char, c_int, c_void};
+use std::fmt::{self, Display, Formatter};
+use std::panic::Location;
+use std::time::Duration;
+
+use robios_sys::{Host, Program, Robios6Table, SupportTable};
+
+use crate::Robot;
+use crate::device::{BumperAt, InfraredAt, PsdAt};
+use crate::drive::Position;
+use crate::entry::{self, Outcome};
+use crate::key::Key;
+use crate::unit::Length;
+use robot::FakeRobot;
+
+/// An instant of a run, for scripts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Virtual time since the robot's start.
+    pub time: Duration,
+    /// Where the robot truly is: it starts at 0, whatever the program says with `set_position`.
+    pub position: Position,
+}
+
+type Script<T> = Box<dyn Fn(&Moment) -> T>;
+
+/// What a robot has and what happens to it.
+pub struct Fake {
+    psds: Vec<(PsdAt, Script<Option<Length>>)>,
+    bumpers: Vec<(BumperAt, Vec<Duration>)>,
+    infrareds: Vec<(InfraredAt, Script<bool>)>,
+    keys: Vec<(Duration, Key)>,
+    arguments: Vec<String>,
+    limit: Duration,
+    seed: u64,
+}
+
+impl Default for Fake {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl fmt::Debug for Fake {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Fake").field("keys", &self.keys).field("limit", &self.limit).finish_non_exhaustive()
+    }
+}
+
+impl Fake {
+    /// A robot with drive, two motors and encoders, servos, compass and display, without other sensors; 60 s.
+    ///
+    /// At full power of the motors it drives 0.5 m/s; its wheels are 0.1 m apart; its encoders have 1,000 ticks a
+    /// metre. North is to the left of its start.
+    pub fn new() -> Self {
+        Self {
+            psds: Vec::new(),
+            bumpers: Vec::new(),
+            infrareds: Vec::new(),
+            keys: Vec::new(),
+            arguments: Vec::new(),
+            limit: Duration::from_secs(60),
+            seed: 1,
+        }
+    }
+
+    /// Gives it a distance sensor and what it measures; `None` is nothing within range.
+    ///
+    /// As the real one it measures every 60 ms and gives whole millimetres.
+    pub fn psd(mut self, at: PsdAt, distance: impl Fn(&Moment) -> Option<Length> + 'static) -> Self {
+        self.psds.push((at, Box::new(distance)));
+        self
+    }
+
+    /// Gives it a bumper and the times at which something bumps, in order.
+    pub fn bumper(mut self, at: BumperAt, times: impl Into<Vec<Duration>>) -> Self {
+        self.bumpers.push((at, times.into()));
+        self
+    }
+
+    /// Gives it an infrared sensor and when something is near.
+    pub fn infrared(mut self, at: InfraredAt, is_near: impl Fn(&Moment) -> bool + 'static) -> Self {
+        self.infrareds.push((at, Box::new(is_near)));
+        self
+    }
+
+    /// Presses a key at a time.
+    pub fn key(mut self, time: Duration, key: Key) -> Self {
+        self.keys.push((time, key));
+        self.keys.sort_by_key(|(time, _)| *time);
+        self
+    }
+
+    /// Gives the program an argument.
+    pub fn argument(mut self, argument: impl Into<String>) -> Self {
+        self.arguments.push(argument.into());
+        self
+    }
+
+    /// Stops the program at a virtual time if it has not ended before; 60 s if nothing is said.
+    ///
+    /// A loop that makes no call passes no virtual time and is not stopped.
+    pub fn until(mut self, limit: Duration) -> Self {
+        self.limit = limit;
+        self
+    }
+
+    /// Sets the seed of the robot's random numbers.
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// Runs a program.
+    pub fn run<O: Outcome>(self, main: impl FnOnce(&Robot) -> O) -> Run {
+        self.run_with(|host, context, argc, argv| {
+            // SAFETY: host, context and arguments live until the call returns, and are as `robios_sys::Run` says.
+            unsafe { entry::run(host, context, argc, argv, main) }
+        })
+    }
+
+    /// Runs a program of a library that was loaded.
+    ///
+    /// # Safety
+    /// `program` is the `eyesim_program` of a library that stays loaded, and keeps to its contract.
+    ///
+    /// # Panics
+    /// If the program was built against another version of the ABI.
+    pub unsafe fn run_library(self, program: &Program) -> Run {
+        if let Err(misfit) = program.check() {
+            panic!("{misfit}");
+        }
+        self.run_with(|host, context, argc, argv| {
+            // SAFETY: the caller vouches for the program; host, context and arguments live until the call returns.
+            unsafe { (program.run)(host, context, argc, argv) }
+        })
+    }
+
+    fn run_with(mut self, program: impl FnOnce(*const Host, *mut c_void, c_int, *const *const c_char) -> c_int) -> Run {
+        static SUPPORT: SupportTable = SupportTable::of::<FakeRobot>();
+        static ROBIOS: Robios6Table = Robios6Table::of::<FakeRobot>();
+        static HOST: Host = Host::new(&SUPPORT, &ROBIOS);
+        let arguments: Vec<CString> = std::iter::once("program".to_owned())
+            .chain(std::mem::take(&mut self.arguments))
+            .map(|argument| CString::new(argument.replace('\0', "")).unwrap_or_default())
+            .collect();
+        let mut argv: Vec<*const c_char> = arguments.iter().map(|argument| argument.as_ptr()).collect();
+        argv.push(std::ptr::null());
+        let robot = FakeRobot::new(self);
+        let context = std::ptr::from_ref(&robot).cast_mut().cast();
+        let code = program(&HOST, context, arguments.len() as c_int, argv.as_ptr());
+        robot.finish(code)
+    }
+}
+
+/// How a program ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum End {
+    /// Its function returned without an error.
+    Finished,
+    /// It panicked, returned an error, or did what a robot program must not do.
+    Failed {
+        /// The exit code that a simulator would show.
+        exit_code: i32,
+        /// What went wrong.
+        reason: String,
+    },
+    /// It was stopped at the limit of virtual time.
+    TimeUp {
+        /// The call that was in progress, and its place if the program belongs to the library of the test.
+        during: String,
+    },
+}
+
+impl Display for End {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Finished => f.write_str("finished"),
+            Self::Failed { exit_code, reason } => write!(f, "failed with exit code {exit_code}: {reason}"),
+            Self::TimeUp { during } => write!(f, "still running when the time was up, in {during}"),
+        }
+    }
+}
+
+/// A call that a program made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Call {
+    /// Virtual time of its end.
+    pub time: Duration,
+    /// The function's name in RoBIOS.
+    pub name: &'static str,
+    /// The call with arguments and result, in the units of RoBIOS: `VWDriveStraight(1, 0.4, 0.2) = 0`.
+    pub text: String,
+    /// Where the program made it, if it belongs to the library of the test.
+    pub place: Option<&'static Location<'static>>,
+}
+
+impl Display for Call {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.4} s {}", self.time.as_secs_f64(), self.text)
+    }
+}
+
+/// What a program did, from its start to its end.
+#[derive(Clone, Debug)]
+pub struct Run {
+    end: End,
+    time: Duration,
+    position: Position,
+    lcd: Vec<String>,
+    console: String,
+    calls: Vec<Call>,
+}
+
+impl Run {
+    /// How it ended.
+    pub fn end(&self) -> &End {
+        &self.end
+    }
+
+    /// The run itself, if the program's function returned without an error.
+    ///
+    /// # Panics
+    /// If it did not: with its end, its console and its last calls.
+    #[track_caller]
+    pub fn expect_finished(self) -> Self {
+        assert!(self.end == End::Finished, "the program {}", self.story());
+        self
+    }
+
+    /// The run itself, if the program was stopped at the limit of virtual time, as one without end must be.
+    ///
+    /// # Panics
+    /// If it was not: with its end, its console and its last calls.
+    #[track_caller]
+    pub fn expect_time_up(self) -> Self {
+        assert!(matches!(self.end, End::TimeUp { .. }), "the program {}", self.story());
+        self
+    }
+
+    /// The reason of its failure.
+    ///
+    /// # Panics
+    /// If it did not fail: with its end, its console and its last calls.
+    #[track_caller]
+    pub fn expect_failed(&self) -> &str {
+        match &self.end {
+            End::Failed { reason, .. } => reason,
+            _ => panic!("the program {}", self.story()),
+        }
+    }
+
+    fn story(&self) -> String {
+        let last = self.calls.len().saturating_sub(10);
+        let calls: Vec<String> = self.calls[last..].iter().map(|call| format!("  {call}")).collect();
+        format!("{}\nconsole:\n{}\nlast calls:\n{}", self.end, self.console, calls.join("\n"))
+    }
+
+    /// Virtual time at the end.
+    pub fn time(&self) -> Duration {
+        self.time
+    }
+
+    /// Where the robot truly was at the end; it starts at 0.
+    pub fn position(&self) -> Position {
+        self.position
+    }
+
+    /// A line of the display at the end, 0 (top) to 6, without blanks at its end; empty for another row.
+    pub fn lcd_line(&self, row: usize) -> &str {
+        self.lcd.get(row).map_or("", String::as_str)
+    }
+
+    /// All that was written to the console.
+    pub fn console(&self) -> &str {
+        &self.console
+    }
+
+    /// All calls in the order of their ends.
+    pub fn calls(&self) -> &[Call] {
+        &self.calls
+    }
+
+    /// The calls of one function, by its name in RoBIOS.
+    pub fn calls_of<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Call> {
+        self.calls.iter().filter(move |call| call.name == name)
+    }
+}

@@ -1,0 +1,185 @@
+//! How the fake robot moves: it does exactly what it is told, at once.
+
+use std::time::Duration;
+
+use crate::drive::Position;
+use crate::unit::{Angle, Length};
+
+/// Distance of the fake robot's wheels, in metres.
+pub const TRACK_M: f64 = 0.1;
+
+/// Speed of a wheel of the fake robot at full power, in m/s.
+pub const FULL_SPEED_MPS: f64 = 0.5;
+
+/// Position in metres and radians.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pose {
+    pub x: f64,
+    pub y: f64,
+    pub phi: f64,
+}
+
+impl Pose {
+    /// The pose after an arc of a length and a change of heading.
+    pub fn moved(self, length: f64, angle: f64) -> Self {
+        // The chord of the arc, which points to half of the change of heading.
+        let half = angle / 2.0;
+        let chord = if half.abs() < 1e-8 { length } else { length * libm::sin(half) / half };
+        let direction = self.phi + half;
+        Self {
+            x: self.x + chord * libm::cos(direction),
+            y: self.y + chord * libm::sin(direction),
+            phi: self.phi + angle,
+        }
+    }
+
+    /// A pose that is given in the frame of this one.
+    pub fn compose(self, inner: Self) -> Self {
+        let (sin, cos) = (libm::sin(self.phi), libm::cos(self.phi));
+        Self {
+            x: self.x + cos * inner.x - sin * inner.y,
+            y: self.y + sin * inner.x + cos * inner.y,
+            phi: self.phi + inner.phi,
+        }
+    }
+
+    /// A pose of the same frame as this one, seen from this one.
+    pub fn relative(self, other: Self) -> Self {
+        let (sin, cos) = (libm::sin(self.phi), libm::cos(self.phi));
+        let (dx, dy) = (other.x - self.x, other.y - self.y);
+        Self { x: cos * dx + sin * dy, y: cos * dy - sin * dx, phi: other.phi - self.phi }
+    }
+
+    pub fn position(self) -> Position {
+        Position { x: Length::metres(self.x), y: Length::metres(self.y), phi: Angle::radians(self.phi) }
+    }
+}
+
+/// A command from its start on.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    start_us: u64,
+    from: Pose,
+    /// What the wheels have rolled until the start, in metres, left and right.
+    rolled: [f64; 2],
+    length: f64,
+    angle: f64,
+    /// Seconds for length and angle; `None`: they are speeds per second, without end.
+    span: Option<f64>,
+}
+
+impl Piece {
+    /// Arc length and change of heading since the start.
+    fn progress(&self, now_us: u64) -> (f64, f64) {
+        let passed = Duration::from_micros(now_us.saturating_sub(self.start_us)).as_secs_f64();
+        let part = match self.span {
+            None => passed,
+            Some(span) if passed >= span => 1.0,
+            Some(span) => passed / span,
+        };
+        (self.length * part, self.angle * part)
+    }
+
+    fn end_us(&self) -> Option<u64> {
+        self.span.map(|span| self.start_us.saturating_add((span * 1e6).ceil() as u64))
+    }
+}
+
+/// All commands until now.
+#[derive(Debug)]
+pub struct Motion(Vec<Piece>);
+
+impl Motion {
+    pub fn new() -> Self {
+        let standing =
+            Piece { start_us: 0, from: Pose::default(), rolled: [0.0; 2], length: 0.0, angle: 0.0, span: Some(0.0) };
+        Self(vec![standing])
+    }
+
+    /// Speeds until the next command, in m/s and rad/s.
+    pub fn set_speed(&mut self, now_us: u64, v: f64, w: f64) {
+        self.push(now_us, v, w, None);
+    }
+
+    /// A drive of an arc length and a change of heading that takes some seconds.
+    pub fn drive(&mut self, now_us: u64, length: f64, angle: f64, span: f64) {
+        self.push(now_us, length, angle, Some(span));
+    }
+
+    fn push(&mut self, now_us: u64, length: f64, angle: f64, span: Option<f64>) {
+        let piece =
+            Piece { start_us: now_us, from: self.pose(now_us), rolled: self.rolled(now_us), length, angle, span };
+        self.0.push(piece);
+    }
+
+    fn piece(&self, now_us: u64) -> &Piece {
+        let after = self.0.partition_point(|piece| piece.start_us <= now_us);
+        &self.0[after.max(1) - 1]
+    }
+
+    /// The true pose; it starts at 0.
+    pub fn pose(&self, now_us: u64) -> Pose {
+        let piece = self.piece(now_us);
+        let (length, angle) = piece.progress(now_us);
+        piece.from.moved(length, angle)
+    }
+
+    /// What the wheels have rolled since the start of the program, in metres, left and right.
+    pub fn rolled(&self, now_us: u64) -> [f64; 2] {
+        let piece = self.piece(now_us);
+        let (length, angle) = piece.progress(now_us);
+        let [left, right] = piece.rolled;
+        [left + length - angle * TRACK_M / 2.0, right + length + angle * TRACK_M / 2.0]
+    }
+
+    /// Speeds in m/s and rad/s.
+    pub fn speed(&self, now_us: u64) -> (f64, f64) {
+        let piece = self.piece(now_us);
+        match piece.span {
+            None => (piece.length, piece.angle),
+            Some(_) if piece.end_us().is_some_and(|end| end <= now_us) => (0.0, 0.0),
+            Some(span) => (piece.length / span, piece.angle / span),
+        }
+    }
+
+    /// When the drive in progress ends; `None` if there is none.
+    pub fn drive_end_us(&self, now_us: u64) -> Option<u64> {
+        self.piece(now_us).end_us().filter(|end| *end > now_us)
+    }
+
+    /// What remains of the drive in progress: its length, or its angle if it has no length.
+    pub fn remaining(&self, now_us: u64) -> f64 {
+        let piece = self.piece(now_us);
+        if self.drive_end_us(now_us).is_none() {
+            return 0.0;
+        }
+        let (length, angle) = piece.progress(now_us);
+        if piece.length == 0.0 { piece.angle - angle } else { piece.length - length }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quarter_of_a_circle_ends_where_geometry_says() {
+        let mut motion = Motion::new();
+        motion.drive(1_000_000, std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2, 2.0);
+        let end = motion.pose(3_000_000);
+        // Radius 1 m, to the left; within a nanometre.
+        assert!((end.x - 1.0).abs() < 1e-9 && (end.y - 1.0).abs() < 1e-9, "{end:?}");
+        assert_eq!(motion.pose(500_000), Pose::default());
+        assert_eq!(motion.drive_end_us(2_000_000), Some(3_000_000));
+        let [left, right] = motion.rolled(3_000_000);
+        assert!((left - 0.95 * std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+        assert!((right - 1.05 * std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn relative_undoes_compose() {
+        let (outer, inner) = (Pose { x: 1.0, y: -2.0, phi: 0.7 }, Pose { x: 0.3, y: 0.4, phi: -0.2 });
+        let back = outer.relative(outer.compose(inner));
+        assert!((back.x - inner.x).abs() < 1e-12 && (back.y - inner.y).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,355 @@
+//! The fake robot behind the tables: its state, its virtual time, and the services for its program's language.
+
+use std::any::Any;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use robios_sys::robios6::PSDHandle;
+use robios_sys::{CallContext, CallRecord, Callback, OutBytes, Stop, Support};
+
+use super::lcd::Lcd;
+use super::motion::{FULL_SPEED_MPS, Motion, Pose, TRACK_M};
+use super::{Call, End, Fake, Moment, Run};
+use crate::call_site;
+
+/// Virtual time of a call that does not wait, in microseconds: as of a slow processor, so that loops that poll end.
+const COST_US: u64 = 100;
+pub(super) const PSD_CYCLE_US: u64 = 60_000;
+pub(super) const TIMER_TICK_US: u64 = 10_000;
+/// The only handle of the driving interface.
+pub(super) const VW: i32 = 1;
+
+/// A robot that follows the script of a [`Fake`].
+pub(super) struct FakeRobot {
+    pub fake: Fake,
+    /// Never borrowed over a callback.
+    pub state: RefCell<State>,
+}
+
+pub(super) struct State {
+    pub now_us: u64,
+    /// The program has to be left.
+    pub is_over: bool,
+    pub failure: Option<String>,
+    pub motion: Motion,
+    /// Where the robot was and where the program said it was, at the last `VWSetPosition`.
+    pub origin: (Pose, Pose),
+    pub has_drive: bool,
+    pub power: [f64; 2],
+    pub ticks_zero: [f64; 2],
+    pub rolled_zero: [f64; 2],
+    pub servos: Vec<i32>,
+    pub psd: Option<PsdRun>,
+    pub bumps_read: Vec<usize>,
+    pub keys_read: usize,
+    pub is_compass_ready: bool,
+    pub timers: Vec<Timer>,
+    pub next_timer: i32,
+    pub are_timers_held: bool,
+    pub is_in_callback: bool,
+    pub lcd: Lcd,
+    pub console: String,
+    pub random: BTreeMap<u32, u64>,
+    pub variables: [i32; 16],
+    pub clock_offset_us: i64,
+    pub calls: Vec<Call>,
+}
+
+/// Measuring of the distance sensors.
+#[derive(Clone, Copy)]
+pub(super) struct PsdRun {
+    pub start_us: u64,
+    pub mask: PSDHandle,
+    /// The last cycle; `None`: on and on.
+    pub last: Option<u64>,
+}
+
+impl PsdRun {
+    /// How many cycles are complete.
+    pub(super) fn cycles(self, now_us: u64) -> u64 {
+        let cycles = now_us.saturating_sub(self.start_us) / PSD_CYCLE_US;
+        self.last.map_or(cycles, |last| cycles.min(last))
+    }
+}
+
+pub(super) struct Timer {
+    pub handle: i32,
+    pub period_us: u64,
+    pub next_us: u64,
+    pub callback: Callback,
+}
+
+impl FakeRobot {
+    pub(super) fn new(fake: Fake) -> Self {
+        let state = State {
+            now_us: 0,
+            is_over: false,
+            failure: None,
+            motion: Motion::new(),
+            origin: Default::default(),
+            has_drive: false,
+            power: [0.0; 2],
+            ticks_zero: [0.0; 2],
+            rolled_zero: [0.0; 2],
+            servos: Vec::new(),
+            psd: None,
+            bumps_read: vec![0; fake.bumpers.len()],
+            keys_read: 0,
+            is_compass_ready: false,
+            timers: Vec::new(),
+            next_timer: 1,
+            are_timers_held: false,
+            is_in_callback: false,
+            lcd: Lcd::new(),
+            console: String::new(),
+            random: BTreeMap::new(),
+            variables: [0; 16],
+            clock_offset_us: 0,
+            calls: Vec::new(),
+        };
+        Self { fake, state: RefCell::new(state) }
+    }
+
+    /// What the program did, after it has returned its exit code.
+    pub(super) fn finish(self, exit_code: i32) -> Run {
+        let state = self.state.into_inner();
+        let end = match state.failure {
+            Some(reason) => End::Failed { exit_code, reason },
+            None if state.is_over => {
+                let during = state.calls.iter().rfind(|call| call.text.ends_with(" stopped"));
+                End::TimeUp { during: during.map_or_else(String::new, placed) }
+            }
+            None if exit_code == 0 => End::Finished,
+            None => End::Failed { exit_code, reason: "it returned an exit code other than 0".to_owned() },
+        };
+        Run {
+            end,
+            time: Duration::from_micros(state.now_us),
+            position: state.motion.pose(state.now_us).position(),
+            lcd: state.lcd.lines(),
+            console: state.console,
+            calls: state.calls,
+        }
+    }
+
+    /// Lets a call take its time, then does something at its end.
+    pub(super) fn act<R>(&self, act: impl FnOnce(&mut State) -> R) -> Result<R, Stop> {
+        let end_us = self.state.borrow().now_us + COST_US;
+        self.advance(end_us)?;
+        Ok(act(&mut self.state.borrow_mut()))
+    }
+
+    /// Waits until a time; `None` waits for ever.
+    pub(super) fn wait(&self, name: &str, until_us: Option<u64>) -> Result<(), Stop> {
+        if self.state.borrow().is_in_callback {
+            let state = &mut *self.state.borrow_mut();
+            state.is_over = true;
+            state.failure = Some(format!("{name} waits inside of a timer's function"));
+            return Err(Stop);
+        }
+        self.advance(until_us.unwrap_or(u64::MAX))
+    }
+
+    /// Lets virtual time pass; calls the timers that are due.
+    pub(super) fn advance(&self, until_us: u64) -> Result<(), Stop> {
+        let limit_us = self.fake.limit.as_micros() as u64;
+        let mut until_us = until_us.min(limit_us);
+        loop {
+            let due = self.state.borrow_mut().due_timer(until_us)?;
+            let Some(callback) = due else { break };
+            let before_us = self.state.borrow().now_us;
+            self.state.borrow_mut().is_in_callback = true;
+            // SAFETY: the program is in this call, on this thread, and the state is not borrowed.
+            let outcome = unsafe { callback.call() };
+            let state = &mut *self.state.borrow_mut();
+            state.is_in_callback = false;
+            if let Err(stop) = outcome {
+                state.is_over = true;
+                return Err(stop);
+            }
+            // What the timer's function calls pushes the end of the call that it interrupts.
+            until_us = (until_us + state.now_us - before_us).min(limit_us);
+        }
+        let state = &mut *self.state.borrow_mut();
+        state.now_us = state.now_us.max(until_us);
+        state.is_over |= state.now_us >= limit_us;
+        if state.is_over { Err(Stop) } else { Ok(()) }
+    }
+
+    /// Index of the sensor that a handle of one bit means.
+    pub(super) fn index_of(handle: i32, count: usize) -> Option<usize> {
+        (0..count.min(31)).find(|index| handle == 1 << index)
+    }
+
+    /// Handle of the sensor at an index; 0 for none.
+    pub(super) fn handle_of(index: Option<usize>) -> i32 {
+        index.filter(|index| *index < 31).map_or(0, |index| 1 << index)
+    }
+
+    /// When the next unread key of a mask is pressed; keys before it are dropped.
+    pub(super) fn next_key(&self, mask: i32) -> Option<(u64, i32)> {
+        let state = &mut *self.state.borrow_mut();
+        while let Some((time, key)) = self.fake.keys.get(state.keys_read) {
+            if key.code() & mask != 0 {
+                return Some((time.as_micros() as u64, key.code()));
+            }
+            state.keys_read += 1;
+        }
+        None
+    }
+
+    pub(super) fn wait_for_key(&self, name: &str, mask: i32) -> Result<i32, Stop> {
+        self.act(|_| ())?;
+        let Some((time_us, code)) = self.next_key(mask) else {
+            self.wait(name, None)?;
+            return Err(Stop);
+        };
+        let now_us = self.state.borrow().now_us;
+        if time_us > now_us {
+            self.wait(name, Some(time_us))?;
+        }
+        self.state.borrow_mut().keys_read += 1;
+        Ok(code)
+    }
+
+    pub(super) fn drive(&self, handle: i32, length: f32, angle: f32, pace: f32, way: f32) -> Result<i32, Stop> {
+        self.act(|state| {
+            if !(handle == VW && state.has_drive && pace > 0.0 && length.is_finite() && angle.is_finite()) {
+                return -1;
+            }
+            let span = f64::from(way.abs()) / f64::from(pace);
+            state.motion.drive(state.now_us, length.into(), angle.into(), span);
+            0
+        })
+    }
+
+    pub(super) fn with_drive(&self, handle: i32, act: impl FnOnce(&mut State)) -> Result<i32, Stop> {
+        self.act(|state| {
+            if handle != VW || !state.has_drive {
+                return -1;
+            }
+            act(state);
+            0
+        })
+    }
+}
+
+impl State {
+    pub(super) fn moment(&self, time_us: u64) -> Moment {
+        Moment { time: Duration::from_micros(time_us), position: self.motion.pose(time_us).position() }
+    }
+
+    /// Where the program believes to be.
+    pub(super) fn belief(&self) -> Pose {
+        let (true_then, said) = self.origin;
+        said.compose(true_then.relative(self.motion.pose(self.now_us)))
+    }
+
+    /// The first timer that is due, with the clock put to its time; none while they are held or one is running.
+    pub(super) fn due_timer(&mut self, until_us: u64) -> Result<Option<Callback>, Stop> {
+        if self.is_over {
+            return Err(Stop);
+        }
+        if self.is_in_callback || self.are_timers_held {
+            return Ok(None);
+        }
+        let due = self.timers.iter_mut().filter(|timer| timer.next_us <= until_us);
+        let Some(timer) = due.min_by_key(|timer| (timer.next_us, timer.handle)) else { return Ok(None) };
+        self.now_us = self.now_us.max(timer.next_us);
+        // Ticks that were missed are left out.
+        timer.next_us += timer.period_us * ((self.now_us - timer.next_us) / timer.period_us + 1);
+        Ok(Some(timer.callback))
+    }
+
+    /// Drives as the motors' power says.
+    pub(super) fn follow_power(&mut self) {
+        let [left, right] = self.power.map(|power| power * FULL_SPEED_MPS);
+        self.motion.set_speed(self.now_us, (left + right) / 2.0, (right - left) / TRACK_M);
+    }
+
+    pub(super) fn draw_bits(&mut self, purpose: u32, seed: u64) -> u64 {
+        // SplitMix64.
+        let start = seed ^ u64::from(purpose).wrapping_mul(0xD134_2543_DE82_EF95);
+        let state = self.random.entry(purpose).or_insert(start);
+        *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mixed = (*state ^ (*state >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        mixed ^ (mixed >> 31)
+    }
+}
+
+/// A call with its place.
+fn placed(call: &Call) -> String {
+    let text = call.text.trim_end_matches(" stopped");
+    match call.place {
+        Some(place) => format!("{text} at {place}"),
+        None => text.to_owned(),
+    }
+}
+
+impl CallContext for FakeRobot {
+    fn is_logging(&self) -> bool {
+        true
+    }
+
+    fn log_call(&self, record: &CallRecord<'_>) {
+        let state = &mut *self.state.borrow_mut();
+        let call = Call {
+            time: Duration::from_micros(state.now_us),
+            name: record.name,
+            text: record.to_string(),
+            place: call_site::last(),
+        };
+        state.calls.push(call);
+    }
+
+    fn panicked(&self, name: &'static str, payload: Box<dyn Any + Send>) {
+        let state = &mut *self.state.borrow_mut();
+        state.is_over = true;
+        let text = entry_text(&*payload);
+        state.failure = Some(format!("the script of the test panicked in {name}: {text}"));
+    }
+}
+
+fn entry_text(payload: &(dyn Any + Send)) -> &str {
+    payload.downcast_ref::<String>().map(String::as_str).or(payload.downcast_ref::<&str>().copied()).unwrap_or("")
+}
+
+impl Support for FakeRobot {
+    fn console(&self, _: i32, bytes: Option<&[u8]>) -> Result<i32, Stop> {
+        self.act(|state| state.console.push_str(&String::from_utf8_lossy(bytes.unwrap_or_default())))?;
+        Ok(0)
+    }
+
+    fn random(&self, purpose: u32) -> Result<u64, Stop> {
+        self.act(|state| state.draw_bits(purpose, self.fake.seed))
+    }
+
+    fn seed(&self, purpose: u32, seed: u64) -> Result<i32, Stop> {
+        self.act(|state| state.random.insert(purpose, seed ^ self.fake.seed.rotate_left(32)))?;
+        Ok(0)
+    }
+
+    fn time_us(&self) -> Result<i64, Stop> {
+        self.act(|state| state.now_us as i64)
+    }
+
+    fn sleep_us(&self, span_us: i64) -> Result<i32, Stop> {
+        let end_us = self.state.borrow().now_us.saturating_add(span_us.max(0) as u64);
+        self.wait("sleep", Some(end_us))?;
+        Ok(0)
+    }
+
+    fn failed(&self, kind: i32, text: Option<&[u8]>) -> Result<i32, Stop> {
+        let text = String::from_utf8_lossy(text.unwrap_or_default());
+        let kind = if kind == robios_sys::support::failure::PANIC { "panicked at " } else { "" };
+        self.state.borrow_mut().failure.get_or_insert(format!("{kind}{text}"));
+        Ok(0)
+    }
+
+    fn program_name(&self, name: &mut OutBytes) -> Result<i32, Stop> {
+        self.act(|_| name.set(b"program"))?;
+        Ok(7)
+    }
+}

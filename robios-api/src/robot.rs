@@ -1,0 +1,171 @@
+//! The robot that a program runs on: the way to everything that it has, and the one place where the ABI is called.
+
+use std::cell::{Cell, RefCell};
+use std::ffi::c_void;
+use std::rc::Rc;
+
+use robios_sys::{Host, Robios6Table, Status, SupportTable};
+
+use crate::audio::Audio;
+use crate::console::Console;
+use crate::lcd::Lcd;
+use crate::port::Ports;
+use crate::psd::PsdState;
+use crate::random::Random;
+
+/// The robot: every device and service is asked for here.
+///
+/// A clone is the same robot. It belongs to the thread that runs the program.
+#[derive(Clone)]
+pub struct Robot(pub(crate) Rc<Inner>);
+
+/// What all clones of a robot and its devices share.
+pub(crate) struct Inner {
+    /// `None` once the program has ended: a device that outlives it (in a thread-local, say) does nothing any more.
+    tables: Cell<Option<Tables>>,
+    arguments: Vec<String>,
+    pub(crate) psd: RefCell<PsdState>,
+    /// The exit code after a failure that has been reported already, as from within a timer's function.
+    pub(crate) failure: Cell<Option<i32>>,
+}
+
+/// Where the calls go; all valid until the program's `run` returns, see [`Robot::new`].
+#[derive(Clone, Copy)]
+pub(crate) struct Tables {
+    pub support: *const SupportTable,
+    pub robios: *const Robios6Table,
+    pub context: *mut c_void,
+}
+
+/// Payload of the unwinding that leaves a program after [`Status::STOP`].
+pub(crate) struct Stopped;
+
+impl Robot {
+    /// The robot of a host.
+    ///
+    /// # Safety
+    /// `host` and `context` are what the program's `run` got, for RoBIOS 6, and [`close`](Self::close) is called
+    /// before it returns.
+    pub(crate) unsafe fn new(host: *const Host, context: *mut c_void, arguments: Vec<String>) -> Self {
+        // SAFETY: the caller vouches for `host`.
+        let host = unsafe { &*host };
+        Self(Rc::new(Inner {
+            tables: Cell::new(Some(Tables { support: host.support, robios: host.robios6, context })),
+            arguments,
+            psd: RefCell::default(),
+            failure: Cell::new(None),
+        }))
+    }
+
+    /// Ends the way to the host: calls of what is left of the program do nothing from here on.
+    pub(crate) fn close(&self) {
+        self.0.tables.set(None);
+    }
+
+    pub(crate) fn tables(&self) -> Option<Tables> {
+        self.0.tables.get()
+    }
+
+    /// Leaves the program if the host wants it.
+    ///
+    /// While unwinding already (a call in a `drop`), a second unwinding would abort the host: the call then just
+    /// returns a result of 0.
+    pub(crate) fn obey(&self, status: Status) {
+        if status != Status::OK && !std::thread::panicking() {
+            std::panic::resume_unwind(Box::new(Stopped));
+        }
+    }
+
+    /// What the program was given on the command line, without the program's own name.
+    pub fn arguments(&self) -> &[String] {
+        &self.0.arguments
+    }
+
+    /// The display: 128 x 64 pixels, 7 lines of 16 characters.
+    pub fn lcd(&self) -> Lcd<'_> {
+        Lcd(self)
+    }
+
+    /// The console of the robot: whole lines, shown and recorded with the robot's name and virtual time.
+    pub fn console(&self) -> Console<'_> {
+        Console::output(self)
+    }
+
+    /// The console for what went wrong.
+    pub fn console_error(&self) -> Console<'_> {
+        Console::error(self)
+    }
+
+    /// The robot's own random numbers.
+    pub fn random(&self) -> Random<'_> {
+        Random::new(self)
+    }
+
+    /// Loudspeaker and microphone.
+    pub fn audio(&self) -> Audio<'_> {
+        Audio(self)
+    }
+
+    /// Latches, parallel port and analogue inputs.
+    pub fn ports(&self) -> Ports<'_> {
+        Ports(self)
+    }
+}
+
+impl std::fmt::Debug for Robot {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Robot").field("arguments", &self.0.arguments).finish_non_exhaustive()
+    }
+}
+
+/// Calls a function of the RoBIOS table and gives its result; leaves the program if the host wants it.
+///
+/// Pointers among the arguments must come from references that live until the call returns.
+macro_rules! robios {
+    ($robot:expr, $name:ident($($argument:expr),* $(,)?)) => {
+        $crate::robot::call!($robot, robios, $name($($argument),*))
+    };
+}
+pub(crate) use robios;
+
+/// Calls a function of the support table, as [`robios!`] does.
+macro_rules! support {
+    ($robot:expr, $name:ident($($argument:expr),* $(,)?)) => {
+        $crate::robot::call!($robot, support, $name($($argument),*))
+    };
+}
+pub(crate) use support;
+
+macro_rules! call {
+    ($robot:expr, $table:ident, $name:ident($($argument:expr),*)) => {{
+        let robot: &$crate::Robot = $robot;
+        $crate::call_site::note_call_site(std::panic::Location::caller());
+        let mut result = Default::default();
+        if let Some(tables) = robot.tables() {
+            // SAFETY: table and context are valid as long as the robot is not closed; pointers among the arguments
+            // come from references that live until the call returns.
+            let status = unsafe { ((*tables.$table).$name)(tables.context, $($argument,)* &mut result) };
+            robot.obey(status);
+        }
+        result
+    }};
+}
+pub(crate) use call;
+
+/// Calls a function of the RoBIOS table from a `drop`: never leaves the program. Gives whether the call was made.
+macro_rules! release {
+    ($robot:expr, $name:ident($($argument:expr),* $(,)?)) => {{
+        let robot: &$crate::Robot = $robot;
+        match robot.tables() {
+            Some(tables) => {
+                // SAFETY: as in `call!`; the result may be null.
+                let status = unsafe {
+                    ((*tables.robios).$name)(tables.context, $($argument,)* std::ptr::null_mut())
+                };
+                status == robios_sys::Status::OK
+            }
+            None => false,
+        }
+    }};
+}
+pub(crate) use release;

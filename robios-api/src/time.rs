@@ -1,0 +1,232 @@
+//! The robot's virtual time, in place of `std::time::Instant` and `std::thread::sleep`, which know only the host's.
+
+use std::cell::RefCell;
+use std::ffi::c_void;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::rc::Rc;
+use std::time::Duration;
+
+use robios_sys::robios6::TimerHandle;
+use robios_sys::{Callback, Status};
+
+use crate::device::Device;
+use crate::error::checked;
+use crate::robot::{release, robios, support};
+use crate::{Error, Result, Robot, entry};
+
+/// RoBIOS calls timers on a grid of 10 ms.
+const TIMER_TICK: Duration = Duration::from_millis(10);
+
+/// A time of day on the robot's clock.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct TimeOfDay {
+    /// 0 to 23.
+    pub hours: u8,
+    /// 0 to 59.
+    pub minutes: u8,
+    /// 0 to 59.
+    pub seconds: u8,
+    /// 0 to 99.
+    pub hundredths: u8,
+}
+
+impl Robot {
+    /// Virtual time since the robot's start, in whole microseconds.
+    #[track_caller]
+    pub fn now(&self) -> Duration {
+        let now_us: i64 = support!(self, time_us());
+        Duration::from_micros(now_us.max(0) as u64)
+    }
+
+    /// Lets virtual time pass; parts of a microsecond are rounded up.
+    #[track_caller]
+    pub fn sleep(&self, span: Duration) {
+        let span_us = i64::try_from(span.as_nanos().div_ceil(1000)).unwrap_or(i64::MAX);
+        let _: i32 = support!(self, sleep_us(span_us));
+    }
+
+    /// Lets virtual time pass until a time since the robot's start; returns at once if it is past.
+    #[track_caller]
+    pub fn sleep_until(&self, time: Duration) {
+        let now = self.now();
+        if time > now {
+            self.sleep(time - now);
+        }
+    }
+
+    /// For loops that run at regular times: [`Ticker::wait`] waits for the next multiple of the period.
+    ///
+    /// A period of 0 is taken as 1 us.
+    pub fn ticker(&self, period: Duration) -> Ticker {
+        Ticker { robot: self.clone(), period_us: period.as_nanos().div_ceil(1000).max(1) as u64 }
+    }
+
+    /// Calls a function at regular times, until the returned timer is dropped.
+    ///
+    /// The function runs inside whatever call the program makes at that time, never inside itself. It must be short
+    /// and must not wait. It gets the robot; devices can be moved into it.
+    ///
+    /// ```
+    /// # use robios_api::prelude::*;
+    /// fn count(robot: &Robot) -> Result {
+    ///     let mut count = 0;
+    ///     let _timer = robot.every(500.millis(), move |robot| {
+    ///         count += 1;
+    ///         writeln!(robot.lcd(), "{count}");
+    ///     })?;
+    ///     robot.sleep(2.2.seconds());
+    ///     Ok(())
+    /// }
+    /// # assert_eq!(robios_api::fake::Fake::new().run(count).expect_finished().lcd_line(3), "4");
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] if the period is no multiple of 10 ms or 0; [`Error::Unavailable`] if there are too many
+    /// timers already.
+    #[track_caller]
+    pub fn every(&self, period: Duration, function: impl FnMut(&Robot) + 'static) -> Result<Timer> {
+        let scale = i32::try_from(period.as_nanos() / TIMER_TICK.as_nanos()).unwrap_or(0);
+        if scale == 0 || period != TIMER_TICK * scale as u32 {
+            return Err(Error::OutOfRange {
+                what: "period of a timer",
+                value: format!("{period:?}"),
+                accepted: "multiples of 10 ms from 10 ms on",
+            });
+        }
+        let job = Rc::new(Job { robot: self.clone(), function: RefCell::new(Box::new(function)) });
+        let callback = Callback { code: Some(call_job), data: Rc::as_ptr(&job).cast_mut().cast() };
+        let handle: TimerHandle = robios!(self, OSAttachTimer(scale, callback));
+        match handle {
+            0 => Err(Error::Unavailable(Device::Timer)),
+            handle => Ok(Timer { robot: self.clone(), handle, job: Some(job) }),
+        }
+    }
+
+    /// Holds timers back until the guard is dropped, as switching interrupts off does.
+    #[track_caller]
+    pub fn hold_timers(&self) -> TimersHeld {
+        let _: i32 = robios!(self, OSDisable());
+        TimersHeld { robot: self.clone() }
+    }
+
+    /// The robot's clock; it starts at 0:00:00.
+    #[track_caller]
+    pub fn clock(&self) -> TimeOfDay {
+        let (mut hours, mut minutes, mut seconds, mut hundredths) = (0, 0, 0, 0);
+        let _: i32 = robios!(self, OSGetTime(&mut hours, &mut minutes, &mut seconds, &mut hundredths));
+        let [hours, minutes, seconds, hundredths] =
+            [hours, minutes, seconds, hundredths].map(|part: i32| part.clamp(0, 255) as u8);
+        TimeOfDay { hours, minutes, seconds, hundredths }
+    }
+
+    /// Sets the robot's clock; its hundredths are left out. Virtual time goes on as it is.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] for another hour than 0 to 23, another minute or second than 0 to 59.
+    #[track_caller]
+    pub fn set_clock(&self, time: TimeOfDay) -> Result {
+        let code = robios!(self, OSSetTime(time.hours.into(), time.minutes.into(), time.seconds.into()));
+        checked("OSSetTime", Device::Clock, code)
+    }
+
+    /// Writes the clock to the LCD, at the cursor.
+    #[track_caller]
+    pub fn show_clock(&self) {
+        let _: i32 = robios!(self, OSShowTime());
+    }
+}
+
+/// Waits for the multiples of a period of virtual time, see [`Robot::ticker`].
+#[derive(Clone, Debug)]
+pub struct Ticker {
+    robot: Robot,
+    period_us: u64,
+}
+
+impl Ticker {
+    /// Waits until the next multiple of the period since the robot's start; those that are past are left out.
+    #[track_caller]
+    pub fn wait(&self) {
+        let now_us = self.robot.now().as_micros() as u64;
+        self.robot.sleep(Duration::from_micros(self.period_us - now_us % self.period_us));
+    }
+}
+
+/// A timer of [`Robot::every`]; dropping it ends its calls and frees its function.
+#[must_use = "a timer that is dropped calls nothing"]
+pub struct Timer {
+    robot: Robot,
+    handle: TimerHandle,
+    job: Option<Rc<Job>>,
+}
+
+impl Drop for Timer {
+    fn drop(&mut self) {
+        if !release!(&self.robot, OSDetachTimer(self.handle)) {
+            // The host has not said that it forgets the pointer: the function must live on.
+            std::mem::forget(self.job.take());
+        }
+    }
+}
+
+impl std::fmt::Debug for Timer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Timer").field("handle", &self.handle).finish_non_exhaustive()
+    }
+}
+
+/// Timers are held back while it lives, see [`Robot::hold_timers`].
+#[derive(Debug)]
+#[must_use = "timers are held back only while it lives"]
+pub struct TimersHeld {
+    robot: Robot,
+}
+
+impl Drop for TimersHeld {
+    fn drop(&mut self) {
+        release!(&self.robot, OSEnable());
+    }
+}
+
+/// What a timer calls.
+struct Job {
+    robot: Robot,
+    function: RefCell<Box<Function>>,
+}
+
+type Function = dyn FnMut(&Robot);
+
+impl Job {
+    fn run(&self) {
+        // Never nested, as the host promises; if it were, the inner call would be left out.
+        if let Ok(mut function) = self.function.try_borrow_mut() {
+            function(&self.robot);
+        }
+    }
+}
+
+/// What the host calls at the timer's times.
+///
+/// # Safety
+/// `data` is the `Job` of a [`Timer`] that has not been detached, on the thread of its robot.
+unsafe extern "C" fn call_job(data: *mut c_void) -> Status {
+    let job = data.cast_const().cast::<Job>();
+    // SAFETY: the timer holds one count of the job that the pointer came from. A second one keeps the job alive if
+    // the function drops its own timer.
+    let job = unsafe {
+        Rc::increment_strong_count(job);
+        Rc::from_raw(job)
+    };
+    let robot = job.robot.clone();
+    let outcome = catch_unwind(AssertUnwindSafe(|| {
+        job.run();
+        drop(job);
+    }));
+    match outcome {
+        Ok(()) => Status::OK,
+        Err(payload) => {
+            entry::leave_callback(&robot, payload);
+            Status::STOP
+        }
+    }
+}

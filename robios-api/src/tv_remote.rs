@@ -1,0 +1,139 @@
+//! The receiver of a TV remote control.
+
+use std::time::Duration;
+
+use robios_sys::robios6::{
+    DEFAULT_MODE, MANCHESTER_CODE, PULSE_CODE, RAW_CODE, REPCODE_MODE, SLOPPY_MODE, SPACE_CODE, semantics,
+};
+
+use crate::device::Device;
+use crate::robot::{release, robios};
+use crate::{Error, Result, Robot};
+
+/// The receiver of a TV remote control; dropping it ends receiving.
+#[derive(Debug)]
+pub struct TvRemote {
+    robot: Robot,
+}
+
+/// Code of a key of a remote control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TvCode(pub i32);
+
+/// How a remote control tells bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TvCoding {
+    /// By the length of the pause between pulses.
+    Space,
+    /// By the length of the pulses.
+    Pulse,
+    /// By the direction of an edge.
+    Manchester,
+    /// A raw sequence of lengths.
+    Raw,
+}
+
+/// Which codes count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TvMode {
+    /// Only complete ones.
+    Complete,
+    /// Incomplete ones too.
+    Sloppy,
+    /// A special code repeats the last one.
+    RepeatCode,
+}
+
+/// How codes are received.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TvSettings {
+    /// How bits are told.
+    pub coding: TvCoding,
+    /// Bits of a code.
+    pub bits: u8,
+    /// Bits that toggle from one press to the next.
+    pub toggle_mask: i32,
+    /// Bits that are inverted.
+    pub inverted_mask: i32,
+    /// Which codes count.
+    pub mode: TvMode,
+    /// How many codes are kept, 1 to 4.
+    pub kept: u8,
+    /// How long a key is held before it repeats, in steps of 10 ms.
+    pub repeat_delay: Duration,
+}
+
+impl Robot {
+    /// Starts receiving with the settings of the table of devices.
+    ///
+    /// # Errors
+    /// [`Error::Unavailable`] if the robot has no receiver.
+    #[track_caller]
+    pub fn tv_remote(&self) -> Result<TvRemote> {
+        self.tv_remote_of(robios!(self, IRTVInitHDT(semantics::IRTV)))
+    }
+
+    /// Starts receiving with settings of its own.
+    ///
+    /// # Errors
+    /// [`Error::Unavailable`] if the robot has no receiver.
+    #[track_caller]
+    pub fn tv_remote_with(&self, settings: TvSettings) -> Result<TvRemote> {
+        let coding = match settings.coding {
+            TvCoding::Space => SPACE_CODE,
+            TvCoding::Pulse => PULSE_CODE,
+            TvCoding::Manchester => MANCHESTER_CODE,
+            TvCoding::Raw => RAW_CODE,
+        };
+        let mode = match settings.mode {
+            TvMode::Complete => DEFAULT_MODE,
+            TvMode::Sloppy => SLOPPY_MODE,
+            TvMode::RepeatCode => REPCODE_MODE,
+        };
+        let TvSettings { bits, toggle_mask, inverted_mask, kept, repeat_delay, .. } = settings;
+        let delay = i32::try_from(repeat_delay.as_millis() / 10).unwrap_or(i32::MAX);
+        let (bits, kept) = (bits.into(), kept.into());
+        self.tv_remote_of(robios!(self, IRTVInit(coding, bits, toggle_mask, inverted_mask, mode, kept, delay)))
+    }
+
+    fn tv_remote_of(&self, code: i32) -> Result<TvRemote> {
+        if code == 0 { Ok(TvRemote { robot: self.clone() }) } else { Err(Error::Unavailable(Device::TvRemote)) }
+    }
+}
+
+impl TvRemote {
+    /// The code that is being received, without waiting.
+    #[track_caller]
+    pub fn pressed(&self) -> Option<TvCode> {
+        code_of(robios!(&self.robot, IRTVPressed()))
+    }
+
+    /// The next code that has been received, without waiting.
+    #[track_caller]
+    pub fn read(&self) -> Option<TvCode> {
+        code_of(robios!(&self.robot, IRTVRead()))
+    }
+
+    /// Waits for the next code; `None` at once if nothing is being received.
+    #[track_caller]
+    pub fn wait(&self) -> Option<TvCode> {
+        code_of(robios!(&self.robot, IRTVGet()))
+    }
+
+    /// Drops the codes that have been received.
+    #[track_caller]
+    pub fn drop_received(&self) {
+        let () = robios!(&self.robot, IRTVFlush());
+    }
+}
+
+impl Drop for TvRemote {
+    fn drop(&mut self) {
+        release!(&self.robot, IRTVTerm());
+    }
+}
+
+/// A code that a call has returned, 0 for none.
+fn code_of(code: i32) -> Option<TvCode> {
+    (code != 0).then_some(TvCode(code))
+}
