@@ -160,7 +160,7 @@ impl<'a> Loader<'a> {
                 start: place,
                 end: place + char::REPLACEMENT_CHARACTER.len_utf8(),
                 line: before.matches('\n').count() as u32 + 1,
-                column: before[line_start..].chars().count() as u32 + 1,
+                column: before[line_start..].trim_start_matches('\u{feff}').chars().count() as u32 + 1,
             };
             let mut sink = Sink::new(path);
             sink.warn(

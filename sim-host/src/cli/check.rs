@@ -282,6 +282,38 @@ mod tests {
     }
 
     #[test]
+    fn json_has_the_documented_keys() {
+        let (_, diagnostics) = format::read_world("a.wld", "floor 1 1\nush 1 2 3\n");
+        let json = serde_json::to_value(&diagnostics).expect("diagnostics are plain data");
+        let expected = serde_json::json!([{
+            "severity": "warning",
+            "code": "wld-keyword",
+            "file": "a.wld",
+            "start": 10,
+            "end": 13,
+            "line": 2,
+            "column": 1,
+            "message": "unknown keyword `ush`",
+            "expected": "a wall of 4, 6 or 9 numbers, or one of floor, width, height, floor_texture, position, push, pop",
+            "suggestion": "write `push`",
+        }]);
+        assert_eq!(json, expected);
+    }
+
+    #[test]
+    fn the_command_line_is_understood() {
+        #[derive(clap::Parser)]
+        struct Cli {
+            #[command(flatten)]
+            args: CheckArgs,
+        }
+        let parse = |words: &[&str]| <Cli as clap::Parser>::try_parse_from(words).map(|cli| cli.args);
+        let args = parse(&["check", "a.sim", "b.wld", "--format", "json", "--strict"]).expect("a good command line");
+        assert_eq!((args.files.len(), args.format, args.strict), (2, Format::Json, true));
+        assert!(parse(&["check"]).is_err(), "at least one file");
+    }
+
+    #[test]
     fn carets_stand_below_the_word() {
         let span = Span { start: 6, end: 9, line: 2, column: 5 };
         assert_eq!(source_line("a\r\té bcd\n", span), "  |\n2 | \té bcd\n  | \t   ^^^\n");
