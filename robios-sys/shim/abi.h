@@ -221,6 +221,14 @@ struct eyesim_host {
     const struct eyesim_robios6 *robios6;
 };
 
+/* Where the program called the function that it is in: an address in its code, or file and line. */
+struct eyesim_call_site {
+    const void *address;
+    const char *file;
+    size_t file_len;
+    uint32_t line;
+};
+
 struct eyesim_program {
     uint32_t size;
     uint32_t abi;
@@ -230,6 +238,7 @@ struct eyesim_program {
     uint32_t support_size;
     uint32_t robios_size;
     int (*run)(const struct eyesim_host *host, void *robot, int argc, const char *const *argv);
+    const struct eyesim_call_site *call_site;
 };
 
 #endif

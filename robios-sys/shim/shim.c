@@ -58,6 +58,7 @@ static struct {
     int wants_out; /* the host has stopped the program while it could not be left */
     struct tcb *tasks;
     struct console out, err;
+    struct eyesim_call_site call_site;
 } self = {.out = {.number = 1}, .err = {.number = 2}};
 
 /* ---- leaving the program ---- */
@@ -86,6 +87,7 @@ static void returned(int32_t status, struct frame *frame)
     do {                                                                                                                \
         if (self.host != NULL) {                                                                                        \
             struct frame *frame_ = self.frame;                                                                          \
+            self.call_site.address = __builtin_return_address(0);                                                       \
             returned(self.host->table->name(self.robot, __VA_ARGS__), frame_);                                          \
         }                                                                                                               \
     } while (0)
@@ -121,12 +123,14 @@ static int32_t called_back(void *data)
 {
     TimerFnc function;
     struct frame frame;
+    const struct eyesim_call_site outer_site = self.call_site;
     memcpy(&function, &data, sizeof function);
     frame.outer = self.frame;
     self.frame = &frame;
     if (setjmp(frame.place) == 0) {
         function();
         self.frame = frame.outer;
+        self.call_site = outer_site;
         return self.wants_out ? EYESIM_STOP : 0;
     }
     self.frame = frame.outer;
@@ -385,4 +389,5 @@ __attribute__((visibility("default"))) const struct eyesim_program eyesim_progra
     .support_size = sizeof(struct eyesim_support),
     .robios_size = sizeof(struct eyesim_robios6),
     .run = run,
+    .call_site = &self.call_site,
 };

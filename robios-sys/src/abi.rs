@@ -100,6 +100,31 @@ pub mod flag {
 pub type Run =
     unsafe extern "C" fn(host: *const Host, robot: *mut c_void, argc: c_int, argv: *const *const c_char) -> c_int;
 
+/// Where the program called the function that it is in; written by its shim before each call, read by the host to tell where a
+/// program waits.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct CallSite {
+    /// An address in the program's code just behind the call; null where `file` tells.
+    pub address: *const c_void,
+    /// Name of the source file, valid as long as the program; null where `address` tells.
+    pub file: *const u8,
+    /// Bytes of the name.
+    pub file_len: usize,
+    /// Line in it, from 1.
+    pub line: u32,
+}
+
+// SAFETY: the pointers lead to constants of the program's image, which is never unloaded.
+unsafe impl Send for CallSite {}
+// SAFETY: as above.
+unsafe impl Sync for CallSite {}
+
+impl CallSite {
+    /// No call yet.
+    pub const NONE: Self = Self { address: std::ptr::null(), file: std::ptr::null(), file_len: 0, line: 0 };
+}
+
 /// What a program's library exports under [`PROGRAM_SYMBOL`]. Only appended to.
 #[repr(C)]
 pub struct Program {
@@ -119,11 +144,19 @@ pub struct Program {
     pub robios_size: u32,
     /// Runs the program.
     pub run: Run,
+    /// Where the program is, in this copy of the library; null if its shim does not tell. Read only while the program is
+    /// suspended in a call.
+    pub call_site: *const CallSite,
 }
+
+// SAFETY: `call_site` leads to a variable of the image in which this constant lies; it is read only as its doc says.
+unsafe impl Sync for Program {}
+// SAFETY: as above.
+unsafe impl Send for Program {}
 
 impl Program {
     /// The description of a RoBIOS 6 program built against this crate.
-    pub const fn robios6(language: u32, run: Run) -> Self {
+    pub const fn robios6(language: u32, run: Run, call_site: *const CallSite) -> Self {
         Self {
             size: size_of::<Self>() as u32,
             abi: ABI_VERSION,
@@ -133,6 +166,7 @@ impl Program {
             support_size: size_of::<SupportTable>() as u32,
             robios_size: size_of::<Robios6Table>() as u32,
             run,
+            call_site,
         }
     }
 

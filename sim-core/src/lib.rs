@@ -4,10 +4,12 @@
 //! only in [`format`], which turns the texts of EyeSim files into specs through [`unit`].
 #![forbid(unsafe_code)]
 
+pub mod build;
 pub mod contact;
 pub mod drive;
 pub mod format;
 pub mod math;
+pub mod noise;
 pub mod pose;
 pub mod scene;
 pub mod sensor;

@@ -1,7 +1,9 @@
 //! The host of robot programs: files, programs, executors, slot loop, what each RoBIOS call does, recording.
 
 pub mod cli;
+pub mod executive;
 pub mod files;
 pub mod program;
 pub mod record;
 pub mod robios;
+pub mod setup;

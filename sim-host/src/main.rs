@@ -1,2 +1,11 @@
-//! The command `eyesim`.
-fn main() {}
+//! The command `eyesim`: see `eyesim --help` and the README.
+
+use std::process::ExitCode;
+
+/// The host's heap is not libc's: a robot program that faults may have left that one locked or broken.
+#[global_allocator]
+static HEAP: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+fn main() -> ExitCode {
+    sim_host::cli::main()
+}

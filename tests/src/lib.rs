@@ -1,1 +1,155 @@
-//! Helpers for the black-box tests: a fresh folder, the real binary, its outputs.
+//! Helpers for the black-box tests: the real binary, a fresh folder, what a run printed and wrote.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// The checkout's root.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the crate lies in the checkout")
+}
+
+/// The binary `eyesim` of the profile under test, built if need be.
+///
+/// # Panics
+/// When it cannot be built.
+pub fn eyesim_path() -> &'static Path {
+    static PATH: OnceLock<PathBuf> = OnceLock::new();
+    PATH.get_or_init(|| {
+        let mut build = Command::new(env!("CARGO"));
+        build.args(["build", "--quiet", "-p", "sim-host", "--bin", "eyesim"]).current_dir(root());
+        if !cfg!(debug_assertions) {
+            build.arg("--release");
+        }
+        let status = build.status().expect("cargo runs");
+        assert!(status.success(), "eyesim does not build");
+        // target/PROFILE/deps/TEST
+        let test = std::env::current_exe().expect("a test knows its own path");
+        let profile = test.ancestors().nth(2).expect("tests lie in target/PROFILE/deps");
+        profile.join(format!("eyesim{}", std::env::consts::EXE_SUFFIX))
+    })
+}
+
+/// A fresh folder in which `eyesim` is run; removed at the end of the test.
+pub struct Scratch {
+    folder: TempDir,
+}
+
+/// What a run of `eyesim` came to.
+#[derive(Debug)]
+pub struct Ran {
+    /// Its exit code; `None` when a signal ended it.
+    pub code: Option<i32>,
+    /// What it printed.
+    pub stdout: String,
+    /// Its messages.
+    pub stderr: String,
+}
+
+impl Scratch {
+    /// An empty folder.
+    ///
+    /// # Panics
+    /// When none can be made.
+    #[allow(clippy::new_without_default, reason = "makes a folder on the disk")]
+    pub fn new() -> Self {
+        Self { folder: TempDir::new().expect("a folder for a test") }
+    }
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// Writes a file, with the folders above it.
+    ///
+    /// # Panics
+    /// When it cannot be written.
+    pub fn write(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.path().join(name);
+        std::fs::create_dir_all(path.parent().expect("a file has a folder")).expect("a folder for a file");
+        std::fs::write(&path, text).expect("a file for a test");
+        path
+    }
+
+    /// Reads a file that a run wrote.
+    ///
+    /// # Panics
+    /// When it is not there.
+    pub fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.path().join(name)).unwrap_or_else(|error| panic!("`{name}`: {error}"))
+    }
+
+    /// The command `eyesim` with `args`, in this folder.
+    pub fn command(&self, args: &[&str]) -> Command {
+        let mut command = Command::new(eyesim_path());
+        command.args(args).current_dir(self.path());
+        command
+    }
+
+    /// Runs `eyesim` with `args` in this folder to its end.
+    ///
+    /// # Panics
+    /// When it cannot be started.
+    pub fn eyesim(&self, args: &[&str]) -> Ran {
+        Ran::from(self.command(args).output().expect("eyesim starts"))
+    }
+
+    /// Runs a sim file with a report and returns it, after checking the exit code.
+    ///
+    /// # Panics
+    /// When the exit code is another one or the report cannot be read.
+    pub fn report(&self, sim: &str, args: &[&str], expected_code: i32) -> Value {
+        let mut all = vec!["run", sim, "--report", "report.json"];
+        all.extend(args);
+        let ran = self.eyesim(&all);
+        assert_eq!(ran.code, Some(expected_code), "{ran:#?}");
+        serde_json::from_str(&self.read("report.json")).expect("a report is JSON")
+    }
+
+    /// The lines of a trace.
+    ///
+    /// # Panics
+    /// When a line is not JSON.
+    pub fn trace(&self, name: &str) -> Vec<Value> {
+        self.read(name).lines().map(|line| serde_json::from_str(line).expect("a line of a trace is JSON")).collect()
+    }
+}
+
+impl From<Output> for Ran {
+    fn from(output: Output) -> Self {
+        Self {
+            code: output.status.code(),
+            stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
+            stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
+        }
+    }
+}
+
+/// A field of a robot in a report, found by a path such as `pose.x_m`.
+///
+/// # Panics
+/// When it is not a number.
+pub fn number(robot: &Value, path: &str) -> f64 {
+    let value = path.split('.').fold(robot, |value, key| &value[key]);
+    value.as_f64().unwrap_or_else(|| panic!("`{path}` in {robot:#}"))
+}
+
+/// A small scene: a robi with one PSD sensor ahead, an empty room of 4 m, and a sim with robots that all run `programs`.
+pub fn write_scene(scratch: &Scratch, programs: &[&str]) -> PathBuf {
+    scratch.write("room.wld", "floor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n");
+    scratch.write(
+        "bot.robi",
+        "name Bot\ndiameter 180\nspeed 600\nturn 300\naxis 0\npsd PSD_FRONT -200 60 0 30 0\nwheel 54 3600 1100 90\n\
+         drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n",
+    );
+    let mut sim = String::from("world room.wld\n");
+    for (index, program) in programs.iter().enumerate() {
+        let (column, row) = (index % 8, index / 8);
+        sim += &format!("robi bot.robi {program} {} {} 0\n", 400 + 400 * column, 400 + 400 * row);
+    }
+    scratch.write("scene.sim", &sim)
+}

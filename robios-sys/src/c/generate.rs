@@ -195,9 +195,13 @@ fn abi_header(support: &[&Function], robios6: &[&Function]) -> String {
     text += &table("eyesim_robios6", Robios6Table::VERSION, robios6);
     text += "struct eyesim_host {\n    uint32_t size;\n    uint32_t abi;\n    const struct eyesim_support *support;\n    \
              const struct eyesim_robios6 *robios6;\n};\n\n\
+             /* Where the program called the function that it is in: an address in its code, or file and line. */\n\
+             struct eyesim_call_site {\n    const void *address;\n    const char *file;\n    size_t file_len;\n    \
+             uint32_t line;\n};\n\n\
              struct eyesim_program {\n    uint32_t size;\n    uint32_t abi;\n    uint32_t generation;\n    \
              uint32_t flags;\n    uint32_t language;\n    uint32_t support_size;\n    uint32_t robios_size;\n    \
-             int (*run)(const struct eyesim_host *host, void *robot, int argc, const char *const *argv);\n};\n\n#endif\n";
+             int (*run)(const struct eyesim_host *host, void *robot, int argc, const char *const *argv);\n    \
+             const struct eyesim_call_site *call_site;\n};\n\n#endif\n";
     text
 }
 

@@ -1,7 +1,66 @@
-//! The command line: one file a subcommand.
+//! The command line: one file a subcommand, exit codes as a contract.
+//!
+//! 0: the run ended or reached `--until`; 1: a robot program failed; 2: usage or file errors; 3: internal error;
+//! 130: interrupted.
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
 
 pub mod cc;
 pub mod check;
 pub mod new;
 pub mod progress;
+pub mod run;
 pub mod table;
+
+/// A robot program failed.
+pub const EXIT_PROGRAM: u8 = 1;
+/// The command line or a file is wrong.
+pub const EXIT_USAGE: u8 = 2;
+/// Something went wrong inside eyesim.
+pub const EXIT_INTERNAL: u8 = 3;
+/// The user interrupted the run.
+pub const EXIT_INTERRUPTED: u8 = 130;
+
+/// Simulates mobile robots in the manner of EyeSim: robot programs written against RoBIOS, run in lockstep.
+#[derive(Parser)]
+#[command(name = "eyesim", version, about, after_help = EXIT_CODES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 ended or reached --until, 1 a robot program failed, 2 usage or file errors, \
+                          3 internal error, 130 interrupted.";
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run a sim file: build and load its robot programs, run them in lockstep, report what happened
+    Run(run::RunArgs),
+    /// Read files and print what is wrong in them
+    Check(check::CheckArgs),
+    /// Build a robot program from C sources by hand
+    Cc(cc::CcArgs),
+    /// Write a new robot program with a robi, a world and a sim that run at once
+    New(new::NewArgs),
+}
+
+/// Runs the command line of this process.
+pub fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Run(args) => run::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Cc(args) => cc::run(&args),
+        Command::New(args) => new::run(&args),
+    };
+    result.unwrap_or_else(|error| {
+        eprintln!("error: {error:#}");
+        ExitCode::from(if error.is::<Internal>() { EXIT_INTERNAL } else { EXIT_USAGE })
+    })
+}
+
+/// An error that no input should be able to cause.
+#[derive(Debug, thiserror::Error)]
+#[error("internal error: {0}")]
+pub struct Internal(pub String);

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod audio;
+pub mod caller;
 pub mod compass;
 pub mod cost;
 pub mod cycle;
@@ -12,4 +13,21 @@ pub mod key;
 pub mod latch;
 pub mod lcd;
 pub mod psd;
+pub mod robot;
 pub mod serial;
+pub mod support;
+
+/// The devices of one robot, as RoBIOS shows them.
+pub struct Devices {
+    /// The display.
+    pub lcd: lcd::Lcd,
+    /// The keys under it.
+    pub keys: key::Keys,
+}
+
+impl Devices {
+    /// The devices of a robot of type `spec`, with the presses of its keys.
+    pub fn new(_spec: &sim_core::format::RobiSpec, keys: key::Keys) -> Self {
+        Self { lcd: lcd::Lcd::default(), keys }
+    }
+}

@@ -1,0 +1,430 @@
+//! `eyesim run`: a sim file from its first line to the last line of its report.
+
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use anyhow::{Context, anyhow};
+use clap::Args;
+use parking_lot::Mutex;
+use sim_core::RobotId;
+use sim_core::format::{Files, InputFile, Loaded, SceneSpec, load_sim};
+use sim_core::pose::Pose;
+use sim_core::scene::Walls;
+use sim_core::time::Time;
+
+use super::progress::{Counts, Progress};
+use super::table::{self, Screen};
+use super::{EXIT_INTERRUPTED, EXIT_PROGRAM, EXIT_USAGE, check};
+use crate::executive::conductor::End;
+use crate::executive::run::{Ended, Limits, Parts, RobotEnd, Run};
+use crate::executive::thread::ThreadExecutor;
+use crate::files::{DiskFiles, slashed};
+use crate::program::find::SearchPath;
+use crate::program::words::split_words;
+use crate::record::log::{Filter, Pattern};
+use crate::record::report::{Input, REPORT_SCHEMA, RobotReport};
+use crate::record::trace::{TraceHeader, TraceRobot};
+use crate::record::{Log, Outcome, Plot, PlotRobot, Recorder, Report, Sink, Trace, Trails};
+use crate::robios::cost::Costs;
+use crate::robios::key::{Press, parse_script};
+use crate::setup::{self, RobotOptions, SetupError};
+
+/// Simulated seconds after which a run ends when the user says nothing and nobody watches.
+const DEFAULT_UNTIL: f64 = 600.0;
+
+/// Arguments of `eyesim run`.
+#[derive(Args)]
+pub struct RunArgs {
+    /// The sim file
+    pub sim: PathBuf,
+    /// Write the report as JSON
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Write every event as a line of JSON while the run goes on
+    #[arg(long, value_name = "FILE")]
+    pub trace: Option<PathBuf>,
+    /// Draw the world from above with the robots' paths as SVG
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "NUMBER", default_value_t = 0)]
+    pub seed: u64,
+    /// Length of a time slot in milliseconds, a multiple of 0.001
+    #[arg(long, value_name = "MS", default_value = "50", value_parser = parse_slot)]
+    pub slot: Time,
+    /// Robots that run at one time [default: one for each processor]
+    #[arg(long, value_name = "NUMBER")]
+    pub threads: Option<NonZeroUsize>,
+    /// Simulated seconds at which the run ends [default: 600]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
+    pub until: Option<Time>,
+    /// Simulated seconds for each second of real time, or `max`
+    #[arg(long, value_name = "FACTOR", default_value = "max", value_parser = parse_speed)]
+    pub speed: Speed,
+    /// Processor time in seconds that a program may compute within one slot before it is stopped
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = parse_timeout)]
+    pub timeout: f64,
+    /// Keys that are pressed: `2.5:KEY1, 4:KEY4`, for one robot `2:2.5:KEY1`
+    #[arg(long, value_name = "KEYS")]
+    pub keys: Vec<String>,
+    /// Arguments of a robot's program: `1:"--kp 0.5"`, without a number for all robots
+    #[arg(long, value_name = "[ROBOT:]ARGUMENTS", allow_hyphen_values = true)]
+    pub args: Vec<String>,
+    /// Virtual time that RoBIOS calls take, as TOML
+    #[arg(long, value_name = "FILE")]
+    pub costs: Option<PathBuf>,
+    /// Show every RoBIOS call with its virtual time
+    #[arg(short, long)]
+    pub verbose: bool,
+    /// With -v only these calls: `PSDGet,VW*`
+    #[arg(long, value_name = "PATTERNS", requires = "verbose")]
+    pub only: Option<String>,
+    /// With -v only this robot
+    #[arg(long, value_name = "NUMBER", requires = "verbose")]
+    pub robot: Option<u32>,
+}
+
+/// How fast a run goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Speed {
+    /// As fast as possible.
+    Max,
+    /// Simulated seconds for each second of real time.
+    Factor(f64),
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Files or arguments that are wrong.
+pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
+    let files = DiskFiles::of_environment();
+    let loaded = load_sim(&slashed(&args.sim), &files);
+    eprint!("{}", check::render(&loaded.diagnostics, &loaded.inputs));
+    if loaded.has_errors() {
+        return Ok(ExitCode::from(EXIT_USAGE));
+    }
+    let options = Options::new(args, loaded.scene.robots.len())?;
+    match simulate(args, &options, &files, loaded) {
+        Ok(code) => Ok(code),
+        Err(SetupError::Input(error)) => Err(error),
+        Err(SetupError::Program(error)) => {
+            eprintln!("error: {error:#}");
+            Ok(ExitCode::from(EXIT_PROGRAM))
+        }
+    }
+}
+
+/// What the arguments mean for the robots of the scene.
+struct Options {
+    keys: Vec<Press>,
+    arguments: BTreeMap<RobotId, Vec<String>>,
+    costs: Costs,
+    costs_input: Option<InputFile>,
+    filter: Filter,
+}
+
+impl Options {
+    fn new(args: &RunArgs, robots: usize) -> anyhow::Result<Self> {
+        let exists = |robot: u32| {
+            if (1..=robots).contains(&(robot as usize)) {
+                return Ok(RobotId(robot));
+            }
+            Err(anyhow!("there is no robot {robot}: the sim file has robots 1 to {robots}"))
+        };
+        let mut keys = Vec::new();
+        for script in &args.keys {
+            keys.extend(parse_script(script).context("--keys")?);
+        }
+        for press in &keys {
+            press.robot.map_or(Ok(RobotId(1)), |robot| exists(robot.0)).context("--keys")?;
+        }
+        let mut arguments: BTreeMap<RobotId, Vec<String>> = BTreeMap::new();
+        for text in &args.args {
+            let (robot, words) = split_robot(text);
+            let words = split_words(words).with_context(|| format!("--args {text}"))?;
+            let robots: Vec<RobotId> = match robot {
+                Some(robot) => vec![exists(robot).context("--args")?],
+                None => (0..robots).map(RobotId::from_index).collect(),
+            };
+            for robot in robots {
+                arguments.entry(robot).or_default().extend(words.iter().cloned());
+            }
+        }
+        let (costs, costs_input) = read_costs(args.costs.as_deref())?;
+        let filter = Filter {
+            is_verbose: args.verbose,
+            only: args.only.as_deref().map(Pattern::parse_list).unwrap_or_default(),
+            robots: args.robot.map(|robot| exists(robot).context("--robot")).transpose()?.into_iter().collect(),
+        };
+        Ok(Self { keys, arguments, costs, costs_input, filter })
+    }
+}
+
+/// The robot's number before a colon, if there is one, and the rest.
+fn split_robot(text: &str) -> (Option<u32>, &str) {
+    let split = || {
+        let (robot, rest) = text.split_once(':')?;
+        let digits = robot.trim().strip_prefix(['r', 'R']).unwrap_or(robot.trim());
+        Some((digits.parse().ok()?, rest))
+    };
+    split().map_or((None, text), |(robot, rest)| (Some(robot), rest))
+}
+
+fn read_costs(path: Option<&Path>) -> anyhow::Result<(Costs, Option<InputFile>)> {
+    let Some(path) = path else { return Ok((Costs::default(), None)) };
+    let name = || format!("cost table `{}`", path.display());
+    let bytes = std::fs::read(path).with_context(name)?;
+    let text = std::str::from_utf8(&bytes).with_context(name)?;
+    let costs = Costs::with(text).with_context(name)?;
+    Ok((costs, Some(InputFile { path: slashed(path), bytes })))
+}
+
+/// Builds, loads and runs the scene, and writes what was asked for.
+fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: Loaded) -> Result<ExitCode, SetupError> {
+    let scene = &loaded.scene;
+    if scene.robots.is_empty() {
+        return Err(anyhow!("`{}` has no robots: there is nothing to run", args.sim.display()).into());
+    }
+    let search = SearchPath {
+        sim_folder: Some(PathBuf::from(&scene.folder)),
+        working_folder: std::env::current_dir().context("no working folder")?,
+        folders: Vec::new(),
+        installation: files.home().map(PathBuf::from),
+    };
+    let built = setup::build_programs(scene, &search)?;
+    let mut told: Vec<&str> = Vec::new();
+    for remark in built.iter().flat_map(|program| &program.remarks) {
+        if !told.contains(&remark.as_str()) {
+            eprintln!("{remark}");
+            told.push(remark);
+        }
+    }
+    let programs = setup::load_programs(scene, &built, &options.arguments)?;
+    let robot_options =
+        RobotOptions { seed: args.seed, slot: args.slot, keys: &options.keys, is_verbose: args.verbose };
+    let (world, robots) = setup::build_world(scene, &robot_options)?;
+    let walls = Arc::clone(world.walls());
+
+    let until = args.until.unwrap_or(Time::from_seconds_ceil(DEFAULT_UNTIL));
+    let mut progress = if args.verbose { Progress::hidden() } else { Progress::new(until) };
+    let (sinks, trails) = sinks(args, options, scene, &progress)?;
+    let limits = Limits {
+        lanes: args.threads.map_or_else(processors, NonZeroUsize::get),
+        until,
+        speed: match args.speed {
+            Speed::Max => None,
+            Speed::Factor(factor) => Some(factor),
+        },
+        timeout: args.timeout,
+        is_verbose: args.verbose,
+    };
+    let parts = Parts {
+        world,
+        programs,
+        executor: Box::new(ThreadExecutor::new(robots.len())),
+        robots,
+        costs: options.costs.clone(),
+        recorder: Recorder::new(args.seed, args.slot, sinks),
+    };
+    let ended = Run::execute(parts, &limits, |run| progress.update(run.slot_start(), || counts(run)))
+        .context("cannot start the robots")?;
+    progress.clear();
+
+    let inputs = inputs(&loaded.inputs, options.costs_input.as_ref(), &built);
+    let report = report(args, scene, &ended, inputs);
+    print!("{}", table::render(&report, Screen::of_stdout()));
+    explain(args, &report, &ended);
+    if let Some(path) = &args.report {
+        report.write(path).map_err(anyhow::Error::from)?;
+    }
+    if let (Some(path), Some(trails)) = (&args.plot, &trails) {
+        plot(scene, &walls, &trails.lock(), &ended.robots).write(path).map_err(anyhow::Error::from)?;
+    }
+    Ok(exit_code(&ended))
+}
+
+fn processors() -> usize {
+    std::thread::available_parallelism().map_or(1, NonZeroUsize::get)
+}
+
+/// The trails of a run's robots, which the plot shows at its end.
+type SharedTrails = Arc<Mutex<Trails>>;
+
+/// Whoever wants to see the records of the run.
+fn sinks(
+    args: &RunArgs,
+    options: &Options,
+    scene: &SceneSpec,
+    progress: &Progress,
+) -> anyhow::Result<(Vec<Box<dyn Sink>>, Option<SharedTrails>)> {
+    let log = Log::new(options.filter.clone(), progress.stdout(), progress.stderr());
+    let mut sinks: Vec<Box<dyn Sink>> = vec![Box::new(log)];
+    if let Some(path) = &args.trace {
+        let robot = |robot: &sim_core::format::RobotSpec| TraceRobot {
+            id: robot.id.0,
+            name: robot.robi.name.clone(),
+            program: robot.program.text.clone(),
+        };
+        let robots = scene.robots.iter().map(robot).collect();
+        let header = TraceHeader { seed: args.seed, slot_us: args.slot.0, robots };
+        sinks.push(Box::new(Trace::create(path, &header)?));
+    }
+    let trails = args.plot.is_some().then(|| {
+        let starts: Vec<Pose> = scene.robots.iter().map(|robot| robot.start).collect();
+        Arc::new(Mutex::new(Trails::new(&starts)))
+    });
+    sinks.extend(trails.iter().map(|trails| Box::new(Arc::clone(trails)) as Box<dyn Sink>));
+    Ok((sinks, trails))
+}
+
+/// How the robots stand while the run goes on.
+fn counts(run: &Run) -> Counts {
+    let mut counts = Counts::default();
+    for id in (0..run.robot_count()).map(RobotId::from_index) {
+        let robot = run.robot(id);
+        if robot.ending.is_some() {
+            counts.ended += 1;
+        } else if robot.waiting.is_some() {
+            counts.waiting += 1;
+        } else {
+            counts.running += 1;
+        }
+    }
+    counts
+}
+
+/// Every file that decided what was run, each once, in the order in which they were read.
+fn inputs(
+    scene: &[InputFile],
+    costs: Option<&InputFile>,
+    programs: &[Arc<setup::BuiltProgram>],
+) -> Vec<Input> {
+    let mut inputs: Vec<Input> =
+        scene.iter().chain(costs).map(|file| Input::new(Path::new(&file.path), &file.bytes)).collect();
+    for path in programs.iter().flat_map(|program| &program.inputs) {
+        // A source that has vanished since it was compiled cannot be hashed any more.
+        if let Ok(bytes) = std::fs::read(path) {
+            let input = Input::new(path, &bytes);
+            if !inputs.contains(&input) {
+                inputs.push(input);
+            }
+        }
+    }
+    inputs
+}
+
+fn report(args: &RunArgs, scene: &SceneSpec, ended: &Ended, inputs: Vec<Input>) -> Report {
+    let robot = |(spec, end): (&sim_core::format::RobotSpec, &RobotEnd)| RobotReport {
+        id: spec.id.0,
+        name: spec.robi.name.clone(),
+        program: spec.program.text.clone(),
+        outcome: end.outcome,
+        reason: end.reason.clone(),
+        exit_code: end.exit_code,
+        virtual_time_s: end.virtual_time.seconds(),
+        pose: end.pose.into(),
+        odometry: Some(end.odometry.into()),
+        path_m: end.path,
+        contacts: u64::from(end.contacts),
+        lcd: std::array::from_fn(|row| end.lcd.get(row).cloned().unwrap_or_default()),
+    };
+    Report {
+        schema: REPORT_SCHEMA,
+        eyesim_version: env!("CARGO_PKG_VERSION").into(),
+        argv: std::env::args().collect(),
+        inputs,
+        seed: args.seed,
+        slot_us: args.slot.0,
+        sim_time_s: ended.time.seconds(),
+        real_time_s: ended.real_time.as_secs_f64(),
+        digest: ended.digest,
+        robots: scene.robots.iter().zip(&ended.robots).map(robot).collect(),
+    }
+}
+
+fn plot(scene: &SceneSpec, walls: &Walls, trails: &Trails, ends: &[RobotEnd]) -> Plot {
+    let robot = |(index, spec): (usize, &sim_core::format::RobotSpec)| PlotRobot {
+        id: spec.id.0,
+        name: spec.robi.name.clone(),
+        radius: spec.robi.diameter / 2.0,
+        start: spec.start,
+        end: ends[index].pose,
+        trail: trails.trails()[index].points(),
+    };
+    let floor = scene.world.floor;
+    Plot {
+        title: scene.file.clone(),
+        floor: (floor.x > 0.0 && floor.y > 0.0).then_some([glam::DVec2::ZERO, floor]),
+        walls: walls.segments().iter().map(|wall| [wall.a, wall.b]).collect(),
+        robots: scene.robots.iter().enumerate().map(robot).collect(),
+        contacts: trails.contacts().to_vec(),
+    }
+}
+
+/// Says on standard error why the run ended where the table alone does not.
+fn explain(args: &RunArgs, report: &Report, ended: &Ended) {
+    match &ended.end {
+        End::Until if args.until.is_none() => {
+            eprintln!("stopped after {DEFAULT_UNTIL} s of simulated time, since --until says nothing else");
+        }
+        End::Record(error) => eprintln!("error: {error}"),
+        End::Interrupted => eprintln!("interrupted"),
+        _ => {}
+    }
+    /// Beyond so many lines nobody reads on.
+    const MOST: usize = 20;
+    let failed: Vec<_> = report.robots.iter().filter(|robot| robot.outcome.is_failure()).collect();
+    for robot in failed.iter().take(MOST) {
+        let reason = robot.reason.as_deref().unwrap_or("no reason given");
+        let blank = if robot.outcome == Outcome::Waiting { " " } else { ": " };
+        eprintln!("r{} (`{}`){blank}{reason}", robot.id, robot.program);
+    }
+    if failed.len() > MOST {
+        eprintln!("... and {} more: see --report", failed.len() - MOST);
+    }
+}
+
+fn exit_code(ended: &Ended) -> ExitCode {
+    match ended.end {
+        End::Interrupted => ExitCode::from(EXIT_INTERRUPTED),
+        End::Record(_) => ExitCode::from(EXIT_USAGE),
+        _ if ended.robots.iter().any(|robot| robot.outcome.is_failure()) => ExitCode::from(EXIT_PROGRAM),
+        _ => ExitCode::SUCCESS,
+    }
+}
+
+fn parse_slot(text: &str) -> Result<Time, String> {
+    let millis: f64 = text.parse().map_err(|_| "expected a number of milliseconds, such as 50 or 0.5".to_owned())?;
+    let slot = Time((millis * 1000.0).round() as i64);
+    // An hour is longer than any slot that still makes sense; beyond it the answer is surely a mistake.
+    if !millis.is_finite() || slot < Time(1) || slot > Time::from_millis(3_600_000) {
+        return Err("expected 0.001 to 3600000 milliseconds".into());
+    }
+    Ok(slot)
+}
+
+fn parse_seconds(text: &str) -> Result<Time, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds.is_finite() && (0.0..=1e9).contains(&seconds) => Ok(Time::from_seconds_ceil(seconds)),
+        _ => Err("expected 0 to 1e9 seconds".into()),
+    }
+}
+
+fn parse_timeout(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds.is_finite() && seconds > 0.0 => Ok(seconds),
+        _ => Err("expected a number of seconds above 0".into()),
+    }
+}
+
+fn parse_speed(text: &str) -> Result<Speed, String> {
+    match text.parse::<f64>() {
+        _ if text == "max" => Ok(Speed::Max),
+        Ok(factor) if factor.is_finite() && factor > 0.0 => Ok(Speed::Factor(factor)),
+        _ => Err("expected `max` or a factor above 0, such as 1 for real time".into()),
+    }
+}

@@ -1,0 +1,75 @@
+//! The bell that wakes the supervisor: rung by robots, by the slot loop and from signal handlers.
+
+use std::io;
+use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
+use std::time::Duration;
+
+/// A counter of the kernel that one thread waits on and any code rings, a signal handler too.
+pub struct Bell {
+    fd: OwnedFd,
+}
+
+impl Bell {
+    /// A bell that nobody has rung.
+    ///
+    /// # Errors
+    /// When the process has no file descriptor left.
+    pub fn new() -> io::Result<Self> {
+        // SAFETY: eventfd takes no pointer; a descriptor that is not negative is new and owned by nobody else.
+        let fd = unsafe { libc::eventfd(0, libc::EFD_CLOEXEC | libc::EFD_NONBLOCK) };
+        if fd < 0 {
+            return Err(io::Error::last_os_error());
+        }
+        // SAFETY: `fd` was just opened by this function, which hands its ownership over.
+        Ok(Self { fd: unsafe { OwnedFd::from_raw_fd(fd) } })
+    }
+
+    /// Rings; async-signal-safe. A bell that rings already stays so.
+    pub fn ring(&self) {
+        ring(self.raw());
+    }
+
+    /// The descriptor, for [`ring`] in a signal handler.
+    pub fn raw(&self) -> i32 {
+        self.fd.as_raw_fd()
+    }
+
+    /// Waits until the bell rings or `timeout` has passed, and silences it. True when it rang.
+    pub fn wait(&self, timeout: Duration) -> bool {
+        let mut poll = libc::pollfd { fd: self.raw(), events: libc::POLLIN, revents: 0 };
+        let millis = i32::try_from(timeout.as_millis()).unwrap_or(i32::MAX);
+        // SAFETY: `poll` is one valid pollfd, as the count says.
+        let ready = unsafe { libc::poll(&mut poll, 1, millis) };
+        if ready <= 0 {
+            return false;
+        }
+        let mut count = 0u64;
+        // SAFETY: `count` has the eight bytes that an eventfd gives.
+        unsafe { libc::read(self.raw(), (&raw mut count).cast(), 8) == 8 }
+    }
+}
+
+/// Rings the bell of the descriptor `fd`, nothing when it is negative; async-signal-safe.
+pub fn ring(fd: i32) {
+    if fd < 0 {
+        return;
+    }
+    let one = 1u64;
+    // SAFETY: `one` has eight bytes; write is async-signal-safe and an error (a full counter) means it rings already.
+    unsafe { libc::write(fd, (&raw const one).cast(), 8) };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ring_is_heard_once() {
+        let bell = Bell::new().unwrap();
+        assert!(!bell.wait(Duration::ZERO));
+        bell.ring();
+        bell.ring();
+        assert!(bell.wait(Duration::from_secs(5)));
+        assert!(!bell.wait(Duration::ZERO));
+    }
+}

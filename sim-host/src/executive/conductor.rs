@@ -1,0 +1,332 @@
+//! The slot loop: which robots run now, when a slot is over, and what comes after it.
+//!
+//! There is no thread of its own: whoever suspends last advances the world and releases the next robots, so one robot alone
+//! needs no hand-over at all. At most `lanes` robots run at one time; which of them does so when changes nothing, since
+//! robots meet only at the slots' ends.
+
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, VecDeque};
+use std::time::{Duration, Instant};
+
+use parking_lot::MutexGuard;
+use sim_core::RobotId;
+use sim_core::drive::Motion;
+use sim_core::time::Time;
+use sim_core::world::World;
+
+use super::run::Run;
+use super::signal;
+use crate::record::{RecordError, Recorder};
+use crate::robios::robot::{Robot, Waits};
+
+/// Who runs, who waits until when, and where the run's record goes.
+pub struct Conductor {
+    /// Due in the present slot, not yet released; in order of their ids.
+    ready: VecDeque<RobotId>,
+    /// Released and not yet back.
+    running: Vec<RobotId>,
+    /// Suspended or ended in the present slot.
+    ran: Vec<RobotId>,
+    /// Bodies in motion, or blocked by another body, at the present slot's start.
+    moving: Vec<RobotId>,
+    wakes: BinaryHeap<Reverse<Wake>>,
+    /// For each robot the number of its valid entry in `wakes`.
+    wake_numbers: Vec<u32>,
+    /// For each robot whether its program has ended.
+    departed: Vec<bool>,
+    /// Robots whose program has not ended.
+    alive: usize,
+    lanes: usize,
+    until: Time,
+    pace: Option<Pace>,
+    recorder: Recorder<'static>,
+    end: Option<End>,
+}
+
+/// An entry of the list of wakes; valid while `number` is the robot's present one.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct Wake {
+    at: Time,
+    robot: RobotId,
+    number: u32,
+}
+
+/// Virtual seconds for each second of real time, since `start`.
+struct Pace {
+    factor: f64,
+    start: Instant,
+}
+
+/// Why the slot loop stopped.
+#[derive(Debug)]
+pub enum End {
+    /// Every program has ended.
+    Finished,
+    /// The time that the user set is over.
+    Until,
+    /// Nothing moves and every program that has not ended waits for something that cannot come any more.
+    Stuck,
+    /// The user interrupted the run.
+    Interrupted,
+    /// A program broke in a way after which nothing may run on.
+    Broken,
+    /// What was asked to be recorded cannot be.
+    Record(RecordError),
+}
+
+/// Whom to resume after a robot has come back, and whether that robot itself goes on at once.
+#[derive(Debug, Default)]
+pub struct HandOver {
+    /// Robots to resume.
+    pub resume: Vec<RobotId>,
+    /// The robot that came back is due again.
+    pub goes_on: bool,
+}
+
+/// What the slot loop is told when it is made.
+pub struct Plan {
+    /// Number of robots.
+    pub robots: usize,
+    /// How many may run at one time.
+    pub lanes: usize,
+    /// Simulated time at which the run ends.
+    pub until: Time,
+    /// Virtual seconds for each second of real time; none for as fast as possible.
+    pub speed: Option<f64>,
+}
+
+impl Conductor {
+    /// The slot loop before the first slot: all robots are due at 0.
+    pub fn new(plan: &Plan, recorder: Recorder<'static>) -> Self {
+        let all = || (0..plan.robots).map(RobotId::from_index);
+        Self {
+            ready: all().collect(),
+            running: Vec::new(),
+            ran: Vec::new(),
+            moving: Vec::new(),
+            wakes: BinaryHeap::new(),
+            wake_numbers: vec![0; plan.robots],
+            departed: vec![false; plan.robots],
+            alive: plan.robots,
+            lanes: plan.lanes.max(1),
+            until: plan.until,
+            pace: plan.speed.map(|factor| Pace { factor, start: Instant::now() }),
+            recorder,
+            end: None,
+        }
+    }
+
+    /// Why the run has ended, once it has.
+    pub fn end(&self) -> Option<&End> {
+        self.end.as_ref()
+    }
+
+    /// Ends the run after the present slot; an end that was found before stands.
+    pub fn end_with(&mut self, end: End) {
+        self.end.get_or_insert(end);
+    }
+
+    /// The robots that have been released and have not come back.
+    pub fn running(&self) -> &[RobotId] {
+        &self.running
+    }
+
+    /// Where events go.
+    pub fn recorder(&mut self) -> &mut Recorder<'static> {
+        &mut self.recorder
+    }
+
+    /// Releases the first robots.
+    pub fn begin(&mut self, run: &Run) -> HandOver {
+        self.go_on(run, None)
+    }
+
+    /// `robot` has come back to sleep until `wake`; the slot loop goes on.
+    pub fn suspend(&mut self, run: &Run, robot: RobotId, wake: Time) -> HandOver {
+        self.retire(robot);
+        self.sleep_until(robot, wake);
+        self.go_on(run, Some(robot))
+    }
+
+    /// The program of `robot` has ended, or broken; the slot loop goes on.
+    pub fn depart(&mut self, run: &Run, robot: RobotId) -> HandOver {
+        self.retire(robot);
+        self.wake_numbers[robot.index()] += 1;
+        self.departed[robot.index()] = true;
+        self.alive -= 1;
+        self.go_on(run, None)
+    }
+
+    /// The program of `robot` has left after the end of the run.
+    pub fn leave(&mut self, robot: RobotId) {
+        self.departed[robot.index()] = true;
+    }
+
+    /// True once the program of `robot` has ended or broken.
+    pub fn has_departed(&self, robot: RobotId) -> bool {
+        self.departed[robot.index()]
+    }
+
+    /// Simulated time, once the run is over: the end of the last slot, or the limit that the user set.
+    pub fn time(&self, world: &World) -> Time {
+        match self.end {
+            Some(End::Until) => world.slot_end().max(self.until),
+            _ => world.slot_end(),
+        }
+    }
+
+    /// Why the run has ended; taken once, at the very end.
+    pub fn take_end(&mut self) -> End {
+        self.end.take().unwrap_or(End::Finished)
+    }
+
+    fn retire(&mut self, robot: RobotId) {
+        self.running.retain(|running| *running != robot);
+        self.ran.push(robot);
+    }
+
+    /// Replaces the robot's wake time; [`Time::NEVER`] leaves it without one.
+    fn sleep_until(&mut self, robot: RobotId, at: Time) {
+        let number = &mut self.wake_numbers[robot.index()];
+        *number += 1;
+        if at < Time::NEVER {
+            self.wakes.push(Reverse(Wake { at, robot, number: *number }));
+        }
+    }
+
+    /// Fills the free lanes, over as many slots as it takes to find somebody who is due.
+    fn go_on(&mut self, run: &Run, who_asks: Option<RobotId>) -> HandOver {
+        let mut hand_over = HandOver::default();
+        loop {
+            while self.running.len() < self.lanes
+                && let Some(robot) = self.ready.pop_front()
+            {
+                self.running.push(robot);
+                if Some(robot) == who_asks {
+                    hand_over.goes_on = true;
+                } else {
+                    hand_over.resume.push(robot);
+                }
+            }
+            if !self.running.is_empty() || self.is_over() {
+                return hand_over;
+            }
+            if let Err(error) = self.finish_slot(run) {
+                self.end = Some(End::Record(error));
+            }
+            if self.is_over() {
+                run.bell().ring();
+            }
+        }
+    }
+
+    /// True when the present slot is complete and no other follows.
+    pub fn is_over(&self) -> bool {
+        self.end.is_some() && self.running.is_empty() && self.ran.is_empty() && self.ready.is_empty()
+    }
+
+    /// Completes the present slot and, unless the run ends with it, begins the next one in which anything happens.
+    fn finish_slot(&mut self, run: &Run) -> Result<(), RecordError> {
+        let mut world = run.world.write();
+        self.advance_bodies(run, &mut world)?;
+        if signal::is_interrupted() {
+            self.end_with(End::Interrupted);
+        }
+        if self.end.is_some() {
+            return Ok(());
+        }
+        let Some(start) = self.next_start(&world) else {
+            self.end_with(if self.alive == 0 { End::Finished } else { End::Stuck });
+            return Ok(());
+        };
+        if start >= self.until {
+            self.end_with(if self.alive == 0 { End::Finished } else { End::Until });
+            return Ok(());
+        }
+        world.advance_to(start);
+        run.publish_slot(&world);
+        self.take_due(world.slot_end());
+        drop(world);
+        if let Some(pace) = &self.pace {
+            pace.wait_for(start);
+        }
+        Ok(())
+    }
+
+    /// Moves the bodies to the slot's end, resolves their contacts and records what the slot brought.
+    fn advance_bodies(&mut self, run: &Run, world: &mut World) -> Result<(), RecordError> {
+        let slot_end = world.slot_end();
+        let mut active = std::mem::take(&mut self.moving);
+        active.append(&mut self.ran);
+        active.sort_unstable();
+        active.dedup();
+        let mut robots: Vec<MutexGuard<'_, Robot>> = active.iter().map(|id| run.robot(*id)).collect();
+        let contacts = {
+            let mut motions: Vec<&mut Motion> = robots.iter_mut().map(|robot| &mut robot.motion).collect();
+            world.advance(&mut motions)
+        };
+        for contact in contacts {
+            if let Ok(place) = active.binary_search(&contact.robot) {
+                robots[place].record_contact(&contact);
+            }
+        }
+        for robot in &mut robots {
+            robot.record_pose(slot_end);
+            if robot.motion.is_active() {
+                self.moving.push(robot.id);
+            }
+            if robot.waiting.as_ref().is_some_and(|waiting| waiting.waits_for == Waits::Drive) {
+                let wake = robot.motion.drive_end().unwrap_or(Time::NEVER).max(slot_end).min(robot.timers.next_due());
+                self.sleep_until(robot.id, wake);
+            }
+            self.recorder.collect(&mut robot.journal);
+        }
+        self.recorder.end_slot(slot_end)
+    }
+
+    /// The start of the next slot in which a body moves or a robot is due; none when that never happens.
+    fn next_start(&mut self, world: &World) -> Option<Time> {
+        let slot_end = world.slot_end();
+        if !self.moving.is_empty() {
+            // A drive that nobody waits for may go on for ever once all programs have ended: that is no reason to run on.
+            return (self.alive > 0).then_some(slot_end);
+        }
+        while let Some(Reverse(wake)) = self.wakes.peek() {
+            if self.wake_numbers[wake.robot.index()] == wake.number {
+                return Some(wake.at.floor_to(world.slot()).max(slot_end));
+            }
+            self.wakes.pop();
+        }
+        None
+    }
+
+    /// Moves the robots that are due before `slot_end` to the ready list.
+    fn take_due(&mut self, slot_end: Time) {
+        while let Some(Reverse(wake)) = self.wakes.peek()
+            && wake.at < slot_end
+        {
+            if self.wake_numbers[wake.robot.index()] == wake.number {
+                self.ready.push_back(wake.robot);
+            }
+            self.wakes.pop();
+        }
+        self.ready.make_contiguous().sort_unstable();
+    }
+}
+
+impl Pace {
+    /// How long the pace sleeps without looking whether the user wants to stop.
+    const NAP: Duration = Duration::from_millis(20);
+
+    /// Sleeps until real time has reached simulated time `start`, or the user interrupts.
+    fn wait_for(&self, start: Time) {
+        let due = self.start + Duration::try_from_secs_f64(start.seconds() / self.factor).unwrap_or(Duration::MAX / 4);
+        while !signal::is_interrupted() {
+            let left = due.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return;
+            }
+            std::thread::sleep(left.min(Self::NAP));
+        }
+    }
+}

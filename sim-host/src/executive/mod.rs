@@ -1,0 +1,59 @@
+//! Executing robot programs: who runs when, on what, and what happens when one breaks.
+//!
+//! [`Executor`] is the seam: how a robot's flow of control is run, suspended and resumed. [`thread`] fills it with one OS
+//! thread a robot; a process or a fiber a robot fit behind it too. Above the seam nothing knows which:
+//! [`conductor`] is the slot loop that decides who runs, [`run`] starts and supervises a whole run. Below it, [`signal`]
+//! and [`watchdog`] catch programs that fault or never return.
+
+pub mod bell;
+pub mod conductor;
+pub mod fault;
+pub mod run;
+pub mod signal;
+pub mod standing;
+pub mod thread;
+pub mod watchdog;
+
+use robios_sys::{Callback, Stop};
+use sim_core::RobotId;
+
+use crate::robios::caller::Call;
+
+/// How robots' flows of control are run: the one seam that a thread, a process or a fiber a robot fills.
+///
+/// A flow starts suspended. Exactly the flows that the conductor resumed and that have not suspended themselves since run.
+pub trait Executor: Send + Sync {
+    /// Creates the robot's flow, suspended; `flow` returns when the robot's program has ended.
+    ///
+    /// # Errors
+    /// When the system has no room for another flow.
+    fn start(&self, robot: RobotId, flow: Box<dyn FnOnce() + Send>) -> std::io::Result<()>;
+
+    /// Lets the robot's flow go on; called once for each time that it suspended itself or was created.
+    fn resume(&self, robot: RobotId);
+
+    /// Suspends the calling flow, which is `robot`'s, until it is resumed.
+    fn suspend(&self, robot: RobotId);
+
+    /// The flow of `robot` enters `call`; false when it has no stack left to serve it.
+    fn enter(&self, robot: RobotId, call: Call) -> bool;
+
+    /// The flow of `robot` goes back to its program.
+    fn leave(&self, robot: RobotId);
+
+    /// Calls a function of the robot's program from within a call that the flow of `robot` is in, which holds no lock.
+    ///
+    /// # Errors
+    /// [`Stop`] when the program must be left: the call in progress returns it.
+    fn call_back(&self, robot: RobotId, callback: Callback) -> Result<(), Stop>;
+
+    /// Flows that broke (a fault, or stopped as overdue) and will never run again, with what is known of it.
+    fn broken(&self) -> Vec<(RobotId, fault::Broken)>;
+
+    /// Looks at the robot's flow, if it runs: true when it has run for `timeout` seconds of its own processor time, or has
+    /// been blocked in the kernel for as long, since it was last resumed. Called about twenty times a second.
+    fn is_overdue(&self, robot: RobotId, timeout: f64) -> bool;
+
+    /// Stops an overdue flow where it is; [`Executor::broken`] tells of it soon after.
+    fn break_overdue(&self, robot: RobotId);
+}

@@ -1,0 +1,366 @@
+//! One run: its robots, its world and its slot loop, started, supervised and brought to an end.
+
+use std::ffi::{CString, c_char, c_int};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
+use std::time::{Duration, Instant};
+
+use parking_lot::{Mutex, MutexGuard, RwLock};
+use robios_sys::{Host, Robios6Table, Stop, SupportTable};
+use sim_core::RobotId;
+use sim_core::pose::Pose;
+use sim_core::time::Time;
+use sim_core::world::World;
+
+use super::Executor;
+use super::bell::Bell;
+use super::conductor::{Conductor, End, HandOver, Plan};
+use super::fault::Broken;
+use super::{signal, standing, watchdog};
+use crate::program::load::LoadedProgram;
+use crate::record::{Digest, Outcome, Recorder};
+use crate::robios::caller::{Call, Caller};
+use crate::robios::cost::Costs;
+use crate::robios::robot::{Ending, Robot};
+
+/// Everything that the robots' flows share.
+pub struct Run {
+    /// The world; written only between slots, when no robot runs.
+    pub(crate) world: RwLock<World>,
+    robots: Vec<Mutex<Robot>>,
+    conductor: Mutex<Conductor>,
+    executor: Box<dyn Executor>,
+    costs: Costs,
+    bell: Bell,
+    /// Bounds of the present slot in microseconds: a copy that calls read without the world's lock.
+    slot_start: AtomicI64,
+    slot_end: AtomicI64,
+    is_stopping: AtomicBool,
+    is_verbose: bool,
+}
+
+/// What a run is made of.
+pub struct Parts {
+    /// The world at time 0.
+    pub world: World,
+    /// All robots, in the order of their ids.
+    pub robots: Vec<Robot>,
+    /// Their programs, in the same order.
+    pub programs: Vec<Program>,
+    /// How flows are run.
+    pub executor: Box<dyn Executor>,
+    /// What calls cost.
+    pub costs: Costs,
+    /// Where events go.
+    pub recorder: Recorder<'static>,
+}
+
+/// A robot's program and what it is started with.
+pub struct Program {
+    /// The robot's own copy.
+    pub loaded: LoadedProgram,
+    /// What `main` gets: the program's name, then its arguments.
+    pub arguments: Vec<CString>,
+}
+
+/// What a run is told by its user.
+#[derive(Clone, Debug)]
+pub struct Limits {
+    /// How many robots may run at one time.
+    pub lanes: usize,
+    /// Simulated time at which the run ends.
+    pub until: Time,
+    /// Virtual seconds for each second of real time; none for as fast as possible.
+    pub speed: Option<f64>,
+    /// Processor time in seconds that a program may use within one slot.
+    pub timeout: f64,
+    /// True when every call is to be recorded.
+    pub is_verbose: bool,
+}
+
+/// How a run ended.
+pub struct Ended {
+    /// Why it ended.
+    pub end: End,
+    /// Simulated time at the end.
+    pub time: Time,
+    /// Real time that it took.
+    pub real_time: Duration,
+    /// Digest of everything recorded.
+    pub digest: Digest,
+    /// For each robot how it stands, in the order of ids.
+    pub robots: Vec<RobotEnd>,
+}
+
+/// How a robot stands at the end of a run.
+pub struct RobotEnd {
+    /// How its program stands.
+    pub outcome: Outcome,
+    /// Why, where there is more to say.
+    pub reason: Option<String>,
+    /// The exit code of its program, where it gave one.
+    pub exit_code: Option<i32>,
+    /// Its virtual time.
+    pub virtual_time: Time,
+    /// True pose of its centre in the world.
+    pub pose: Pose,
+    /// Pose by its odometry.
+    pub odometry: Pose,
+    /// Length of its path, m.
+    pub path: f64,
+    /// How often it touched something.
+    pub contacts: u32,
+    /// The text on its display.
+    pub lcd: Vec<String>,
+}
+
+/// What a service for the program's language takes: enough that a loop which waits for a time ends.
+const SUPPORT_COST: Time = Time(1);
+
+/// How often the supervisor looks at the programs and shows progress.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// How long a stopped program may take to leave before it is left behind.
+const LEAVE: Duration = Duration::from_secs(1);
+
+impl Program {
+    /// Runs `main` on the calling thread for the robot of `caller`; its exit code.
+    fn run(&self, caller: &Caller) -> i32 {
+        let argv: Vec<*const c_char> =
+            self.arguments.iter().map(|argument| argument.as_ptr()).chain([std::ptr::null()]).collect();
+        let argc = self.arguments.len() as c_int;
+        let robot = (&raw const *caller).cast_mut().cast();
+        // SAFETY: `run` was checked when the program was loaded and belongs to a library that is never unloaded; the host's
+        // tables are static, `caller` (which every table's thunks expect behind `robot`) and the arguments live until
+        // it returns, and `argv` ends in a null pointer.
+        unsafe { (self.loaded.run())(&raw const HOST, robot, argc, argv.as_ptr()) }
+    }
+}
+
+/// What every program is given.
+static HOST: Host = {
+    static SUPPORT: SupportTable = SupportTable::of::<Caller>();
+    static ROBIOS6: Robios6Table = Robios6Table::of::<Caller>();
+    Host::new(&SUPPORT, &ROBIOS6)
+};
+
+impl Run {
+    /// Runs all programs from time 0 to the end; `watch` is called about twenty times a second with the run.
+    ///
+    /// # Errors
+    /// When the system has no room for the robots' flows.
+    pub fn execute(parts: Parts, limits: &Limits, mut watch: impl FnMut(&Run)) -> std::io::Result<Ended> {
+        let start = Instant::now();
+        let bell = Bell::new()?;
+        signal::install(&bell)?;
+        let plan =
+            Plan { robots: parts.robots.len(), lanes: limits.lanes, until: limits.until, speed: limits.speed };
+        let run = Arc::new(Self {
+            slot_start: AtomicI64::new(parts.world.slot_start().0),
+            slot_end: AtomicI64::new(parts.world.slot_end().0),
+            world: RwLock::new(parts.world),
+            robots: parts.robots.into_iter().map(Mutex::new).collect(),
+            conductor: Mutex::new(Conductor::new(&plan, parts.recorder)),
+            executor: parts.executor,
+            costs: parts.costs,
+            bell,
+            is_stopping: AtomicBool::new(false),
+            is_verbose: limits.is_verbose,
+        });
+        let programs: Vec<_> = parts.programs.into_iter().map(Arc::new).collect();
+        for (index, program) in programs.iter().enumerate() {
+            let (id, run, program) = (RobotId::from_index(index), Arc::clone(&run), Arc::clone(program));
+            Arc::clone(&run).executor.start(id, Box::new(move || run.live(id, &program)))?;
+        }
+        let hand_over = run.conductor.lock().begin(&run);
+        run.resume(&hand_over);
+        let broken = run.supervise(limits, &mut watch);
+        run.stop_all(&broken);
+        Ok(run.conclude(&programs, &broken, start))
+    }
+
+    /// The state of robot `id`.
+    pub fn robot(&self, id: RobotId) -> MutexGuard<'_, Robot> {
+        self.robots[id.index()].lock()
+    }
+
+    /// Number of robots.
+    pub fn robot_count(&self) -> usize {
+        self.robots.len()
+    }
+
+    /// Start of the present slot.
+    pub fn slot_start(&self) -> Time {
+        Time(self.slot_start.load(Ordering::Acquire))
+    }
+
+    /// End of the present slot.
+    pub fn slot_end(&self) -> Time {
+        Time(self.slot_end.load(Ordering::Acquire))
+    }
+
+    /// What runs the flows.
+    pub(crate) fn executor(&self) -> &dyn Executor {
+        &*self.executor
+    }
+
+    /// Virtual time that `call` takes.
+    pub(crate) fn cost(&self, call: Call) -> Time {
+        match call {
+            Call::Robios6(call) => self.costs.of(call),
+            Call::Support(_) => SUPPORT_COST,
+        }
+    }
+
+    /// True when every call is recorded.
+    pub(crate) fn is_verbose(&self) -> bool {
+        self.is_verbose
+    }
+
+    /// True once programs are to leave: every call is turned back.
+    pub(crate) fn is_stopping(&self) -> bool {
+        self.is_stopping.load(Ordering::Acquire)
+    }
+
+    /// What wakes the supervisor.
+    pub(super) fn bell(&self) -> &Bell {
+        &self.bell
+    }
+
+    /// Tells the robots' calls the bounds of the present slot.
+    pub(super) fn publish_slot(&self, world: &World) {
+        self.slot_start.store(world.slot_start().0, Ordering::Release);
+        self.slot_end.store(world.slot_end().0, Ordering::Release);
+    }
+
+    /// Suspends the calling flow, `robot`'s, until the slot that contains `wake`, or earlier if what it waits for changes.
+    ///
+    /// # Errors
+    /// [`Stop`] when the run has ended meanwhile.
+    pub(crate) fn suspend(&self, robot: RobotId, wake: Time) -> Result<(), Stop> {
+        let hand_over = self.conductor.lock().suspend(self, robot, wake);
+        self.resume(&hand_over);
+        if !hand_over.goes_on {
+            self.executor.suspend(robot);
+        }
+        if self.is_stopping() { Err(Stop) } else { Ok(()) }
+    }
+
+    fn resume(&self, hand_over: &HandOver) {
+        for robot in &hand_over.resume {
+            self.executor.resume(*robot);
+        }
+    }
+
+    /// The life of a robot's flow.
+    fn live(self: Arc<Self>, id: RobotId, program: &Program) {
+        self.executor.suspend(id);
+        if !self.is_stopping() {
+            let code = program.run(&Caller::new(Arc::clone(&self), id));
+            let ending = if self.is_stopping() { Ending::Stopped } else { Ending::Exited { code } };
+            self.robot(id).ending.get_or_insert(ending);
+        }
+        if self.is_stopping() {
+            self.conductor.lock().leave(id);
+            self.bell.ring();
+        } else {
+            self.bury(id);
+        }
+    }
+
+    /// Ends robot `id` in the world: its motors stop, its end is recorded, the slot loop goes on without it.
+    fn bury(&self, id: RobotId) {
+        {
+            let mut robot = self.robot(id);
+            robot.halt(&self.world.read());
+        }
+        let hand_over = self.conductor.lock().depart(self, id);
+        self.resume(&hand_over);
+    }
+
+    /// Watches over the run until it is over; returns the robots that broke.
+    fn supervise(&self, limits: &Limits, watch: &mut impl FnMut(&Run)) -> Vec<(RobotId, Broken)> {
+        let mut all_broken = Vec::new();
+        loop {
+            self.bell.wait(LOOK);
+            for (id, broken) in self.executor.broken() {
+                if all_broken.iter().all(|(known, _)| *known != id) {
+                    self.robot(id).ending.get_or_insert(Ending::broken(&broken));
+                    all_broken.push((id, broken));
+                    self.conductor.lock().end_with(End::Broken);
+                    self.bury(id);
+                }
+            }
+            let (running, is_over) = {
+                let conductor = self.conductor.lock();
+                (conductor.running().to_vec(), conductor.is_over())
+            };
+            if is_over {
+                return all_broken;
+            }
+            if !watchdog::is_debugged() {
+                for id in running {
+                    if self.executor.is_overdue(id, limits.timeout) {
+                        self.executor.break_overdue(id);
+                    }
+                }
+            }
+            watch(self);
+        }
+    }
+
+    /// Lets every program that has not ended leave, one after the other in the order of ids.
+    fn stop_all(&self, broken: &[(RobotId, Broken)]) {
+        self.is_stopping.store(true, Ordering::Release);
+        for id in (0..self.robots.len()).map(RobotId::from_index) {
+            if self.conductor.lock().has_departed(id) || broken.iter().any(|(other, _)| *other == id) {
+                continue;
+            }
+            self.executor.resume(id);
+            let deadline = Instant::now() + LEAVE;
+            while !self.conductor.lock().has_departed(id) && Instant::now() < deadline {
+                self.bell.wait(deadline.saturating_duration_since(Instant::now()));
+            }
+        }
+    }
+
+    /// What the run has come to, once nobody runs any more.
+    fn conclude(
+        &self,
+        programs: &[Arc<Program>],
+        broken: &[(RobotId, Broken)],
+        start: Instant,
+    ) -> Ended {
+        let mut conductor = self.conductor.lock();
+        let time = conductor.time(&self.world.read());
+        let end = conductor.take_end();
+        let mut robots = Vec::with_capacity(self.robots.len());
+        for (index, program) in programs.iter().enumerate() {
+            let id = RobotId::from_index(index);
+            let mut robot = self.robot(id);
+            let broken = broken.iter().find(|(other, _)| *other == id).map(|(_, broken)| broken);
+            let standing = standing::judge(&mut robot, &end, broken, &program.loaded);
+            robot.record_standing(&standing);
+            conductor.recorder().collect(&mut robot.journal);
+            robots.push(RobotEnd {
+                virtual_time: robot.now,
+                pose: robot.motion.pose(time),
+                odometry: robot.motion.odometry(time),
+                path: robot.motion.path_length(time),
+                contacts: robot.motion.contacts(time),
+                lcd: robot.devices.lcd.lines().to_vec(),
+                outcome: standing.outcome,
+                reason: standing.reason,
+                exit_code: standing.exit_code,
+            });
+        }
+        let recorder = conductor.recorder();
+        let digest = recorder.end_slot(time).and_then(|()| recorder.finish(time));
+        let (end, digest) = match digest {
+            Ok(digest) => (end, digest),
+            Err(error) => (End::Record(error), recorder.digest()),
+        };
+        signal::uninstall();
+        Ended { end, time, real_time: start.elapsed(), digest, robots }
+    }
+}

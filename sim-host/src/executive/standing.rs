@@ -1,0 +1,99 @@
+//! How a robot's program stands at the end of a run, and the words in which the user is told.
+
+use robios_sys::Robios6Call;
+
+use super::conductor::End;
+use super::fault::Broken;
+use crate::program::load::LoadedProgram;
+use crate::record::Outcome;
+use crate::robios::robot::{Ending, Robot, Waiting, Waits};
+
+/// How a program stands.
+pub struct Standing {
+    /// In one word.
+    pub outcome: Outcome,
+    /// Why, where there is more to say.
+    pub reason: Option<String>,
+    /// Its exit code, where it gave one.
+    pub exit_code: Option<i32>,
+    /// Where it broke, and what it called last.
+    pub fault: Option<Place>,
+}
+
+/// Where a program broke.
+pub struct Place {
+    /// What happened, without the place.
+    pub what: String,
+    /// Source file and line, empty where unknown.
+    pub location: String,
+    /// The last RoBIOS call, empty where there was none.
+    pub last_call: &'static str,
+}
+
+/// How the program of `robot` stands, given how the run ended and whether its flow broke.
+pub fn judge(robot: &mut Robot, end: &End, broken: Option<&Broken>, program: &LoadedProgram) -> Standing {
+    let standing = |outcome, reason| Standing { outcome, reason, exit_code: None, fault: None };
+    if let Some(broken) = broken {
+        let place = place(broken, program);
+        let outcome = if broken.is_overdue { Outcome::Timeout } else { Outcome::Failed };
+        return Standing { reason: Some(place.to_string()), fault: Some(place), ..standing(outcome, None) };
+    }
+    let waiting = robot.waiting.clone();
+    match (&robot.ending, &waiting) {
+        (Some(Ending::Exited { code: 0 }), _) => Standing { exit_code: Some(0), ..standing(Outcome::Finished, None) },
+        (Some(Ending::Exited { code }), _) => Standing {
+            exit_code: Some(*code),
+            ..standing(Outcome::Failed, Some(format!("exit code {code}")))
+        },
+        (Some(Ending::Failed { reason }), _) => standing(Outcome::Failed, Some(reason.clone())),
+        (_, Some(waiting)) if matches!(end, End::Stuck) => {
+            standing(Outcome::Waiting, Some(wait_in_words(robot, waiting, program)))
+        }
+        _ => match end {
+            End::Interrupted => standing(Outcome::Interrupted, None),
+            End::Broken => standing(Outcome::Interrupted, Some("another robot's program broke".into())),
+            End::Record(_) => standing(Outcome::Interrupted, Some("the record could not be written".into())),
+            End::Until | End::Stuck | End::Finished => standing(Outcome::Running, None),
+        },
+    }
+}
+
+/// `waits for KEY4 since 2.310 s at maze.c:88 (try --keys "3:KEY4")`.
+fn wait_in_words(robot: &mut Robot, waiting: &Waiting, program: &LoadedProgram) -> String {
+    let Waiting { waits_for, since, .. } = waiting;
+    let place = "";
+    let advice = match waits_for {
+        Waits::Key(key) => {
+            let seconds = since.seconds().ceil();
+            format!(" (try --keys \"{}:{seconds}:{key}\")", robot.id.0)
+        }
+        Waits::Drive if robot.motion.is_stalled(robot.now.max(*since)) => {
+            " (its wheels stall: something is in its way)".into()
+        }
+        _ => String::new(),
+    };
+    format!("waits for {waits_for} since {since}{place}{advice}")
+}
+
+fn place(broken: &Broken, program: &LoadedProgram) -> Place {
+    let location = program.own_source_line(&broken.addresses);
+    let last_call = Robios6Call::ALL.get(usize::from(broken.last_call)).map_or("", |call| call.name());
+    Place {
+        what: broken.what.clone(),
+        location: location.map(|location| location.to_string()).unwrap_or_default(),
+        last_call,
+    }
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.what)?;
+        if !self.location.is_empty() {
+            write!(f, " at {}", self.location)?;
+        }
+        if !self.last_call.is_empty() {
+            write!(f, ", last RoBIOS call `{}`", self.last_call)?;
+        }
+        Ok(())
+    }
+}

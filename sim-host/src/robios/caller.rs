@@ -1,0 +1,316 @@
+//! A robot's way into the simulator: what every RoBIOS call has in common.
+//!
+//! A call costs virtual time, acts at its end, and is suspended first when its end lies in a later slot; timer callbacks that
+//! fall due on the way run inside it. The families beside this file say only what a call does.
+
+use std::any::Any;
+use std::sync::Arc;
+
+use parking_lot::MutexGuard;
+use robios_sys::{CallContext, CallRecord, Callback, Robios6, Robios6Call, Stop, SupportCall};
+use sim_core::RobotId;
+use sim_core::time::{TICK, Time};
+use sim_core::world::World;
+
+use super::robot::{Ending, Robot, Waiting, Waits};
+use crate::executive::run::Run;
+use crate::record::Event;
+
+/// The handle that a robot's program is given: its robot in its run.
+pub struct Caller {
+    run: Arc<Run>,
+    id: RobotId,
+}
+
+/// A function that a program can call, of whichever list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Call {
+    /// Of RoBIOS 6.
+    Robios6(Robios6Call),
+    /// A service for the program's language.
+    Support(SupportCall),
+}
+
+impl Call {
+    /// Its name, as programs write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Robios6(call) => call.name(),
+            Self::Support(call) => call.name(),
+        }
+    }
+}
+
+impl From<Robios6Call> for Call {
+    fn from(call: Robios6Call) -> Self {
+        Self::Robios6(call)
+    }
+}
+
+impl From<SupportCall> for Call {
+    fn from(call: SupportCall) -> Self {
+        Self::Support(call)
+    }
+}
+
+/// What a waiting call finds when it looks.
+pub enum Poll<R> {
+    /// The wait is over.
+    Ready(R),
+    /// Not yet: look again at `at` ([`Time::NEVER`] when nothing known can end the wait).
+    Until {
+        /// When the condition may hold.
+        at: Time,
+        /// What the robot waits for, as the user is told.
+        waits_for: Waits,
+    },
+}
+
+impl Caller {
+    /// The handle of robot `id`.
+    pub fn new(run: Arc<Run>, id: RobotId) -> Self {
+        Self { run, id }
+    }
+
+    /// The robot whose handle this is.
+    pub fn id(&self) -> RobotId {
+        self.id
+    }
+
+    /// The run that the robot belongs to.
+    pub(crate) fn run(&self) -> &Run {
+        &self.run
+    }
+
+    /// Passes the call's cost of virtual time, then acts at the call's end.
+    ///
+    /// # Errors
+    /// [`Stop`] when the program is to end instead.
+    pub(crate) fn call<R>(&self, call: impl Into<Call>, act: impl FnOnce(&mut Robot, &World) -> R) -> Result<R, Stop> {
+        let call = call.into();
+        self.within(call, |caller| {
+            let mut robot = caller.spend(call)?;
+            let world = caller.run.world.read();
+            Ok(act(&mut robot, &world))
+        })
+    }
+
+    /// Passes the call's cost, then asks `poll` at the call's end and whenever its wake condition may hold.
+    ///
+    /// # Errors
+    /// [`Stop`] when the program is to end instead; waiting inside a timer callback ends the program as failed.
+    pub(crate) fn wait<R>(
+        &self,
+        call: impl Into<Call>,
+        mut poll: impl FnMut(&mut Robot, &World) -> Poll<R>,
+    ) -> Result<R, Stop> {
+        let call = call.into();
+        self.within(call, |caller| {
+            let mut robot = caller.spend(call)?;
+            let since = robot.now;
+            loop {
+                let (at, waits_for) = {
+                    let world = caller.run.world.read();
+                    match poll(&mut robot, &world) {
+                        Poll::Ready(result) => {
+                            robot.waiting = None;
+                            return Ok(result);
+                        }
+                        Poll::Until { at, waits_for } => (at, waits_for),
+                    }
+                };
+                if robot.timers.in_callback {
+                    return Err(caller.fail(robot, format!("`{}` would wait inside a timer callback", call.name())));
+                }
+                // A condition that holds in the past would never advance: time goes on by 1 us at least.
+                let at = at.max(robot.now + Time(1));
+                robot.waiting = Some(Waiting { call, waits_for, since });
+                robot = caller.pass_until(robot, at, false)?;
+            }
+        })
+    }
+
+    /// Passes `span` of virtual time, as a sleep of the program outside RoBIOS.
+    ///
+    /// # Errors
+    /// [`Stop`] when the program is to end instead.
+    pub(crate) fn sleep(&self, span: Time) -> Result<(), Stop> {
+        let end = {
+            let robot = self.robot();
+            robot.now + span
+        };
+        self.wait(SupportCall::sleep_us, |robot, _| {
+            if robot.now >= end { Poll::Ready(()) } else { Poll::Until { at: end, waits_for: Waits::Time(end) } }
+        })
+    }
+
+    /// Ends the robot's program as failed, for a reason that is shown to the user.
+    pub(crate) fn fail(&self, mut robot: MutexGuard<'_, Robot>, reason: String) -> Stop {
+        robot.ending.get_or_insert(Ending::Failed { reason });
+        Stop
+    }
+
+    /// The state of this caller's robot.
+    pub(crate) fn robot(&self) -> MutexGuard<'_, Robot> {
+        self.run.robot(self.id)
+    }
+
+    /// Runs `body` as the host's work for the program: stopped programs are turned back, a stack at its end is a fault.
+    fn within<R>(&self, call: Call, body: impl FnOnce(&Self) -> Result<R, Stop>) -> Result<R, Stop> {
+        let executor = self.run.executor();
+        if !executor.enter(self.id, call) {
+            return Err(self.fail(self.robot(), format!("stack overflow in `{}`", call.name())));
+        }
+        let result = if self.run.is_stopping() { Err(Stop) } else { body(self) };
+        executor.leave(self.id);
+        result
+    }
+
+    /// Passes the cost of `call`.
+    fn spend(&self, call: Call) -> Result<MutexGuard<'_, Robot>, Stop> {
+        let robot = self.robot();
+        if robot.ending.is_some() {
+            return Err(Stop);
+        }
+        let end = robot.now + self.run.cost(call);
+        self.pass_until(robot, end, true)
+    }
+
+    /// Lets virtual time pass until `end`, running the timer callbacks that fall due.
+    ///
+    /// Where the time is the call's own work (`is_work`), callbacks push its end by what they take. Otherwise the robot waits:
+    /// it comes back early after each callback, and when the slot loop has changed what it waits for.
+    fn pass_until<'a>(
+        &'a self,
+        mut robot: MutexGuard<'a, Robot>,
+        mut end: Time,
+        is_work: bool,
+    ) -> Result<MutexGuard<'a, Robot>, Stop> {
+        loop {
+            let tick = robot.timers.next_due();
+            let target = end.min(tick).max(robot.now);
+            if target >= self.run.slot_end() {
+                drop(robot);
+                self.run.suspend(self.id, target)?;
+                robot = self.robot();
+                if target >= self.run.slot_end() {
+                    // Woken before its time: the slot loop has changed what the robot waits for.
+                    robot.now = robot.now.max(self.run.slot_start());
+                    return Ok(robot);
+                }
+            }
+            robot.now = target;
+            if tick > end {
+                return Ok(robot);
+            }
+            robot = self.run_timers(robot)?;
+            if !is_work {
+                return Ok(robot);
+            }
+            end += robot.now - target;
+        }
+    }
+
+    /// Runs the callbacks of all timers that are due now; they may call RoBIOS, which takes its time.
+    fn run_timers<'a>(&'a self, mut robot: MutexGuard<'a, Robot>) -> Result<MutexGuard<'a, Robot>, Stop> {
+        let now = robot.now;
+        let due = robot.timers.take_due(now);
+        robot.timers.in_callback = true;
+        drop(robot);
+        let mut result = Ok(());
+        for callback in due {
+            result = self.run.executor().call_back(self.id, callback);
+            if result.is_err() {
+                break;
+            }
+        }
+        let mut robot = self.robot();
+        robot.timers.in_callback = false;
+        result.map(|()| robot)
+    }
+}
+
+impl Robios6 for Caller {}
+
+impl CallContext for Caller {
+    fn is_logging(&self) -> bool {
+        self.run.is_verbose()
+    }
+
+    fn log_call(&self, record: &CallRecord<'_>) {
+        let mut robot = self.robot();
+        let arguments = record.arguments.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+        let result = record.result.map_or_else(|| "stopped".to_owned(), ToString::to_string);
+        let now = robot.now;
+        robot.journal.record(now, &Event::Call { function: record.name, arguments: &arguments, result: &result });
+    }
+
+    fn unavailable(&self, name: &'static str) {
+        self.robot().hint(&format!("`{name}` is not simulated: it answers as a robot without that device does"));
+    }
+
+    fn panicked(&self, name: &'static str, _: Box<dyn Any + Send>) {
+        self.fail(self.robot(), format!("internal error of eyesim in `{name}`"));
+    }
+}
+
+/// The timers that a program has attached.
+#[derive(Default)]
+pub struct Timers {
+    list: Vec<Timer>,
+    next_handle: i32,
+    /// True while a callback runs: callbacks are never nested, and may not wait.
+    pub in_callback: bool,
+}
+
+struct Timer {
+    handle: i32,
+    period: Time,
+    next: Time,
+    callback: Callback,
+}
+
+/// How many timers a robot may have; our choice.
+const MAX_TIMERS: usize = 32;
+
+impl Timers {
+    /// Attaches `callback` to every `scale`-th tick of the global 10 ms grid after `now`; the handle, or 0 when the list is
+    /// full or `scale` is not positive.
+    pub fn attach(&mut self, now: Time, scale: i32, callback: Callback) -> i32 {
+        if self.list.len() >= MAX_TIMERS || scale <= 0 {
+            return 0;
+        }
+        let period = Time(TICK.0 * i64::from(scale));
+        self.next_handle += 1;
+        self.list.push(Timer { handle: self.next_handle, period, next: now.floor_to(TICK) + period, callback });
+        self.next_handle
+    }
+
+    /// Removes the timer; false when there is none of that handle.
+    pub fn detach(&mut self, handle: i32) -> bool {
+        let before = self.list.len();
+        self.list.retain(|timer| timer.handle != handle);
+        self.list.len() < before
+    }
+
+    /// When the next callback is due; [`Time::NEVER`] without timers and inside a callback.
+    pub fn next_due(&self) -> Time {
+        if self.in_callback {
+            return Time::NEVER;
+        }
+        self.list.iter().map(|timer| timer.next).min().unwrap_or(Time::NEVER)
+    }
+
+    /// The callbacks due at `now`, in order of attachment; missed ticks are coalesced into one.
+    fn take_due(&mut self, now: Time) -> Vec<Callback> {
+        let mut due = Vec::new();
+        for timer in &mut self.list {
+            if timer.next <= now {
+                due.push(timer.callback);
+                let missed = (now - timer.next).0 / timer.period.0;
+                timer.next += Time((missed + 1) * timer.period.0);
+            }
+        }
+        due
+    }
+}

@@ -1,0 +1,208 @@
+//! All state of one robot: its virtual time, its motion, its devices, what it waits for and how it ended.
+
+use std::sync::Arc;
+
+use sim_core::RobotId;
+use sim_core::contact::Thing;
+use sim_core::drive::{Command, Motion};
+use sim_core::format::RobiSpec;
+use sim_core::pose::Pose;
+use sim_core::time::Time;
+use sim_core::world::{Contact, World};
+
+use super::Devices;
+use super::caller::{Call, Timers};
+use super::support::Generators;
+use crate::executive::fault::Broken;
+use crate::executive::standing::Standing;
+use crate::record::{Event, Journal, Obstacle};
+
+/// One robot, as its calls and the slot loop see it; one lock guards it all.
+pub struct Robot {
+    /// Its number.
+    pub id: RobotId,
+    /// Its virtual time: the end of its last call, or the beginning of the one in progress.
+    pub now: Time,
+    /// Its program, as the sim file names it.
+    pub program: String,
+    /// Where it is and how it moves.
+    pub motion: Motion,
+    /// What its robi file says.
+    pub spec: Arc<RobiSpec>,
+    /// What its program did and read in the present slot.
+    pub journal: Journal,
+    /// The devices that RoBIOS shows.
+    pub devices: Devices,
+    /// The generators that its program draws from.
+    pub generators: Generators,
+    /// The timers that its program has attached.
+    pub timers: Timers,
+    /// What it waits for, while a call waits.
+    pub waiting: Option<Waiting>,
+    /// How its program ended, once that is known.
+    pub ending: Option<Ending>,
+    /// The pose that was recorded last.
+    recorded_pose: Option<Pose>,
+}
+
+/// What a robot is made of.
+pub struct RobotParts {
+    /// Its program, as the sim file names it.
+    pub program: String,
+    /// Where it starts.
+    pub motion: Motion,
+    /// What its robi file says.
+    pub spec: Arc<RobiSpec>,
+    /// Its devices.
+    pub devices: Devices,
+    /// Seed of the run.
+    pub seed: u64,
+    /// True when its calls are to be recorded.
+    pub is_verbose: bool,
+}
+
+/// A wait in progress.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Waiting {
+    /// The call that waits.
+    pub call: Call,
+    /// What for.
+    pub waits_for: Waits,
+    /// Since when, in virtual time.
+    pub since: Time,
+}
+
+/// What a robot can wait for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Waits {
+    /// A point in virtual time.
+    Time(Time),
+    /// The end of the drive in progress.
+    Drive,
+    /// A key, as the user calls it.
+    Key(String),
+    /// Something else that only the outside could give, as the user calls it.
+    Input(String),
+}
+
+/// How a robot's program ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ending {
+    /// `main` returned, or the program called `exit`.
+    Exited {
+        /// Its exit code; 0 is success.
+        code: i32,
+    },
+    /// It broke off: a panic, `abort`, a call that the simulator refuses.
+    Failed {
+        /// Why, as the user is told.
+        reason: String,
+    },
+    /// It was stopped by the watchdog.
+    Overdue {
+        /// Where, as the user is told.
+        reason: String,
+    },
+    /// It was stopped with the run.
+    Stopped,
+}
+
+impl Robot {
+    /// A robot at time 0.
+    pub fn new(parts: RobotParts) -> Self {
+        let RobotParts { program, mut motion, spec, devices, seed, is_verbose } = parts;
+        let id = motion.id();
+        let start = motion.pose(Time::ZERO);
+        Self {
+            id,
+            now: Time::ZERO,
+            program,
+            motion,
+            spec,
+            journal: Journal::new(id, is_verbose),
+            devices,
+            generators: Generators::new(seed, id),
+            timers: Timers::default(),
+            waiting: None,
+            ending: None,
+            recorded_pose: Some(start),
+        }
+    }
+
+    /// Stops its motors, at the end of its program.
+    pub fn halt(&mut self, world: &World) {
+        let touching = world.touching(&mut self.motion, self.now);
+        if let Err(error) = self.motion.command(self.now, Command::Halt, &touching) {
+            unreachable!("a halt is never refused: {error}");
+        }
+    }
+
+    /// Records where it is at the end of a slot, if it has moved since the last record.
+    pub fn record_pose(&mut self, slot_end: Time) {
+        let pose = self.motion.pose(slot_end);
+        if self.recorded_pose != Some(pose) {
+            self.recorded_pose = Some(pose);
+            let Pose { position, heading } = pose;
+            let event = Event::Pose {
+                x_m: position.x,
+                y_m: position.y,
+                phi_rad: heading.remainder(),
+                turns: heading.turns(),
+            };
+            self.journal.record(slot_end, &event);
+        }
+    }
+
+    /// Records a contact that began in the present slot.
+    pub fn record_contact(&mut self, contact: &Contact) {
+        let with = match contact.with {
+            Thing::Wall(_) => Obstacle::Wall,
+            Thing::Robot(id) => Obstacle::Robot(id.0),
+        };
+        let event =
+            Event::Contact { at_s: contact.time.seconds(), with, x_m: contact.point.x, y_m: contact.point.y };
+        self.journal.record(contact.time, &event);
+    }
+
+    /// Records that its program begins.
+    pub fn record_start(&mut self) {
+        self.journal.record(self.now, &Event::ProgramStarted { program: &self.program });
+    }
+
+    /// Records how its program stands at the end of the run.
+    pub fn record_standing(&mut self, standing: &Standing) {
+        let now = self.now;
+        if let Some(fault) = &standing.fault {
+            let event = Event::Fault { what: &fault.what, location: &fault.location, last_call: fault.last_call };
+            self.journal.record(now, &event);
+        }
+        self.journal.record(now, &Event::ProgramEnded { outcome: standing.outcome, exit_code: standing.exit_code });
+        if let Some(reason) = &standing.reason {
+            self.journal.record(now, &Event::Reason { text: reason });
+        }
+    }
+
+    /// Tells the user of a likely mistake in the program.
+    pub fn hint(&mut self, text: &str) {
+        self.journal.record(self.now, &Event::Hint { text });
+    }
+}
+
+impl Ending {
+    /// The ending of a program that broke.
+    pub fn broken(broken: &Broken) -> Self {
+        let reason = broken.what.clone();
+        if broken.is_overdue { Self::Overdue { reason } } else { Self::Failed { reason } }
+    }
+}
+
+impl std::fmt::Display for Waits {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Time(time) => write!(f, "{time} of virtual time"),
+            Self::Drive => f.write_str("the end of its drive"),
+            Self::Key(key) => f.write_str(key),
+            Self::Input(what) => f.write_str(what),
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Services for the program's language: console, random numbers, virtual time, how it failed.
+
+use std::collections::BTreeMap;
+
+use robios_sys::support::{failure, stream};
+use robios_sys::{OutBytes, Stop, Support, SupportCall};
+use sim_core::RobotId;
+use sim_core::noise::{Purpose, Stream};
+use sim_core::time::Time;
+
+use super::caller::Caller;
+use super::robot::{Ending, Robot};
+use crate::record::Event;
+
+/// The generators that a program draws from, one for each purpose.
+#[derive(Clone, Debug)]
+pub struct Generators {
+    seed: u64,
+    robot: RobotId,
+    streams: BTreeMap<u32, Stream>,
+}
+
+impl Generators {
+    /// The generators of `robot` in a run with `seed`.
+    pub fn new(seed: u64, robot: RobotId) -> Self {
+        Self { seed, robot, streams: BTreeMap::new() }
+    }
+
+    /// The next 64 bits for `purpose`.
+    pub fn bits(&mut self, purpose: u32) -> u64 {
+        let (seed, robot) = (self.seed, self.robot);
+        self.streams.entry(purpose).or_insert_with(|| Stream::new(seed, robot, Purpose::Program, purpose, 0)).bits()
+    }
+
+    /// Starts the stream for `purpose` anew where the program's own seed says. No such place is the one before any seed.
+    pub fn seed(&mut self, purpose: u32, program_seed: u64) {
+        let sub_number = program_seed.wrapping_add(1);
+        self.streams.insert(purpose, Stream::new(self.seed, self.robot, Purpose::Program, purpose, sub_number));
+    }
+}
+
+impl Support for Caller {
+    fn console(&self, stream: i32, bytes: Option<&[u8]>) -> Result<i32, Stop> {
+        let text = String::from_utf8_lossy(bytes.unwrap_or_default());
+        // A program that is told to stop still leaves what it has printed; it pays no time for it any more.
+        let result = if self.run().is_stopping() { Ok(()) } else { self.call(SupportCall::console, |_, _| ()) };
+        print_lines(&mut self.robot(), stream, &text);
+        result.map(|()| 0)
+    }
+
+    fn random(&self, purpose: u32) -> Result<u64, Stop> {
+        self.call(SupportCall::random, |robot, _| robot.generators.bits(purpose))
+    }
+
+    fn seed(&self, purpose: u32, seed: u64) -> Result<i32, Stop> {
+        self.call(SupportCall::seed, |robot, _| {
+            robot.generators.seed(purpose, seed);
+            0
+        })
+    }
+
+    fn time_us(&self) -> Result<i64, Stop> {
+        self.call(SupportCall::time_us, |robot, _| robot.now.0)
+    }
+
+    fn sleep_us(&self, span_us: i64) -> Result<i32, Stop> {
+        self.sleep(Time(span_us.max(0))).map(|()| 0)
+    }
+
+    fn failed(&self, kind: i32, text: Option<&[u8]>) -> Result<i32, Stop> {
+        let text = String::from_utf8_lossy(text.unwrap_or_default());
+        let reason = match kind {
+            failure::ABORT => "the program called abort".to_owned(),
+            failure::ASSERTION => format!("assertion failed: {text}"),
+            failure::PANIC => format!("panicked: {text}"),
+            failure::STACK => "the program wrote over the end of a local array (stack smashed)".to_owned(),
+            _ => text.into_owned(),
+        };
+        self.robot().ending.get_or_insert(Ending::Failed { reason });
+        Ok(0)
+    }
+
+    fn program_name(&self, name: &mut OutBytes) -> Result<i32, Stop> {
+        let robot = self.robot();
+        name.set(robot.program.as_bytes());
+        Ok(i32::try_from(robot.program.len()).unwrap_or(i32::MAX))
+    }
+}
+
+/// Records `text` line by line.
+fn print_lines(robot: &mut Robot, stream: i32, text: &str) {
+    let now = robot.now;
+    for line in text.split_terminator('\n') {
+        let text = line.strip_suffix('\r').unwrap_or(line);
+        let event = if stream == stream::ERR { Event::Stderr { text } } else { Event::Stdout { text } };
+        robot.journal.record(now, &event);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_seed_starts_the_sequence_anew_and_robots_differ() {
+        let draw = |generators: &mut Generators| (0..3).map(|_| generators.bits(1)).collect::<Vec<_>>();
+        let mut one = Generators::new(5, RobotId(1));
+        let unseeded = draw(&mut one);
+        one.seed(1, 0);
+        let seeded = draw(&mut one);
+        one.seed(1, 0);
+        assert_eq!(draw(&mut one), seeded);
+        assert_ne!(unseeded, seeded);
+        assert_eq!(draw(&mut Generators::new(5, RobotId(1))), unseeded);
+        assert_ne!(draw(&mut Generators::new(5, RobotId(2))), unseeded);
+        assert_ne!(draw(&mut Generators::new(6, RobotId(1))), unseeded);
+    }
+}

@@ -1,0 +1,94 @@
+//! Programs that break: the message names robot, program and line, the record up to there is complete.
+
+use serde_json::Value;
+use tests::{Ran, Scratch, write_scene};
+
+/// Runs `source` as robot 2 between two robots that drive; returns report, output and the lines of the trace.
+fn run(source: &str, args: &[&str]) -> (Value, Ran, Vec<Value>) {
+    let scratch = Scratch::new();
+    scratch.write("broken.c", source);
+    scratch.write(
+        "good.c",
+        "#include \"eyebot.h\"\nint main(void) { VWHandle vw = VWInit(VW_DRIVE, 1); VWSetSpeed(vw, 0.1, 0.5);\n\
+         for (;;) OSWait(5); }\n",
+    );
+    write_scene(&scratch, &["good.c", "broken.c", "good.c"]);
+    let mut all = vec!["run", "scene.sim", "--report", "r.json", "--trace", "t.jsonl"];
+    all.extend(args);
+    let ran = scratch.eyesim(&all);
+    assert_eq!(ran.code, Some(1), "{ran:#?}");
+    (serde_json::from_str(&scratch.read("r.json")).expect("a report"), ran, scratch.trace("t.jsonl"))
+}
+
+/// The reason given for robot 2.
+fn reason(report: &Value) -> &str {
+    report["robots"][1]["reason"].as_str().expect("a reason")
+}
+
+#[test]
+fn a_null_write_is_reported_at_once_with_its_line() {
+    let (report, ran, trace) = run(
+        "#include \"eyebot.h\"\nint main(void) {\n    int *p = 0;\n    OSWait(100);\n    *p = 1;\n    return 0;\n}\n",
+        &[],
+    );
+    assert_eq!(report["robots"][1]["outcome"], "failed");
+    assert!(reason(&report).contains("segmentation fault at address 0x0"), "{}", reason(&report));
+    assert!(reason(&report).contains("broken.c:5"), "{}", reason(&report));
+    assert!(reason(&report).contains("OSWait"), "{}", reason(&report));
+    let said = ran.stdout + &ran.stderr;
+    assert!(said.contains("broken.c") && said.contains("r2"), "{said}");
+    // The others' poses are recorded up to the slot of the fault, 1.0 s.
+    let last = trace.iter().filter(|line| line["event"] == "pose").filter_map(|line| line["t_s"].as_f64()).last();
+    assert!(last >= Some(1.0), "{last:?}");
+}
+
+#[test]
+fn an_endless_loop_is_stopped_with_its_line() {
+    let (report, ran, trace) = run(
+        "#include \"eyebot.h\"\nint main(void) {\n    OSWait(50);\n    while (1)\n        ;\n    return 0;\n}\n",
+        &["--timeout", "0.5"],
+    );
+    assert_eq!(report["robots"][1]["outcome"], "timeout");
+    assert!(reason(&report).contains("broken.c:4") || reason(&report).contains("broken.c:5"), "{}", reason(&report));
+    assert!((ran.stdout + &ran.stderr).contains("broken.c"));
+    let last = trace.iter().filter(|line| line["event"] == "pose").filter_map(|line| line["t_s"].as_f64()).last();
+    assert!(last >= Some(0.5), "{last:?}");
+}
+
+#[test]
+fn a_stack_overflow_is_told_from_other_faults() {
+    let (report, ..) = run(
+        "#include \"eyebot.h\"\nint deep(int n) { volatile char pad[4096]; pad[0] = n; return deep(n + 1) + pad[0]; }\n\
+         int main(void) { return deep(0); }\n",
+        &[],
+    );
+    assert!(reason(&report).contains("stack overflow"), "{}", reason(&report));
+}
+
+#[test]
+fn a_division_by_zero_and_a_wild_pointer_are_told() {
+    let (report, ..) = run("#include \"eyebot.h\"\nint main(void) { volatile int zero = 0; return 1 / zero; }\n", &[]);
+    assert!(reason(&report).contains("arithmetic"), "{}", reason(&report));
+    let (report, ..) = run(
+        "#include \"eyebot.h\"\nint main(void) {\n VWHandle vw = VWInit(VW_DRIVE, 1);\n\
+         VWGetPosition(vw, (PositionType *)16);\n return 0; }\n",
+        &[],
+    );
+    assert!(reason(&report).contains("VWGetPosition"), "{}", reason(&report));
+}
+
+#[test]
+fn a_wait_for_a_key_that_never_comes_names_key_time_and_line() {
+    let scratch = Scratch::new();
+    scratch.write(
+        "prog.c",
+        "#include \"eyebot.h\"\nint main(void) {\n    OSWait(231);\n    KEYWait(KEY4);\n    return 0;\n}\n",
+    );
+    write_scene(&scratch, &["prog.c"]);
+    let ran = scratch.eyesim(&["run", "scene.sim"]);
+    assert_eq!(ran.code, Some(1), "{ran:#?}");
+    let said = ran.stdout + &ran.stderr;
+    assert!(said.contains("KEY4") && said.contains("since 2.31") && said.contains("prog.c:4"), "{said}");
+    let ran = scratch.eyesim(&["run", "scene.sim", "--keys", "3:KEY4"]);
+    assert_eq!(ran.code, Some(0), "{ran:#?}");
+}
