@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use glam::DVec2;
-
 use crate::drive::{DriveKind, Model};
 use crate::format::{self, RobiSpec, WorldSpec};
 use crate::scene::{Segment, Walls};

@@ -1,8 +1,6 @@
 //! From a scene to a run that can start: finds, builds and loads the programs, makes world and robots.
 
 use std::collections::BTreeMap;
-use std::ffi::CString;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
@@ -13,12 +11,12 @@ use sim_core::format::SceneSpec;
 use sim_core::time::Time;
 use sim_core::world::World;
 
-use crate::executive::run::Program;
-use crate::program::build::{Builder, Built, Tools};
+use crate::program::build::{Builder, Tools};
 use crate::program::cache::Cache;
-use crate::program::find::{ProgramSource, SearchPath, find_program};
-use crate::program::image::ProgramImage;
-use crate::program::load::{LoadError, Loader, c_arguments, check_mappings};
+use crate::program::compile::ShimKit;
+use crate::program::find::{SearchPath, find_program};
+use crate::program::load::{LoadError, LoadedProgram, Loader, check_mappings};
+use crate::program::prepare::{Prepared, prepare};
 use crate::robios::Devices;
 use crate::robios::key::{Keys, Press};
 use crate::robios::robot::{Robot, RobotParts};
@@ -26,120 +24,78 @@ use crate::robios::robot::{Robot, RobotParts};
 /// Memory mappings of a robot's flow: its stack, the guard below it, its alternate stack and the kernel's neighbours.
 const MAPPINGS_PER_FLOW: usize = 4;
 
-/// A program that was found and built.
-pub struct BuiltProgram {
-    /// The library, read.
-    pub image: Arc<ProgramImage>,
-    /// What the compiler said, and remarks on how it was found.
+/// The programs of a scene, built.
+pub struct Programs {
+    /// In the order of the robots; robots with one program share it.
+    pub of_robots: Vec<Arc<Prepared>>,
+    /// What the user should know: how they were found, what the compiler said, what is outside the guarantee.
     pub remarks: Vec<String>,
-    /// Files whose contents decide what runs: sources, or the library itself.
-    pub inputs: Vec<PathBuf>,
 }
 
-/// Why a scene cannot be run.
-#[derive(Debug)]
-pub enum SetupError {
-    /// A file or the command line is wrong.
-    Input(anyhow::Error),
-    /// A robot's program cannot be loaded.
-    Program(anyhow::Error),
-}
+impl Programs {
+    /// Finds and builds the programs of all robots, each once.
+    ///
+    /// # Errors
+    /// All programs that cannot be found or built, in one message with the lines of the sim file.
+    pub fn build(scene: &SceneSpec, search: &SearchPath) -> anyhow::Result<Self> {
+        let mut found = Vec::with_capacity(scene.robots.len());
+        let mut mistakes = Vec::new();
+        for robot in &scene.robots {
+            match find_program(&robot.program.text, search) {
+                Ok(program) => found.push(program),
+                Err(error) => push_new(&mut mistakes, format!("{}:{}: {error}", scene.file, robot.program.span.line)),
+            }
+        }
+        fail_with(&mistakes)?;
 
-impl From<anyhow::Error> for SetupError {
-    fn from(error: anyhow::Error) -> Self {
-        Self::Input(error)
-    }
-}
-
-/// Finds and builds the programs of all robots, each once; in the order of the robots.
-///
-/// # Errors
-/// All programs that cannot be found or built, in one message with the lines of the sim file.
-pub fn build_programs(scene: &SceneSpec, search: &SearchPath) -> anyhow::Result<Vec<Arc<BuiltProgram>>> {
-    let mut found = BTreeMap::new();
-    let mut mistakes = Vec::new();
-    for robot in &scene.robots {
-        let text = &robot.program.text;
-        if !found.contains_key(text) {
-            match find_program(text, search) {
+        let cache = Cache::of_user().context("no folder for built programs")?;
+        let builder = Builder::new(cache, ShimKit::robios6(), Tools::of_environment());
+        let mut of_robots = Vec::with_capacity(found.len());
+        let mut remarks = Vec::new();
+        for ((robot, found), prepared) in scene.robots.iter().zip(&found).zip(prepare(&builder, &found)) {
+            found.notes.iter().for_each(|note| push_new(&mut remarks, note.clone()));
+            match prepared {
                 Ok(program) => {
-                    found.insert(text.clone(), program);
+                    let output = Some(program.output.trim_end()).filter(|output| !output.is_empty());
+                    output.iter().for_each(|output| push_new(&mut remarks, (*output).to_owned()));
+                    program.warnings.iter().for_each(|warning| push_new(&mut remarks, warning.clone()));
+                    of_robots.push(program);
                 }
-                Err(error) => {
-                    let line = robot.program.span.line;
-                    mistakes.push(format!("{}:{line}: {error}", scene.file));
-                }
+                Err(error) => push_new(&mut mistakes, format!("program `{}`: {error}", robot.program.text)),
             }
         }
+        fail_with(&mistakes)?;
+        Ok(Self { of_robots, remarks })
     }
-    fail_with(&mistakes)?;
 
-    let cache = Cache::of_user().context("no folder for built programs")?;
-    let builder = Builder::new(cache, crate::program::compile::ShimKit::robios6(), Tools::of_environment());
-    let sources: Vec<ProgramSource> = found.values().map(|program| program.source.clone()).collect();
-    let mut built = BTreeMap::new();
-    for ((text, found), result) in found.iter().zip(builder.build_all(&sources)) {
-        let program = result.map_err(anyhow::Error::from).and_then(|built| read_program(built, &found.notes));
-        match program {
-            Ok(program) => {
-                built.insert(text.as_str(), Arc::new(program));
-            }
-            Err(error) => mistakes.push(format!("program `{text}`: {error:#}")),
-        }
+    /// Maps a private copy of its program for each robot, with the arguments that its `main` gets.
+    ///
+    /// # Errors
+    /// The first program that cannot be loaded, or all of them if the kernel has no room.
+    pub fn load(
+        &self,
+        scene: &SceneSpec,
+        arguments: &BTreeMap<RobotId, Vec<String>>,
+    ) -> anyhow::Result<Vec<LoadedProgram>> {
+        check_mappings(self.of_robots.iter().map(|program| (&program.image, 1)), MAPPINGS_PER_FLOW)?;
+        let mut loader = Loader::new().context("no folder to load programs from")?;
+        let mut load = |(robot, program): (&sim_core::format::RobotSpec, &Arc<Prepared>)| {
+            let words = arguments.get(&robot.id).map_or(&[][..], Vec::as_slice);
+            let named = |error: LoadError| anyhow!("{} (`{}`): {error}", robot.id, robot.program.text);
+            loader.load(program, words).map_err(named)
+        };
+        scene.robots.iter().zip(&self.of_robots).map(&mut load).collect()
     }
-    fail_with(&mistakes)?;
-    Ok(scene.robots.iter().map(|robot| Arc::clone(&built[robot.program.text.as_str()])).collect())
+}
+
+fn push_new(list: &mut Vec<String>, text: String) {
+    if !list.contains(&text) {
+        list.push(text);
+    }
 }
 
 fn fail_with(mistakes: &[String]) -> anyhow::Result<()> {
     if mistakes.is_empty() { Ok(()) } else { Err(anyhow!("{}", mistakes.join("\n"))) }
-}
-
-fn read_program(built: Built, notes: &[String]) -> anyhow::Result<BuiltProgram> {
-    let source_folder = match &built.source {
-        ProgramSource::Library(_) => None,
-        ProgramSource::C(sources) => sources.first().and_then(|source| source.parent()),
-        ProgramSource::Cargo(folder) => Some(folder.as_path()),
-    };
-    let image = ProgramImage::read(&built.library, source_folder)?;
-    let inputs = match built.source {
-        ProgramSource::C(sources) => sources,
-        ProgramSource::Library(_) | ProgramSource::Cargo(_) => vec![built.library],
-    };
-    let output = Some(built.output).filter(|output| !output.is_empty());
-    Ok(BuiltProgram { image: Arc::new(image), remarks: notes.iter().cloned().chain(output).collect(), inputs })
-}
-
-/// Maps a private copy of its program for each robot, with the arguments that its `main` gets.
-///
-/// # Errors
-/// [`SetupError::Program`] for the first program that cannot be loaded.
-pub fn load_programs(
-    scene: &SceneSpec,
-    programs: &[Arc<BuiltProgram>],
-    arguments: &BTreeMap<RobotId, Vec<String>>,
-) -> Result<Vec<Program>, SetupError> {
-    let counted = programs.iter().map(|program| (&*program.image, 1));
-    check_mappings(counted, MAPPINGS_PER_FLOW).map_err(|error| SetupError::Input(error.into()))?;
-    let mut loader = Loader::new().context("no folder to load programs from")?;
-    let mut loaded = Vec::with_capacity(programs.len());
-    for (robot, program) in scene.robots.iter().zip(programs) {
-        let failed = |error: LoadError| {
-            SetupError::Program(anyhow!("{} (`{}`): {error}", robot.id, robot.program.text))
-        };
-        let name = program_name(&robot.program.text);
-        let words = arguments.get(&robot.id).into_iter().flatten().map(String::as_str);
-        let arguments: Vec<CString> = c_arguments(name, words)
-            .map_err(|place| anyhow!("argument {place} of {} holds a NUL character", robot.id))?;
-        loaded.push(Program { loaded: loader.load(&program.image).map_err(failed)?, arguments });
-    }
-    Ok(loaded)
-}
-
-/// A program's name without folder and extension.
-pub fn program_name(reference: &str) -> &str {
-    let file = reference.rsplit(['/', '\\']).find(|part| !part.is_empty()).unwrap_or(reference);
-    file.rsplit_once('.').map_or(file, |(stem, _)| if stem.is_empty() { file } else { stem })
 }
 
 /// What a run's robots are made with, besides the scene.
@@ -158,17 +114,21 @@ pub struct RobotOptions<'a> {
 ///
 /// # Errors
 /// A robot type with which nothing can be computed.
-pub fn build_world(scene: &SceneSpec, options: &RobotOptions<'_>) -> anyhow::Result<(World, Vec<Robot>)> {
+pub fn build_world(
+    scene: &SceneSpec,
+    programs: &Programs,
+    options: &RobotOptions<'_>,
+) -> anyhow::Result<(World, Vec<Robot>)> {
     debug_assert!(scene.robots.iter().enumerate().all(|(index, robot)| robot.id.index() == index));
     let walls = build::walls(&scene.world);
     let mut models = BTreeMap::new();
     let mut robots = Vec::with_capacity(scene.robots.len());
-    for spec in &scene.robots {
+    for (spec, program) in scene.robots.iter().zip(&programs.of_robots) {
         let model = models.entry(&spec.robi.file).or_insert_with(|| Arc::new(build::model(&spec.robi)));
         model.check().with_context(|| format!("robot type `{}`", spec.robi.file))?;
         let presses = options.keys.iter().filter(|press| press.robot.is_none_or(|robot| robot == spec.id));
         let mut robot = Robot::new(RobotParts {
-            program: program_name(&spec.program.text).to_owned(),
+            program: program.name.clone(),
             motion: Motion::new(spec.id, Arc::clone(model), Arc::clone(&walls), spec.start),
             spec: Arc::clone(&spec.robi),
             devices: Devices::new(&spec.robi, Keys::scripted(presses.map(|press| (press.at, press.code)))),

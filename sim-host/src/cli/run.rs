@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use parking_lot::Mutex;
 use sim_core::RobotId;
@@ -30,7 +30,7 @@ use crate::record::trace::{TraceHeader, TraceRobot};
 use crate::record::{Log, Outcome, Plot, PlotRobot, Recorder, Report, Sink, Trace, Trails};
 use crate::robios::cost::Costs;
 use crate::robios::key::{Press, parse_script};
-use crate::setup::{self, RobotOptions, SetupError};
+use crate::setup::{Programs, RobotOptions, build_world};
 
 /// Simulated seconds after which a run ends when the user says nothing and nobody watches.
 const DEFAULT_UNTIL: f64 = 600.0;
@@ -108,14 +108,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
         return Ok(ExitCode::from(EXIT_USAGE));
     }
     let options = Options::new(args, loaded.scene.robots.len())?;
-    match simulate(args, &options, &files, loaded) {
-        Ok(code) => Ok(code),
-        Err(SetupError::Input(error)) => Err(error),
-        Err(SetupError::Program(error)) => {
-            eprintln!("error: {error:#}");
-            Ok(ExitCode::from(EXIT_PROGRAM))
-        }
-    }
+    simulate(args, &options, &files, &loaded)
 }
 
 /// What the arguments mean for the robots of the scene.
@@ -184,10 +177,10 @@ fn read_costs(path: Option<&Path>) -> anyhow::Result<(Costs, Option<InputFile>)>
 }
 
 /// Builds, loads and runs the scene, and writes what was asked for.
-fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: Loaded) -> Result<ExitCode, SetupError> {
+fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loaded) -> anyhow::Result<ExitCode> {
     let scene = &loaded.scene;
     if scene.robots.is_empty() {
-        return Err(anyhow!("`{}` has no robots: there is nothing to run", args.sim.display()).into());
+        bail!("`{}` has no robots: there is nothing to run", args.sim.display());
     }
     let search = SearchPath {
         sim_folder: Some(PathBuf::from(&scene.folder)),
@@ -195,18 +188,18 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: Loaded
         folders: Vec::new(),
         installation: files.home().map(PathBuf::from),
     };
-    let built = setup::build_programs(scene, &search)?;
-    let mut told: Vec<&str> = Vec::new();
-    for remark in built.iter().flat_map(|program| &program.remarks) {
-        if !told.contains(&remark.as_str()) {
-            eprintln!("{remark}");
-            told.push(remark);
+    let programs = Programs::build(scene, &search)?;
+    programs.remarks.iter().for_each(|remark| eprintln!("{remark}"));
+    let loaded_programs = match programs.load(scene, &options.arguments) {
+        Ok(loaded) => loaded,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            return Ok(ExitCode::from(EXIT_PROGRAM));
         }
-    }
-    let programs = setup::load_programs(scene, &built, &options.arguments)?;
+    };
     let robot_options =
         RobotOptions { seed: args.seed, slot: args.slot, keys: &options.keys, is_verbose: args.verbose };
-    let (world, robots) = setup::build_world(scene, &robot_options)?;
+    let (world, robots) = build_world(scene, &programs, &robot_options)?;
     let walls = Arc::clone(world.walls());
 
     let until = args.until.unwrap_or(Time::from_seconds_ceil(DEFAULT_UNTIL));
@@ -224,7 +217,7 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: Loaded
     };
     let parts = Parts {
         world,
-        programs,
+        programs: loaded_programs,
         executor: Box::new(ThreadExecutor::new(robots.len())),
         robots,
         costs: options.costs.clone(),
@@ -234,15 +227,15 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: Loaded
         .context("cannot start the robots")?;
     progress.clear();
 
-    let inputs = inputs(&loaded.inputs, options.costs_input.as_ref(), &built);
+    let inputs = inputs(&loaded.inputs, options.costs_input.as_ref(), &programs);
     let report = report(args, scene, &ended, inputs);
     print!("{}", table::render(&report, Screen::of_stdout()));
     explain(args, &report, &ended);
     if let Some(path) = &args.report {
-        report.write(path).map_err(anyhow::Error::from)?;
+        report.write(path)?;
     }
     if let (Some(path), Some(trails)) = (&args.plot, &trails) {
-        plot(scene, &walls, &trails.lock(), &ended.robots).write(path).map_err(anyhow::Error::from)?;
+        plot(scene, &walls, &trails.lock(), &ended.robots).write(path)?;
     }
     Ok(exit_code(&ended))
 }
@@ -298,17 +291,13 @@ fn counts(run: &Run) -> Counts {
 }
 
 /// Every file that decided what was run, each once, in the order in which they were read.
-fn inputs(
-    scene: &[InputFile],
-    costs: Option<&InputFile>,
-    programs: &[Arc<setup::BuiltProgram>],
-) -> Vec<Input> {
+fn inputs(scene: &[InputFile], costs: Option<&InputFile>, programs: &Programs) -> Vec<Input> {
     let mut inputs: Vec<Input> =
         scene.iter().chain(costs).map(|file| Input::new(Path::new(&file.path), &file.bytes)).collect();
-    for path in programs.iter().flat_map(|program| &program.inputs) {
+    for path in programs.of_robots.iter().flat_map(|program| program.inputs()) {
         // A source that has vanished since it was compiled cannot be hashed any more.
-        if let Ok(bytes) = std::fs::read(path) {
-            let input = Input::new(path, &bytes);
+        if let Ok(bytes) = std::fs::read(&path) {
+            let input = Input::new(&path, &bytes);
             if !inputs.contains(&input) {
                 inputs.push(input);
             }

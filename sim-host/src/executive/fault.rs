@@ -40,12 +40,7 @@ impl Broken {
         };
         let mut addresses = vec![fault.pc];
         addresses.extend(stack_words(fault.sp, low, high));
-        Self {
-            what,
-            is_overdue: fault.signal == OVERDUE_SIGNAL,
-            last_call: block.last_call.load(Relaxed),
-            addresses,
-        }
+        Self { what, is_overdue: fault.signal == OVERDUE_SIGNAL, last_call: block.last_call.load(Relaxed), addresses }
     }
 }
 

@@ -1,12 +1,11 @@
 //! One run: its robots, its world and its slot loop, started, supervised and brought to an end.
 
-use std::ffi::{CString, c_char, c_int};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 use std::time::{Duration, Instant};
 
 use parking_lot::{Mutex, MutexGuard, RwLock};
-use robios_sys::{Host, Robios6Table, Stop, SupportTable};
+use robios_sys::Stop;
 use sim_core::RobotId;
 use sim_core::pose::Pose;
 use sim_core::time::Time;
@@ -46,21 +45,13 @@ pub struct Parts {
     /// All robots, in the order of their ids.
     pub robots: Vec<Robot>,
     /// Their programs, in the same order.
-    pub programs: Vec<Program>,
+    pub programs: Vec<LoadedProgram>,
     /// How flows are run.
     pub executor: Box<dyn Executor>,
     /// What calls cost.
     pub costs: Costs,
     /// Where events go.
     pub recorder: Recorder<'static>,
-}
-
-/// A robot's program and what it is started with.
-pub struct Program {
-    /// The robot's own copy.
-    pub loaded: LoadedProgram,
-    /// What `main` gets: the program's name, then its arguments.
-    pub arguments: Vec<CString>,
 }
 
 /// What a run is told by its user.
@@ -123,27 +114,6 @@ const LOOK: Duration = Duration::from_millis(50);
 /// How long a stopped program may take to leave before it is left behind.
 const LEAVE: Duration = Duration::from_secs(1);
 
-impl Program {
-    /// Runs `main` on the calling thread for the robot of `caller`; its exit code.
-    fn run(&self, caller: &Caller) -> i32 {
-        let argv: Vec<*const c_char> =
-            self.arguments.iter().map(|argument| argument.as_ptr()).chain([std::ptr::null()]).collect();
-        let argc = self.arguments.len() as c_int;
-        let robot = (&raw const *caller).cast_mut().cast();
-        // SAFETY: `run` was checked when the program was loaded and belongs to a library that is never unloaded; the host's
-        // tables are static, `caller` (which every table's thunks expect behind `robot`) and the arguments live until
-        // it returns, and `argv` ends in a null pointer.
-        unsafe { (self.loaded.run())(&raw const HOST, robot, argc, argv.as_ptr()) }
-    }
-}
-
-/// What every program is given.
-static HOST: Host = {
-    static SUPPORT: SupportTable = SupportTable::of::<Caller>();
-    static ROBIOS6: Robios6Table = Robios6Table::of::<Caller>();
-    Host::new(&SUPPORT, &ROBIOS6)
-};
-
 impl Run {
     /// Runs all programs from time 0 to the end; `watch` is called about twenty times a second with the run.
     ///
@@ -153,8 +123,7 @@ impl Run {
         let start = Instant::now();
         let bell = Bell::new()?;
         signal::install(&bell)?;
-        let plan =
-            Plan { robots: parts.robots.len(), lanes: limits.lanes, until: limits.until, speed: limits.speed };
+        let plan = Plan { robots: parts.robots.len(), lanes: limits.lanes, until: limits.until, speed: limits.speed };
         let run = Arc::new(Self {
             slot_start: AtomicI64::new(parts.world.slot_start().0),
             slot_end: AtomicI64::new(parts.world.slot_end().0),
@@ -253,7 +222,7 @@ impl Run {
     }
 
     /// The life of a robot's flow.
-    fn live(self: Arc<Self>, id: RobotId, program: &Program) {
+    fn live(self: Arc<Self>, id: RobotId, program: &LoadedProgram) {
         self.executor.suspend(id);
         if !self.is_stopping() {
             let code = program.run(&Caller::new(Arc::clone(&self), id));
@@ -325,12 +294,7 @@ impl Run {
     }
 
     /// What the run has come to, once nobody runs any more.
-    fn conclude(
-        &self,
-        programs: &[Arc<Program>],
-        broken: &[(RobotId, Broken)],
-        start: Instant,
-    ) -> Ended {
+    fn conclude(&self, programs: &[Arc<LoadedProgram>], broken: &[(RobotId, Broken)], start: Instant) -> Ended {
         let mut conductor = self.conductor.lock();
         let time = conductor.time(&self.world.read());
         let end = conductor.take_end();
@@ -339,7 +303,7 @@ impl Run {
             let id = RobotId::from_index(index);
             let mut robot = self.robot(id);
             let broken = broken.iter().find(|(other, _)| *other == id).map(|(_, broken)| broken);
-            let standing = standing::judge(&mut robot, &end, broken, &program.loaded);
+            let standing = standing::judge(&mut robot, &end, broken, program);
             robot.record_standing(&standing);
             conductor.recorder().collect(&mut robot.journal);
             robots.push(RobotEnd {

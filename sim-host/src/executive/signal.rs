@@ -50,8 +50,7 @@ pub struct Fault {
 pub const OVERDUE_SIGNAL: i32 = libc::SIGURG;
 
 /// Signals that mean a broken program.
-const FAULT_SIGNALS: [i32; 6] =
-    [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGABRT, libc::SIGTRAP];
+const FAULT_SIGNALS: [i32; 6] = [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGABRT, libc::SIGTRAP];
 
 /// Size of a thread's alternate stack: the handler needs little, the kernel saves up to 12 KiB of registers there.
 const ALTERNATE_STACK: usize = 64 * 1024;

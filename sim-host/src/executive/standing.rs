@@ -41,10 +41,9 @@ pub fn judge(robot: &mut Robot, end: &End, broken: Option<&Broken>, program: &Lo
     let waiting = robot.waiting.clone();
     match (&robot.ending, &waiting) {
         (Some(Ending::Exited { code: 0 }), _) => Standing { exit_code: Some(0), ..standing(Outcome::Finished, None) },
-        (Some(Ending::Exited { code }), _) => Standing {
-            exit_code: Some(*code),
-            ..standing(Outcome::Failed, Some(format!("exit code {code}")))
-        },
+        (Some(Ending::Exited { code }), _) => {
+            Standing { exit_code: Some(*code), ..standing(Outcome::Failed, Some(format!("exit code {code}"))) }
+        }
         (Some(Ending::Failed { reason }), _) => standing(Outcome::Failed, Some(reason.clone())),
         (_, Some(waiting)) if matches!(end, End::Stuck) => {
             standing(Outcome::Waiting, Some(wait_in_words(robot, waiting, program)))
@@ -61,7 +60,7 @@ pub fn judge(robot: &mut Robot, end: &End, broken: Option<&Broken>, program: &Lo
 /// `waits for KEY4 since 2.310 s at maze.c:88 (try --keys "3:KEY4")`.
 fn wait_in_words(robot: &mut Robot, waiting: &Waiting, program: &LoadedProgram) -> String {
     let Waiting { waits_for, since, .. } = waiting;
-    let place = "";
+    let place = program.call_site().map(|site| format!(" at {site}")).unwrap_or_default();
     let advice = match waits_for {
         Waits::Key(key) => {
             let seconds = since.seconds().ceil();

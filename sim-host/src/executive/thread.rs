@@ -1,8 +1,8 @@
 //! One OS thread a robot: debuggers and all libraries work. The default.
 
 use std::io;
-use std::sync::{OnceLock, mpsc};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{OnceLock, mpsc};
 use std::thread::{self, Thread};
 
 use parking_lot::Mutex;

@@ -29,8 +29,7 @@ impl Watch {
         let now = Instant::now();
         if release != self.release || self.since.is_none() {
             self.release = release;
-            self.since =
-                Some(Since { processor_time, last_active: now, last_processor_time: processor_time });
+            self.since = Some(Since { processor_time, last_active: now, last_processor_time: processor_time });
             return false;
         }
         let Some(since) = &mut self.since else { return false };

@@ -10,7 +10,8 @@ use std::sync::Arc;
 
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 use robios_sys::{
-    ABI_VERSION, Host, PROGRAM_SYMBOL, Program, Robios6, Robios6Call, Robios6Table, Support, SupportTable, flag,
+    ABI_VERSION, CallSite, Host, PROGRAM_SYMBOL, Program, Robios6, Robios6Call, Robios6Table, Support, SupportTable,
+    flag,
 };
 
 use super::image::{ProgramImage, SourceLine};
@@ -188,6 +189,25 @@ impl LoadedProgram {
         // An address outside of the copy becomes an offset outside of its code.
         let offsets = addresses.iter().map(|&address| self.offset(address).unwrap_or(usize::MAX));
         self.prepared.image.own_source_line(offsets)
+    }
+
+    /// Where the program called the function that it is in, in the program's own words (`maze.c:88`), if its shim tells.
+    /// To be asked only while the program is suspended in a call, or has ended.
+    pub fn call_site(&self) -> Option<String> {
+        let site = self.description.call_site;
+        if site.is_null() || !site.is_aligned() {
+            return None;
+        }
+        // SAFETY: the description's contract: `call_site` leads to a variable of this copy, which is never unmapped and
+        // which only the suspended program writes.
+        let CallSite { address, file, file_len, line } = unsafe { site.read() };
+        if file.is_null() {
+            // A return address lies behind the call.
+            return self.source_line(address.addr().checked_sub(1)?).map(|line| line.to_string());
+        }
+        // SAFETY: the contract again: a name of that many bytes in the program's constants.
+        let file = unsafe { std::slice::from_raw_parts(file, file_len) };
+        Some(format!("{}:{line}", String::from_utf8_lossy(file)))
     }
 
     fn offset(&self, address: usize) -> Option<usize> {

@@ -143,12 +143,8 @@ impl Robot {
         if self.recorded_pose != Some(pose) {
             self.recorded_pose = Some(pose);
             let Pose { position, heading } = pose;
-            let event = Event::Pose {
-                x_m: position.x,
-                y_m: position.y,
-                phi_rad: heading.remainder(),
-                turns: heading.turns(),
-            };
+            let event =
+                Event::Pose { x_m: position.x, y_m: position.y, phi_rad: heading.remainder(), turns: heading.turns() };
             self.journal.record(slot_end, &event);
         }
     }
@@ -159,8 +155,7 @@ impl Robot {
             Thing::Wall(_) => Obstacle::Wall,
             Thing::Robot(id) => Obstacle::Robot(id.0),
         };
-        let event =
-            Event::Contact { at_s: contact.time.seconds(), with, x_m: contact.point.x, y_m: contact.point.y };
+        let event = Event::Contact { at_s: contact.time.seconds(), with, x_m: contact.point.x, y_m: contact.point.y };
         self.journal.record(contact.time, &event);
     }
 
