@@ -12,6 +12,7 @@ use parking_lot::Mutex;
 use robios_sys::PROGRAM_SYMBOL;
 
 use super::kind::{FileKind, HEAD_BYTES, file_kind};
+use super::share::page_size;
 
 /// A library's file, read once for all the robots that load it.
 pub struct ProgramImage {
@@ -23,10 +24,22 @@ pub struct ProgramImage {
     /// Addresses of the loaded segments, relative to the base.
     span: Range<usize>,
     mappings: usize,
+    read_only: Vec<ReadOnlySegment>,
     description: Option<Description>,
     undefined: Vec<String>,
     /// The debug information, read when a line is first asked for; `None` inside if there is none.
     lines: OnceLock<Option<Mutex<addr2line::Loader>>>,
+}
+
+/// A loaded part of a library that nobody may write to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ReadOnlySegment {
+    /// Address relative to the base.
+    pub address: usize,
+    /// Place in the file, in bytes.
+    pub file: Range<usize>,
+    /// Whether it is code.
+    pub is_code: bool,
 }
 
 /// The beginning of what a library exports as [`PROGRAM_SYMBOL`]: numbers that stand in the file as they are.
@@ -102,11 +115,11 @@ impl ProgramImage {
             return Err(ImageError::Foreign { path: path.to_owned(), what });
         }
         let parts = parts_of(&bytes).map_err(|what| ImageError::Broken { path: path.to_owned(), what })?;
-        let Parts { loaded_len, span, mappings, description, undefined } = parts;
+        let Parts { loaded_len, span, mappings, read_only, description, undefined } = parts;
         let source_folder = source_folder.map(|folder| fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned()));
         let path = path.to_owned();
         let lines = OnceLock::new();
-        Ok(Self { path, source_folder, bytes, loaded_len, span, mappings, description, undefined, lines })
+        Ok(Self { path, source_folder, bytes, loaded_len, span, mappings, read_only, description, undefined, lines })
     }
 
     /// The library's file, with its debug information.
@@ -140,6 +153,11 @@ impl ProgramImage {
     /// start as zero, what is made read-only after loading, gaps between segments.
     pub fn mappings(&self) -> usize {
         self.mappings
+    }
+
+    /// The segments that are the same in every copy: not writable, changed by no relocation, alone in their pages.
+    pub fn read_only_segments(&self) -> &[ReadOnlySegment] {
+        &self.read_only
     }
 
     /// What the library says of itself; `None` if it is no robot program.
@@ -209,44 +227,56 @@ struct Parts {
     loaded_len: usize,
     span: Range<usize>,
     mappings: usize,
+    read_only: Vec<ReadOnlySegment>,
     description: Option<Description>,
     undefined: Vec<String>,
 }
 
+/// One loaded segment.
+struct Segment {
+    file: Range<usize>,
+    memory: Range<usize>,
+    flags: u32,
+}
+
 fn parts_of(bytes: &[u8]) -> Result<Parts, String> {
-    // The smallest page: with larger ones there are fewer mappings, never more.
-    const PAGE: u64 = 4096;
     let text = |error: object::Error| error.to_string().to_lowercase();
     let file = ElfFile64::<object::Endianness>::parse(bytes).map_err(text)?;
     let endian = file.endian();
     let headers = file.elf_header().program_headers(endian, bytes).map_err(text)?;
-    let (mut loaded_len, mut mappings) = (0, 0);
-    let mut span: Option<Range<u64>> = None;
+    let number = |value: u64| usize::try_from(value).map_err(|_ignored| "its addresses are too large".to_owned());
+    let (mut segments, mut is_relocated, mut has_relro) = (Vec::new(), false, false);
     for header in headers {
         match header.p_type(endian) {
-            elf::PT_LOAD => {}
+            elf::PT_LOAD => {
+                let range = |start: u64, len: u64| Ok::<_, String>(number(start)?..number(start.saturating_add(len))?);
+                segments.push(Segment {
+                    file: range(header.p_offset(endian), header.p_filesz(endian))?,
+                    memory: range(header.p_vaddr(endian), header.p_memsz(endian))?,
+                    flags: header.p_flags(endian),
+                });
+            }
             elf::PT_INTERP => return Err("it is an executable, not a library".into()),
-            elf::PT_GNU_RELRO => {
-                mappings += 1;
-                continue;
+            elf::PT_GNU_RELRO => has_relro = true,
+            elf::PT_DYNAMIC => {
+                for entry in header.dynamic(endian, bytes).map_err(text)?.unwrap_or_default() {
+                    let value = entry.d_val.get(endian);
+                    is_relocated |= match entry.d_tag.get(endian) {
+                        elf::DT_TEXTREL => true,
+                        elf::DT_FLAGS => value & u64::from(elf::DF_TEXTREL) != 0,
+                        _ => false,
+                    };
+                }
             }
-            _ => continue,
+            _ => {}
         }
-        let file_end = header.p_offset(endian).saturating_add(header.p_filesz(endian));
-        loaded_len = loaded_len.max(usize::try_from(file_end).unwrap_or(usize::MAX));
-        let start = header.p_vaddr(endian);
-        let end = start.saturating_add(header.p_memsz(endian));
-        let zeroed_from = start.saturating_add(header.p_filesz(endian));
-        mappings += 1 + usize::from(end.div_ceil(PAGE) > zeroed_from.div_ceil(PAGE));
-        span = Some(match span {
-            None => start..end,
-            Some(span) => {
-                mappings += usize::from(start / PAGE > span.end.div_ceil(PAGE));
-                span.start.min(start)..span.end.max(end)
-            }
-        });
     }
-    let Some(span) = span else { return Err("it has nothing to load".into()) };
+    let loaded_len = segments.iter().map(|segment| segment.file.end).max().unwrap_or(0);
+    let start = segments.iter().map(|segment| segment.memory.start).min().unwrap_or(0);
+    let end = segments.iter().map(|segment| segment.memory.end).max().unwrap_or(0);
+    if start == end {
+        return Err("it has nothing to load".into());
+    }
     if loaded_len > bytes.len() {
         return Err(format!("it is cut short: {} bytes of {loaded_len}", bytes.len()));
     }
@@ -260,8 +290,46 @@ fn parts_of(bytes: &[u8]) -> Result<Parts, String> {
     }
     undefined.sort();
     undefined.dedup();
-    let address = |value: u64| usize::try_from(value).map_err(|error| format!("its addresses are too large ({error})"));
-    Ok(Parts { loaded_len, span: address(span.start)?..address(span.end)?, mappings, description, undefined })
+    Ok(Parts {
+        loaded_len,
+        span: start..end,
+        mappings: mappings_of(&segments) + usize::from(has_relro),
+        read_only: if is_relocated { Vec::new() } else { read_only_segments(&segments) },
+        description,
+        undefined,
+    })
+}
+
+/// The smallest page that there is: with larger ones there are fewer mappings, never more.
+const SMALL_PAGE: usize = 4096;
+/// One mapping a segment, one where variables that start as zero go beyond the file, one for a gap between segments.
+fn mappings_of(segments: &[Segment]) -> usize {
+    let zeroed = |segment: &&Segment| {
+        let from_file = segment.memory.start + segment.file.len();
+        segment.memory.end.div_ceil(SMALL_PAGE) > from_file.div_ceil(SMALL_PAGE)
+    };
+    let gap = |pair: &&[Segment]| pair[1].memory.start / SMALL_PAGE > pair[0].memory.end.div_ceil(SMALL_PAGE);
+    segments.len() + segments.iter().filter(zeroed).count() + segments.windows(2).filter(gap).count()
+}
+
+fn read_only_segments(segments: &[Segment]) -> Vec<ReadOnlySegment> {
+    let page = page_size();
+    let pages = |segment: &Segment| segment.memory.start / page..segment.memory.end.div_ceil(page);
+    let is_alone = |one: &Segment| {
+        let own = pages(one);
+        let mut others = segments.iter().filter(|other| other.memory != one.memory).map(pages);
+        others.all(|other| other.end <= own.start || own.end <= other.start)
+    };
+    segments
+        .iter()
+        .filter(|segment| segment.flags & elf::PF_W == 0 && segment.file.len() == segment.memory.len())
+        .filter(|segment| is_alone(segment))
+        .map(|segment| ReadOnlySegment {
+            address: segment.memory.start,
+            file: segment.file.clone(),
+            is_code: segment.flags & elf::PF_X != 0,
+        })
+        .collect()
 }
 
 fn description_at(file: &ElfFile64<'_>, address: u64) -> Option<Description> {

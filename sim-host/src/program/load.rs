@@ -1,8 +1,10 @@
 //! Loads private copies of a library: each robot has the program's globals for itself.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::ffi::{CString, OsStr, c_char, c_int, c_void};
-use std::fs;
-use std::io;
+use std::fs::{self, File};
+use std::io::{self, Write as _};
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -16,6 +18,7 @@ use robios_sys::{
 
 use super::image::{ProgramImage, SourceLine};
 use super::prepare::Prepared;
+use super::share::share_pages;
 
 /// So many copies of a run are whole files with their debug information, for debuggers and profilers; further ones hold
 /// only what is mapped.
@@ -220,6 +223,9 @@ impl LoadedProgram {
 pub struct Loader {
     folder: tempfile::TempDir,
     copies: usize,
+    /// For each program (by its address, which the program kept beside it holds) the file of its first copy, whose pages of
+    /// code and constants the others share.
+    first_copies: BTreeMap<usize, (Arc<Prepared>, File)>,
 }
 
 impl Loader {
@@ -228,7 +234,8 @@ impl Loader {
     /// # Errors
     /// If the folder cannot be made.
     pub fn new() -> io::Result<Self> {
-        Ok(Self { folder: tempfile::Builder::new().prefix("eyesim-run-").tempdir()?, copies: 0 })
+        let folder = tempfile::Builder::new().prefix("eyesim-run-").tempdir()?;
+        Ok(Self { folder, copies: 0, first_copies: BTreeMap::new() })
     }
 
     /// Maps a private copy of `prepared` for one robot, which runs it with `arguments` behind the program's name.
@@ -243,7 +250,7 @@ impl Loader {
         check_description(image)?;
         let arguments = c_arguments(&prepared.name, arguments)
             .map_err(|argument| LoadError::Argument { path: image.path().to_owned(), argument })?;
-        let library = self.map_copy(image)?;
+        let (library, copy) = self.map_copy(image)?;
         let symbol =
             // SAFETY: the symbol is only used as an address here.
             unsafe { library.get::<*const Program>(PROGRAM_SYMBOL) }.map_err(|error| refused(image.path(), Path::new(""), &error))?;
@@ -259,27 +266,48 @@ impl Loader {
         let description = unsafe { &*description };
         description.check().map_err(|why| misfit(&why.to_string()))?;
         let base = base_of(std::ptr::from_ref(description).addr()).ok_or_else(|| misfit("its address is unknown"))?;
+        self.share(prepared, base, copy);
         Ok(LoadedProgram { prepared: Arc::clone(prepared), arguments, base, description })
     }
 
-    fn map_copy(&mut self, image: &ProgramImage) -> Result<Library, LoadError> {
+    /// Writes a copy of `image` and maps it: the library, and the file, which has no name any more.
+    fn map_copy(&mut self, image: &ProgramImage) -> Result<(Library, File), LoadError> {
         self.copies += 1;
         let stem = image.path().file_stem().unwrap_or(OsStr::new("program"));
-        let copy = self.folder.path().join(format!("{}-{}.so", stem.display(), self.copies));
-        let written = if self.copies <= WHOLE_COPIES {
-            fs::write(&copy, image.bytes())
-        } else {
-            fs::write(&copy, image.loaded_part())
+        let path = self.folder.path().join(format!("{}-{}.so", stem.display(), self.copies));
+        let write = || {
+            let mut file = File::options().read(true).write(true).create_new(true).open(&path)?;
+            match self.copies {
+                ..=WHOLE_COPIES => file.write_all(image.bytes())?,
+                _ => file.write_all(&image.loaded_part())?,
+            }
+            Ok(file)
         };
-        written.map_err(|error| {
+        let copy = write().map_err(|error| {
             let folder = self.folder.path().to_owned();
             LoadError::Copy { path: image.path().to_owned(), folder, error }
         })?;
         // SAFETY: loading runs the constructors of a library that the user asked to run; that is what a robot program
         // is. The flags are those of dlopen.
-        let library = unsafe { Library::open(Some(&copy), RTLD_NOW | RTLD_LOCAL) };
-        let _ = fs::remove_file(&copy);
-        library.map_err(|error| refused(image.path(), &copy, &error))
+        let library = unsafe { Library::open(Some(&path), RTLD_NOW | RTLD_LOCAL) };
+        let _ = fs::remove_file(&path);
+        Ok((library.map_err(|error| refused(image.path(), &path, &error))?, copy))
+    }
+
+    /// Lets the copy at `base`, loaded from the file `copy`, use the code and constants of the program's first copy.
+    fn share(&mut self, prepared: &Arc<Prepared>, base: usize, copy: File) {
+        match self.first_copies.entry(Arc::as_ptr(prepared).addr()) {
+            Entry::Vacant(first) => {
+                first.insert((Arc::clone(prepared), copy));
+            }
+            Entry::Occupied(first) => {
+                let segments = prepared.image.read_only_segments();
+                // SAFETY: both files were written from this image, and differ at most in where the header says that the
+                // table of sections is, which the dynamic linker does not read; they have no name any more and no other
+                // owner. The segments are those of the image, which stays loaded at `base`.
+                unsafe { share_pages(base, segments, &first.get().1, &copy) };
+            }
+        }
     }
 }
 

@@ -13,6 +13,7 @@ pub mod image;
 pub mod kind;
 pub mod load;
 pub mod prepare;
+mod share;
 pub mod symbols;
 #[cfg(test)]
 mod tests;

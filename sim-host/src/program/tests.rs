@@ -321,6 +321,19 @@ fn each_copy_has_its_own_globals() {
         assert_eq!(run(program), 111);
         assert_eq!(run(program), 212);
     }
+    // Code and constants are those of the first copy, variables are not.
+    assert!(!prepared.image.read_only_segments().is_empty());
+    if let Ok(maps) = fs::read_to_string("/proc/self/maps") {
+        let of_copy = |program: &LoadedProgram| {
+            let start = format!("{:x}-", program.addresses().start);
+            maps.lines()
+                .find(|line| line.starts_with(&start))
+                .and_then(|line| line.split_whitespace().nth(4))
+                .map(str::to_owned)
+        };
+        let inodes: Vec<Option<String>> = programs.iter().map(of_copy).collect();
+        assert!(inodes[0].is_some() && inodes.iter().all(|inode| *inode == inodes[0]), "{inodes:?}");
+    }
     let mut starts: Vec<usize> = programs.iter().map(|program| program.addresses().start).collect();
     starts.sort_unstable();
     starts.dedup();

@@ -1,0 +1,69 @@
+//! One set of code pages for all copies of a library.
+//!
+//! Each robot has a copy of the library's file, for variables of its own. What no copy ever changes (code and constants)
+//! is mapped anew from one common file after loading: a thousand robots then run through one set of pages, which stays in
+//! the processor's caches, instead of a thousand. The copy's own pages of it are given back.
+
+use std::fs::File;
+use std::ops::Range;
+use std::os::fd::AsRawFd as _;
+
+use super::image::ReadOnlySegment;
+
+/// Maps the pages of `segments` in the copy at `base` from `common` and frees them in `copy`, the file that the copy was
+/// loaded from. Pages that cannot be shared stay the copy's own.
+///
+/// # Safety
+/// A library is loaded at `base` and stays so. `segments` are its own, mapped without the right to write, from a file with
+/// the same bytes there as `common`; no relocation changes them, and nothing else lies in their pages of memory. Neither
+/// file is changed by anybody else.
+pub unsafe fn share_pages(base: usize, segments: &[ReadOnlySegment], common: &File, copy: &File) {
+    let page = page_size();
+    for segment in segments {
+        let (start, offset) = (segment.address / page * page, segment.file.start / page * page);
+        let len = (segment.address + segment.file.len()).next_multiple_of(page) - start;
+        let Ok(file_offset) = libc::off_t::try_from(offset) else { continue };
+        if segment.address % page != segment.file.start % page || !base.is_multiple_of(page) {
+            continue;
+        }
+        let protection = if segment.is_code { libc::PROT_READ | libc::PROT_EXEC } else { libc::PROT_READ };
+        // SAFETY: the range is pages of this segment only, which the dynamic linker has mapped from the same place of a
+        // file with the same bytes (this function's contract): replacing them changes no byte that anybody uses, and
+        // other threads see the old or the new mapping.
+        let mapped = unsafe {
+            libc::mmap(
+                std::ptr::with_exposed_provenance_mut(base + start),
+                len,
+                protection,
+                libc::MAP_PRIVATE | libc::MAP_FIXED,
+                common.as_raw_fd(),
+                file_offset,
+            )
+        };
+        if mapped != libc::MAP_FAILED {
+            // Only whole pages: what shares a page of the file with the segment may be mapped from there still.
+            free_pages(copy, segment.file.start.next_multiple_of(page)..segment.file.end / page * page);
+        }
+    }
+}
+
+/// Gives the pages of `range` in `file` back; a file system that cannot do so keeps them.
+fn free_pages(file: &File, range: Range<usize>) {
+    let (Ok(start), Ok(len)) = (libc::off_t::try_from(range.start), libc::off_t::try_from(range.len())) else {
+        return;
+    };
+    if range.is_empty() {
+        return;
+    }
+    // SAFETY: the descriptor is open as long as `file`; the call changes nothing but the file.
+    let _ = unsafe {
+        libc::fallocate(file.as_raw_fd(), libc::FALLOC_FL_PUNCH_HOLE | libc::FALLOC_FL_KEEP_SIZE, start, len)
+    };
+}
+
+/// Bytes of a page of memory.
+pub fn page_size() -> usize {
+    // SAFETY: sysconf reads a constant of the system.
+    let size = unsafe { libc::sysconf(libc::_SC_PAGESIZE) };
+    usize::try_from(size).unwrap_or(4096).max(1)
+}
