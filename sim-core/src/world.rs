@@ -51,9 +51,11 @@ pub struct World {
     now: Time,
     /// In the order of the robots' ids.
     tracks: Vec<Track>,
-    /// Where the public trajectories lead from 100 ms before the present slot to its end.
+    /// Where the public trajectories lead from 100 ms before the present slot to its end, of the bodies that move.
     moving: Moving,
-    /// The same in the order of the robots' ids, for the next rebuild.
+    /// Where the others stand.
+    resting: Moving,
+    /// For the next rebuild of an index.
     bounds: Vec<(RobotId, Bounds)>,
     truth: Truth,
 }
@@ -72,6 +74,7 @@ impl World {
             now: Time::ZERO,
             tracks: Vec::new(),
             moving: Moving::default(),
+            resting: Moving::default(),
             bounds: Vec::new(),
             truth: Truth::default(),
         };
@@ -118,7 +121,7 @@ impl World {
         let wall = self.walls.cast(origin, direction, range);
         let mut nearest = wall.map(|hit| RayHit { distance: hit.distance, thing: Thing::Wall(hit.wall) });
         let reach = nearest.map_or(range, |hit| hit.distance);
-        self.moving.along_ray(origin, direction, reach, |robot| {
+        let mut look_at = |robot: RobotId| {
             if robot == by {
                 return;
             }
@@ -129,7 +132,9 @@ impl World {
             if distance <= range && nearest.is_none_or(is_nearer) {
                 nearest = Some(RayHit { distance, thing });
             }
-        });
+        };
+        self.resting.along_ray(origin, direction, reach, &mut look_at);
+        self.moving.along_ray(origin, direction, reach, &mut look_at);
         nearest
     }
 
@@ -142,7 +147,7 @@ impl World {
         let centre = motion.pose(at).position;
         let radius = motion.radius();
         let mut bodies = Vec::new();
-        self.moving.for_each_in(Bounds::of_disc(centre, radius + TOUCH), |robot| {
+        self.for_each_near(Bounds::of_disc(centre, radius + TOUCH), |robot| {
             if robot != motion.id() {
                 let body = self.body(robot, at);
                 if (body.centre - centre).length() <= radius + body.radius + TOUCH {
@@ -150,6 +155,7 @@ impl World {
                 }
             }
         });
+        bodies.sort_by_key(|body| body.robot);
         bodies
     }
 
@@ -162,7 +168,7 @@ impl World {
         active.sort_by_key(|motion| motion.id());
         let end = self.slot_end();
         let mut truth = std::mem::take(&mut self.truth);
-        Settling::new(&mut truth, &self.tracks, active, (self.now, end)).run();
+        Settling::new(&mut truth, self, active).run();
         let mut contacts = Vec::new();
         for motion in active.iter_mut() {
             let robot = motion.id();
@@ -175,7 +181,7 @@ impl World {
         }
         contacts.sort_by_key(|contact| (contact.time, contact.robot));
         if active.iter().any(|motion| motion.blocker().is_some()) {
-            Settling::new(&mut truth, &self.tracks, active, (self.now, end)).resume();
+            Settling::new(&mut truth, self, active).resume();
         }
         self.truth = truth;
         self.now = end;
@@ -200,20 +206,38 @@ impl World {
         self.refresh_index();
     }
 
-    /// Enters the bounds of all public trajectories into the index, if any has changed.
+    /// Enters the bounds of the public trajectories into the indices; bodies that stay where they are cost nothing.
     fn refresh_index(&mut self) {
         let (from, to) = (self.now - HISTORY, self.slot_end());
-        let mut changed = self.bounds.len() != self.tracks.len();
-        self.bounds.resize(self.tracks.len(), (RobotId(0), Bounds::EMPTY));
-        for (index, (track, bounds)) in self.tracks.iter_mut().zip(&mut self.bounds).enumerate() {
-            if let Some(now) = track.refresh(from, to) {
-                changed |= bounds.1 != now;
-                *bounds = (RobotId::from_index(index), now);
+        let mut has_rest_changed = false;
+        self.bounds.clear();
+        for (index, track) in self.tracks.iter_mut().enumerate() {
+            if !track.is_resting() {
+                track.refresh(from, to);
+                has_rest_changed |= track.is_resting();
+                self.bounds.push((RobotId::from_index(index), track.bounds()));
             }
         }
-        if changed {
+        if has_rest_changed {
+            self.bounds.retain(|(robot, _)| !self.tracks[robot.index()].is_resting());
+        }
+        if !(self.bounds.is_empty() && self.moving.is_empty()) {
             self.moving.rebuild(&self.bounds);
         }
+        // A body that has set off is left in the index of those at rest only if that is built anew.
+        let count = self.tracks.len() - self.bounds.len();
+        if has_rest_changed || count != self.resting.len() {
+            self.bounds.clear();
+            let at_rest = self.tracks.iter().enumerate().filter(|(_, track)| track.is_resting());
+            self.bounds.extend(at_rest.map(|(index, track)| (RobotId::from_index(index), track.bounds())));
+            self.resting.rebuild(&self.bounds);
+        }
+    }
+
+    /// Visits each robot whose public trajectory comes near `bounds`.
+    fn for_each_near(&self, bounds: Bounds, mut visit: impl FnMut(RobotId)) {
+        self.resting.for_each_in(bounds, &mut visit);
+        self.moving.for_each_in(bounds, &mut visit);
     }
 }
 

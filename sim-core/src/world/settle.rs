@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::{Track, track::legs_bounds};
+use super::{World, track::legs_bounds};
 use crate::{
     RobotId,
     contact::{APPROACH, Body, Obstacle, Path, Rolling, TOUCH, Thing, first_touch},
@@ -27,9 +27,9 @@ pub(super) struct Truth {
     places: Vec<u32>,
     /// Legs of the active motions.
     legs: Vec<Vec<Leg>>,
-    /// Rectangle of each robot's body in the slot.
+    /// Rectangles of the active motions' bodies in the slot.
     bounds: Vec<(RobotId, Bounds)>,
-    /// Index of the bounds as they were before any contact was settled.
+    /// Index of these bounds as they were before any contact was settled.
     index: Moving,
     /// Robots whose bounds have left those in the index.
     strays: BTreeSet<RobotId>,
@@ -62,7 +62,7 @@ impl Instant {
 /// The events of one slot.
 pub(super) struct Settling<'a, 'm> {
     truth: &'a mut Truth,
-    tracks: &'a [Track],
+    world: &'a World,
     active: &'a mut [&'m mut Motion],
     start: Time,
     end: Time,
@@ -72,27 +72,23 @@ pub(super) struct Settling<'a, 'm> {
 }
 
 impl<'a, 'm> Settling<'a, 'm> {
-    /// Takes the motions of the slot from `start` to `end`; `active` in the order of ids.
-    pub fn new(
-        truth: &'a mut Truth,
-        tracks: &'a [Track],
-        active: &'a mut [&'m mut Motion],
-        (start, end): (Time, Time),
-    ) -> Self {
+    /// Takes the motions of the world's present slot; `active` in the order of ids.
+    pub fn new(truth: &'a mut Truth, world: &'a World, active: &'a mut [&'m mut Motion]) -> Self {
+        let (start, end) = (world.slot_start(), world.slot_end());
         truth.places.clear();
-        truth.places.resize(tracks.len(), PASSIVE);
+        truth.places.resize(world.tracks.len(), PASSIVE);
         truth.legs.resize_with(truth.legs.len().max(active.len()), Vec::new);
         for (place, motion) in active.iter_mut().enumerate() {
             truth.places[motion.id().index()] = place as u32;
             motion.legs(start, end, &mut truth.legs[place]);
         }
-        Self { truth, tracks, active, start, end, events: BTreeSet::new(), contacts: BTreeMap::new() }
+        Self { truth, world, active, start, end, events: BTreeSet::new(), contacts: BTreeMap::new() }
     }
 
     /// Settles all contacts within the slot.
     pub fn run(&mut self) {
         let legs = &self.truth.legs[..self.active.len()];
-        if self.tracks.len() < 2 || legs.iter().flatten().all(|leg| leg.path.is_resting()) {
+        if self.world.tracks.len() < 2 || legs.iter().flatten().all(|leg| leg.path.is_resting()) {
             return;
         }
         self.find_all();
@@ -121,26 +117,39 @@ impl<'a, 'm> Settling<'a, 'm> {
     fn find_all(&mut self) {
         let mut bounds = std::mem::take(&mut self.truth.bounds);
         bounds.clear();
-        bounds.extend((0..self.tracks.len()).map(RobotId::from_index).map(|robot| (robot, self.bounds_of(robot))));
+        bounds.extend(self.active.iter().map(|motion| (motion.id(), self.bounds_of(motion.id()))));
         self.truth.index.rebuild(&bounds);
         self.truth.bounds = bounds;
         self.truth.strays.clear();
         let mut pairs = Vec::new();
         self.truth.index.pairs(|a, b| pairs.push((a, b)));
+        if self.active.len() < self.world.tracks.len() {
+            for &(a, bounds) in &self.truth.bounds {
+                self.world.for_each_near(bounds, |b| {
+                    if self.is_passive(b) {
+                        pairs.push((a, b));
+                    }
+                });
+            }
+        }
         for (a, b) in pairs {
             self.queue_contact(a, b, 0.0);
         }
     }
 
+    fn is_passive(&self, robot: RobotId) -> bool {
+        self.truth.places[robot.index()] == PASSIVE
+    }
+
     fn legs(&self, robot: RobotId) -> &[Leg] {
         match self.truth.places[robot.index()] {
-            PASSIVE => self.tracks[robot.index()].legs(),
+            PASSIVE => self.world.tracks[robot.index()].legs(),
             place => &self.truth.legs[place as usize],
         }
     }
 
     fn radius(&self, robot: RobotId) -> f64 {
-        self.tracks[robot.index()].radius()
+        self.world.tracks[robot.index()].radius()
     }
 
     fn bounds_of(&self, robot: RobotId) -> Bounds {
@@ -264,7 +273,7 @@ impl<'a, 'm> Settling<'a, 'm> {
     /// Looks for the contacts of a body whose motion has changed from `from` seconds on.
     fn revised(&mut self, robot: RobotId, from: f64) {
         let bounds = self.bounds_of(robot);
-        let indexed = self.truth.bounds[robot.index()].1;
+        let indexed = self.truth.bounds[self.truth.places[robot.index()] as usize].1;
         if !(indexed.contains(bounds.min) && indexed.contains(bounds.max)) {
             self.truth.strays.insert(robot);
         }
@@ -282,6 +291,11 @@ impl<'a, 'm> Settling<'a, 'm> {
         let mut others = BTreeSet::new();
         self.truth.index.for_each_in(bounds, |other| {
             others.insert(other);
+        });
+        self.world.for_each_near(bounds, |other| {
+            if self.is_passive(other) {
+                others.insert(other);
+            }
         });
         others.extend(self.truth.strays.iter().filter(|stray| self.bounds_of(**stray).overlaps(&bounds)));
         others.remove(&robot);

@@ -27,8 +27,10 @@ pub(super) struct Track {
     publications: VecDeque<Publication>,
     /// Of the motion's plan that was published last.
     revision: u64,
-    /// The index need not be told again: nothing moves any more in its span.
-    is_indexed: bool,
+    /// Rectangle of the body in the time that the world remembers and publishes.
+    bounds: Bounds,
+    /// The body stays where it is, and has done so for as long as the world remembers.
+    is_resting: bool,
     /// Legs that are not in use, for the next publication.
     spare: Vec<Leg>,
 }
@@ -42,7 +44,8 @@ impl Track {
             radius: motion.radius(),
             publications,
             revision: motion.revision(),
-            is_indexed: false,
+            bounds: Bounds::EMPTY,
+            is_resting: false,
             spare: Vec::new(),
         }
     }
@@ -70,7 +73,7 @@ impl Track {
             self.spare = legs;
             return;
         }
-        self.is_indexed = false;
+        self.is_resting = false;
         let last = self.publications.back_mut().expect("a track has a publication");
         if self.revision == motion.revision() && legs.len() == 1 && last.legs.len() == 1 {
             // The same plan, seen farther ahead: its past is what it was.
@@ -81,26 +84,33 @@ impl Track {
         }
     }
 
-    /// The rectangle of the body in all that is public from `from` to `to`, unless it is what it was.
-    pub fn refresh(&mut self, from: Time, to: Time) -> Option<Bounds> {
-        if self.is_indexed {
-            return None;
-        }
+    /// Rectangle of the body in all that is public, as of the last [`Track::refresh`].
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// True when the body stays where it is, as of the last [`Track::refresh`], and nothing has been published since.
+    pub fn is_resting(&self) -> bool {
+        self.is_resting
+    }
+
+    /// Finds the bounds of what is public from `from` to `to`, and forgets what is older. A resting track has no need.
+    pub fn refresh(&mut self, from: Time, to: Time) {
         while self.publications.len() > 1 && self.publications[1].since <= from {
             self.spare = self.publications.pop_front().expect("more than one publication").legs;
         }
         let mut bounds = Bounds::EMPTY;
-        let mut is_at_rest = self.publications.len() == 1;
+        self.is_resting = self.publications.len() == 1;
         for (index, publication) in self.publications.iter().enumerate() {
             let next = self.publications.get(index + 1).map_or(to, |next| next.since);
             let (from, to) = (from.max(publication.since), to.min(next));
             if from <= to {
                 bounds = bounds.union(legs_bounds(&publication.legs, from, to));
             }
-            is_at_rest &= publication.legs.iter().all(|leg| leg.path.is_resting() || leg.elapsed(from) >= leg.after);
+            self.is_resting &=
+                publication.legs.iter().all(|leg| leg.path.is_resting() || leg.elapsed(from) >= leg.after);
         }
-        self.is_indexed = is_at_rest;
-        Some(bounds.grown(self.radius))
+        self.bounds = bounds.grown(self.radius);
     }
 }
 
