@@ -91,7 +91,7 @@ impl<E: Into<Box<dyn StdError>>> Outcome for Result<(), E> {
 
 /// The description of a program that [`program!`](crate::program) exports.
 pub const fn program(run: robios_sys::Run) -> Program {
-    Program::robios6(robios_sys::language::RUST, run)
+    Program::robios6(robios_sys::language::RUST, run, crate::call_site::published())
 }
 
 /// Runs a program's `main` between the host and the library, and gives its exit code.
