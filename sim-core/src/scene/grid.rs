@@ -116,7 +116,8 @@ impl Grid {
         let y_axis = Axis::new(origin.y, direction.y, self.bounds.min.y, self.cell);
         let (mut x_exit, mut y_exit) = (x_axis.exit(column), y_axis.exit(row));
         loop {
-            let exit = x_exit.min(y_exit);
+            // Not `min`, which takes care of NaN.
+            let exit = if x_exit < y_exit { x_exit } else { y_exit };
             if visit(row * self.columns + column, exit).is_break() || exit > far {
                 return;
             }

@@ -236,78 +236,86 @@ struct Ray {
     at_origin: f64,
     /// No point of the walls is touched from farther away than this.
     doubt: f64,
+    /// Above the product of any wall's length with the distance from which an origin is on it.
+    doubt_area: f64,
     /// Distance of the nearest hit so far, or the range.
     nearest: f64,
-    wall: Option<WallId>,
+    /// Its wall, or [`NO_WALL`].
+    wall: WallId,
+}
+
+/// Greater than all numbers of walls.
+const NO_WALL: WallId = WallId(u32::MAX);
+
+/// An end of a wall as the ray sees it.
+#[derive(Clone, Copy)]
+struct End {
+    /// Metres along the ray.
+    ahead: f64,
+    /// Metres to the left of the ray's line: the same value for all walls that share the end.
+    side: f64,
 }
 
 impl Ray {
     #[inline]
     fn new(origin: DVec2, direction: DVec2, range: f64, bounds: Bounds) -> Self {
-        let at_origin = ROUNDING * origin.abs().element_sum();
-        Self { origin, direction, at_origin, doubt: doubt(origin, &bounds), nearest: range, wall: None }
+        let doubt = doubt(origin, &bounds);
+        Self {
+            origin,
+            direction,
+            at_origin: ROUNDING * origin.abs().element_sum(),
+            doubt,
+            doubt_area: 4.0 * doubt * (bounds.max - bounds.min).element_sum(),
+            nearest: range,
+            wall: NO_WALL,
+        }
+    }
+
+    #[inline]
+    fn end(&self, point: DVec2) -> End {
+        let offset = point - self.origin;
+        End { ahead: self.direction.dot(offset), side: self.direction.perp_dot(offset) }
     }
 
     /// Takes the wall into account.
-    #[inline]
+    // Conditions are joined by `&` where a branch would be mispredicted half of the time.
+    #[inline(always)]
     fn test(&mut self, segment: &Segment, wall: WallId) {
-        let (a, b) = (segment.a - self.origin, segment.b - self.origin);
-        // How far each end lies to the left of the ray's line: the same value for all walls that share the end.
-        let (a_side, b_side) = (self.direction.perp_dot(a), self.direction.perp_dot(b));
-        if a_side.min(b_side) > self.doubt || a_side.max(b_side) < -self.doubt {
+        let (a, b) = (self.end(segment.a), self.end(segment.b));
+        if ((a.side > self.doubt) & (b.side > self.doubt)) | ((a.side < -self.doubt) & (b.side < -self.doubt)) {
             return;
         }
-        let (a_ahead, b_ahead) = (self.direction.dot(a), self.direction.dot(b));
-        let distance = if a_side.abs().min(b_side.abs()) > self.doubt {
-            self.crossing(segment, (a_ahead, a_side), (b_ahead, b_side))
-        } else {
-            self.touching(segment, (a_ahead, a_side), (b_ahead, b_side))
-        };
-        if let Some(distance) = distance
-            && (distance < self.nearest || (distance == self.nearest && self.wall.is_none_or(|first| wall < first)))
-        {
+        let area = a.ahead * b.side - b.ahead * a.side;
+        let in_doubt = (a.side.abs() <= self.doubt) | (b.side.abs() <= self.doubt) | (area.abs() <= self.doubt_area);
+        let distance = if in_doubt { self.touching(segment, a, b) } else { area / (b.side - a.side) };
+        if (0.0 <= distance) & (distance <= self.nearest) && (distance < self.nearest || wall < self.wall) {
             self.nearest = distance;
-            self.wall = Some(wall);
+            self.wall = wall;
         }
     }
 
-    /// Distance to a wall with an end to either side of the ray's line; ends as (ahead, to the left).
-    #[inline]
-    fn crossing(&self, segment: &Segment, a: (f64, f64), b: (f64, f64)) -> Option<f64> {
-        // From the end that is nearer to the line, for the least rounding.
-        let rise = a.1 - b.1;
-        let distance =
-            if a.1.abs() < b.1.abs() { a.0 + (b.0 - a.0) * (a.1 / rise) } else { b.0 + (b.0 - a.0) * (b.1 / rise) };
-        // `rise` is the wall's length times the sine of the angle: where the origin is not on the wall's line, it is
-        // either before or behind the wall.
-        let length = (segment.b - segment.a).abs().element_sum();
-        let at_wall = self.at_origin + ROUNDING * length;
-        if distance.abs() * rise.abs() <= at_wall * length && segment.distance(self.origin) <= at_wall {
-            return Some(0.0);
-        }
-        (distance >= 0.0).then_some(distance)
-    }
-
-    /// Distance to a wall with at least one end that the ray's line may touch.
+    /// Distance to a wall of which the ray's line may touch an end, or on which the origin may lie; negative for none.
     #[cold]
-    fn touching(&self, segment: &Segment, a: (f64, f64), b: (f64, f64)) -> Option<f64> {
-        let touches =
-            |end: DVec2, side: f64| side.abs() <= self.at_origin + ROUNDING * (end - self.origin).abs().element_sum();
-        let behind = |ahead: f64| ahead < -self.at_origin;
-        let end = |ahead: f64| (!behind(ahead)).then_some(ahead.max(0.0));
-        match (touches(segment.a, a.1), touches(segment.b, b.1)) {
-            // Along the wall: from within it nothing, from outside the nearer end.
-            (true, true) if behind(a.0) != behind(b.0) => Some(0.0),
-            (true, true) => end(a.0.min(b.0)),
-            _ if a.1 * b.1 < 0.0 => self.crossing(segment, a, b),
-            (true, false) => end(a.0),
-            (false, true) => end(b.0),
-            (false, false) => None,
+    fn touching(&self, segment: &Segment, a: End, b: End) -> f64 {
+        let length = (segment.b - segment.a).abs().element_sum();
+        let touches = |end: End, point: DVec2| {
+            end.side.abs() <= self.at_origin + ROUNDING * (point - self.origin).abs().element_sum()
+        };
+        if segment.distance(self.origin) <= self.at_origin + ROUNDING * length {
+            return 0.0;
+        }
+        match (touches(a, segment.a), touches(b, segment.b)) {
+            // Along the wall, which lies before or behind the origin.
+            (true, true) => a.ahead.min(b.ahead),
+            _ if a.side * b.side < 0.0 => (a.ahead * b.side - b.ahead * a.side) / (b.side - a.side),
+            (true, false) => a.ahead,
+            (false, true) => b.ahead,
+            (false, false) => -1.0,
         }
     }
 
     fn hit(&self) -> Option<Hit> {
-        self.wall.map(|wall| Hit { distance: self.nearest, wall })
+        (self.wall != NO_WALL).then_some(Hit { distance: self.nearest, wall: self.wall })
     }
 }
 
