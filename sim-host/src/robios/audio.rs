@@ -2,7 +2,11 @@
 //!
 //! Source: RoBIOS 6 library, audio.
 
+use robios_sys::{OutBytes, Robios6Call as Call};
 use sim_core::time::Time;
+
+use super::robot::Robot;
+use crate::record::Event;
 
 /// Frequencies that `AUTone` plays, in Hz. Source: RoBIOS 6 library.
 pub const TONE_HZ: std::ops::RangeInclusive<i32> = 65..=21_000;
@@ -58,6 +62,84 @@ impl Audio {
     }
 }
 
+/// Largest sample that is recorded, in bytes; our choice.
+const MAX_RECORD: usize = 1 << 26;
+
+/// Greatest rate of a recording in Hz.
+const MAX_RATE: i64 = 44_100;
+
+/// `AUPlaySample`: the sample's rate in Hz, 0 if it is none.
+pub fn play_sample(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
+    let Some(wave) = sample.and_then(Wave::parse) else { return robot.failed(Call::AUPlaySample, 0) };
+    let duration = Time((u64::from(wave.bytes) * 1_000_000 / u64::from(wave.bytes_per_second)) as i64);
+    robot.devices.audio.play_sample(robot.now, duration);
+    robot.record(Event::Sample { length_bytes: wave.bytes.into() });
+    wave.rate_hz
+}
+
+/// `AUTone`
+pub fn play_tone(robot: &mut Robot, frequency_hz: i32, span_ms: i32) -> i32 {
+    if !TONE_HZ.contains(&frequency_hz) || span_ms < 0 {
+        return robot.failed(Call::AUTone, -1);
+    }
+    let duration = Time::from_millis(span_ms.into());
+    robot.devices.audio.play_tone(robot.now, duration);
+    robot.record(Event::Tone { frequency_hz: frequency_hz.into(), duration_s: duration.seconds() });
+    0
+}
+
+/// `AUBeep`
+pub fn beep(robot: &mut Robot) -> i32 {
+    robot.devices.audio.play_tone(robot.now, BEEP);
+    robot.record(Event::Beep {});
+    0
+}
+
+/// `AURecordSample`: silence; the rate in Hz.
+pub fn record_sample(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> i32 {
+    let length = buffer.capacity();
+    if buffer.is_null() || !(1..=MAX_RECORD).contains(&length) || rate_hz <= 0 {
+        return robot.failed(Call::AURecordSample, 0);
+    }
+    let rate_hz = rate_hz.min(MAX_RATE) as i32;
+    buffer.set(&vec![SILENT_BYTE; length]);
+    robot.devices.audio.record(robot.now, duration_of(length as i32, rate_hz));
+    rate_hz
+}
+
+/// What a WAV file says of its sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Wave {
+    rate_hz: i32,
+    bytes_per_second: u32,
+    bytes: u32,
+}
+
+impl Wave {
+    /// Reads the head of a WAV file; `None` for anything else.
+    fn parse(file: &[u8]) -> Option<Self> {
+        let word = |bytes: &[u8], at: usize| {
+            bytes.get(at..at + 4).and_then(|word| word.try_into().ok()).map(u32::from_le_bytes)
+        };
+        let mut rest = file.strip_prefix(b"RIFF")?.get(4..)?.strip_prefix(b"WAVE")?;
+        let mut format = None;
+        while let Some((name, size)) = rest.get(..4).zip(word(rest, 4)) {
+            let content = &rest[8..];
+            if name == b"fmt " {
+                format = word(content, 4).zip(word(content, 8));
+            }
+            if name == b"data" {
+                let (rate, bytes_per_second) = format?;
+                let rate_hz = i32::try_from(rate).ok().filter(|rate| *rate > 0)?;
+                return (bytes_per_second > 0).then_some(Self { rate_hz, bytes_per_second, bytes: size });
+            }
+            // Chunks have even lengths.
+            rest = content.get(usize::try_from(size).ok()?.checked_next_multiple_of(2)?..)?;
+        }
+        None
+    }
+}
+
 /// How long `count` values at `rate_hz` last; nothing for a rate that is not positive.
 pub fn duration_of(count: i32, rate_hz: i32) -> Time {
     if rate_hz <= 0 { Time::ZERO } else { Time(i64::from(count.max(0)) * 1_000_000 / i64::from(rate_hz)) }
@@ -77,6 +159,19 @@ mod tests {
         assert!(audio.is_tone_done(Time(20)) && !audio.is_sample_done(Time(119)), "the sample replaces the tone");
         audio.record(Time(0), Time(5));
         assert!(!audio.is_record_done(Time(4)) && audio.is_record_done(Time(5)));
+    }
+
+    #[test]
+    fn the_head_of_a_wav_file() {
+        let mut file = b"RIFF\x28\0\0\0WAVEfmt \x10\0\0\0\x01\0\x01\0".to_vec();
+        file.extend(8_000_u32.to_le_bytes());
+        file.extend(16_000_u32.to_le_bytes());
+        file.extend(b"\x02\0\x10\0data\x10\x27\0\0");
+        assert_eq!(Wave::parse(&file), Some(Wave { rate_hz: 8_000, bytes_per_second: 16_000, bytes: 10_000 }));
+        for length in 0..file.len() {
+            assert_eq!(Wave::parse(&file[..length]), None, "cut after {length} bytes");
+        }
+        assert_eq!(Wave::parse(b"tune.wav"), None);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use std::any::Any;
 use std::sync::Arc;
 
 use parking_lot::MutexGuard;
-use robios_sys::{CallContext, CallRecord, Callback, Robios6, Robios6Call, Stop, SupportCall};
+use robios_sys::{CallContext, CallRecord, Callback, Robios6Call, Stop, SupportCall};
 use sim_core::RobotId;
 use sim_core::time::{TICK, Time};
 use sim_core::world::World;
@@ -230,7 +230,6 @@ impl Caller {
     }
 }
 
-impl Robios6 for Caller {}
 
 impl CallContext for Caller {
     fn is_logging(&self) -> bool {
@@ -261,6 +260,8 @@ pub struct Timers {
     next_handle: i32,
     /// True while a callback runs: callbacks are never nested, and may not wait.
     pub in_callback: bool,
+    /// True between `OSDisable` and `OSEnable`: what falls due meanwhile is made up for once, at `OSEnable`.
+    pub are_held: bool,
 }
 
 struct Timer {
@@ -295,7 +296,7 @@ impl Timers {
 
     /// When the next callback is due; [`Time::NEVER`] without timers and inside a callback.
     pub fn next_due(&self) -> Time {
-        if self.in_callback {
+        if self.in_callback || self.are_held {
             return Time::NEVER;
         }
         self.list.iter().map(|timer| timer.next).min().unwrap_or(Time::NEVER)

@@ -3,11 +3,17 @@
 //! Source: RoBIOS 6 library, compass; the length of a cycle and the direction of north (along the world's y axis where the
 //! robi's companion does not say) are our choice, the sense of rotation is that of every compass.
 
+use robios_sys::Robios6Call as Call;
+use robios_sys::robios6::hdt_type::HDT_COMPASS;
+use sim_core::drive::Motion;
+use sim_core::format::CompassSpec;
 use sim_core::pose::Heading;
 use sim_core::time::Time;
 use sim_core::unit;
 
 use super::cycle::Cycle;
+use super::robot::Robot;
+use crate::record::Event;
 
 /// Length of a measuring cycle.
 pub const CYCLE: Time = Time::from_millis(100);
@@ -71,6 +77,68 @@ impl Compass {
             self.cycle = None;
         }
     }
+}
+
+/// `COMPASSInit`
+pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
+    if robot.devices.table.find(HDT_COMPASS, semantics).is_none() {
+        return robot.failed(Call::COMPASSInit, 1);
+    }
+    robot.devices.compass.is_open = true;
+    0
+}
+
+/// `COMPASSStart`
+pub fn start(robot: &mut Robot, is_continuous: bool) -> i32 {
+    if robot.devices.compass.start(is_continuous, robot.now) { 0 } else { robot.failed(Call::COMPASSStart, 1) }
+}
+
+/// `COMPASSCheck`
+pub fn check(robot: &mut Robot) -> i32 {
+    robot.devices.compass.is_valid(robot.now).into()
+}
+
+/// `COMPASSStop`
+pub fn stop(robot: &mut Robot) -> i32 {
+    robot.devices.compass.stop(robot.now);
+    if robot.devices.compass.is_open { 0 } else { robot.failed(Call::COMPASSStop, 1) }
+}
+
+/// `COMPASSRelease`
+pub fn release(robot: &mut Robot) -> i32 {
+    let was_open = std::mem::take(&mut robot.devices.compass).is_open;
+    if was_open { 0 } else { robot.failed(Call::COMPASSRelease, 1) }
+}
+
+/// `COMPASSCalibrate`: the simulated compass needs none.
+pub fn calibrate(robot: &mut Robot) -> i32 {
+    if robot.devices.compass.is_open { 0 } else { robot.failed(Call::COMPASSCalibrate, 1) }
+}
+
+/// `COMPASSGet`
+pub fn get(robot: &mut Robot) -> i32 {
+    let degrees = read(robot);
+    if let Some(compass) = &robot.spec.compass {
+        let angle_rad = degrees.map(|degrees| unit::radians_from_degrees(degrees.into()));
+        robot.journal.record(robot.now, &Event::Angle { device: &compass.name, angle_rad });
+    }
+    degrees.unwrap_or_else(|| robot.failed(Call::COMPASSGet, -1))
+}
+
+/// Computes the value of a measurement that has just ended, before the world forgets how the robot stood.
+pub fn settle(robot: &mut Robot) {
+    if robot.now >= robot.devices.compass.due() {
+        read(robot);
+    }
+}
+
+fn read(robot: &mut Robot) -> Option<i32> {
+    let Robot { now, motion, spec, devices, .. } = robot;
+    devices.compass.read(*now, |at| measure(spec.compass.as_ref(), motion, at))
+}
+
+fn measure(compass: Option<&CompassSpec>, motion: &mut Motion, at: Time) -> i32 {
+    compass.map_or(0, |compass| degrees_from_heading(motion.pose(at).heading, compass.north))
 }
 
 /// What a compass reads on a robot of this heading, 0 to 359: whole degrees clockwise from `north` (a world direction in

@@ -10,11 +10,18 @@ const IGNORED_FAILURES: u32 = 100;
 /// A drive longer than this is probably meant in millimetres, in metres.
 pub const LONG_DRIVE: f64 = 100.0;
 
+/// A turn of more than this is probably meant in degrees, in radians.
+pub const LONG_TURN: f64 = 40.0;
+
 /// A likely mistake.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Mistake {
     /// A drive of kilometres.
     LongDrive,
+    /// A turn of many turns.
+    LongTurn,
+    /// A command that the drive cannot obey.
+    Refused,
     /// A PSD sensor is read that was never opened.
     PsdNotOpen,
     /// `PSDStart` while the sensors measure already.
@@ -42,6 +49,11 @@ impl Hints {
         is_first
     }
 
+    /// True if `call` has not failed yet.
+    pub fn is_first_failure(&self, call: Call) -> bool {
+        !self.failures.contains_key(&call)
+    }
+
     /// Counts a failure of `call`; the text of the hint when it is time for one.
     pub fn count_failure(&mut self, call: Call) -> Option<String> {
         let count = self.failures.entry(call).or_default();
@@ -60,9 +72,9 @@ impl Mistake {
     /// What the user is told, for the mistakes that need no numbers.
     pub fn text(self) -> &'static str {
         match self {
-            Self::LongDrive => {
-                "a drive of more than 100 m: RoBIOS 6 takes metres and radians, not millimetres and degrees"
-            }
+            Self::LongDrive => "a drive of more than 100 m: RoBIOS 6 takes metres, not millimetres",
+            Self::LongTurn => "a turn of more than 40 radians: RoBIOS 6 takes radians, not degrees",
+            Self::Refused => "the drive cannot obey the command",
             Self::PsdNotOpen => {
                 "`PSDGet` with a handle that `PSDInit` did not give: is the sensor's name in the robi file, and was the \
                  result of `PSDInit` kept?"

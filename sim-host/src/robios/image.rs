@@ -4,8 +4,10 @@
 //! choice.
 
 use robios_sys::robios6::{ColImage, IMAGE_COLUMNS as COLUMNS, IMAGE_ROWS as ROWS, Image};
+use robios_sys::{Out, Robios6Call as Call};
 
 use super::lcd;
+use super::robot::Robot;
 
 /// Edges by the Laplace operator: |4 c - n - s - w - e|, at most 255.
 pub fn laplace(source: &Image) -> Image {
@@ -43,6 +45,22 @@ pub fn grey_from_colour(source: &ColImage) -> Image {
 /// The part of an image that `LCDPutGraphic` shows: 80 x 54 pixels without the border, from the top.
 pub fn shown(image: &Image) -> impl Iterator<Item = u8> + '_ {
     image[1..=54].iter().flat_map(|row| row[1..=80].iter().copied())
+}
+
+/// `IPLaplace` and the others: stores what `operator` gives, which is nothing for a null pointer.
+pub fn process(
+    robot: &mut Robot,
+    call: Call,
+    result: &mut Out<Image>,
+    operator: impl FnOnce() -> Option<Image>,
+) -> i32 {
+    match operator() {
+        Some(image) if !result.is_null() => {
+            result.set(image);
+            0
+        }
+        _ => robot.failed(call, -1),
+    }
 }
 
 /// The image whose pixels inside the border are `value`, limited to 0..=255.

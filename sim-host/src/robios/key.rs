@@ -5,9 +5,14 @@
 
 use std::collections::VecDeque;
 
-use robios_sys::robios6::{ANYKEY, KEY1, KEY2, KEY3, KEY4};
+use robios_sys::robios6::{ANYKEY, KEY1, KEY2, KEY3, KEY4, NOKEY};
+use robios_sys::{Out, Robios6Call as Call};
 use sim_core::RobotId;
 use sim_core::time::Time;
+
+use super::caller::Poll;
+use super::robot::{Robot, Waits};
+use crate::record::Event;
 
 /// The keys from left to right: their names and codes, one bit each.
 pub const KEYS: [(&str, i32); 4] = [("KEY1", KEY1), ("KEY2", KEY2), ("KEY3", KEY3), ("KEY4", KEY4)];
@@ -133,6 +138,49 @@ fn parse_time(seconds: &str) -> Result<Time, ScriptError> {
 fn parse_key(key: &str) -> Result<i32, ScriptError> {
     let found = KEYS.iter().find(|(name, _)| name.eq_ignore_ascii_case(key));
     found.map(|(_, code)| *code).ok_or_else(|| ScriptError::Key(key.to_owned()))
+}
+
+/// `KEYGetBuf`
+pub fn get_into(robot: &mut Robot, buffer: &mut Out<u8>) -> Poll<i32> {
+    if buffer.is_null() {
+        return Poll::Ready(robot.failed(Call::KEYGetBuf, -1));
+    }
+    match wait_for(robot, ANYKEY) {
+        Poll::Ready(code) => {
+            buffer.set(code as u8);
+            Poll::Ready(0)
+        }
+        until => until,
+    }
+}
+
+/// `KEYRead`
+pub fn read(robot: &mut Robot) -> i32 {
+    robot.devices.keys.take(robot.now).map_or(NOKEY, |code| taken(robot, code))
+}
+
+/// `KEYWait`
+pub fn wait(robot: &mut Robot, codes: i32) -> Poll<i32> {
+    if !is_key(codes) {
+        return Poll::Ready(robot.failed(Call::KEYWait, -1));
+    }
+    match wait_for(robot, codes) {
+        Poll::Ready(_) => Poll::Ready(0),
+        until => until,
+    }
+}
+
+/// Waits for a key of an OR of codes; its code. Presses of other keys before it are forgotten.
+pub fn wait_for(robot: &mut Robot, codes: i32) -> Poll<i32> {
+    match robot.devices.keys.take_of(codes, robot.now) {
+        Some(code) => Poll::Ready(taken(robot, code)),
+        None => Poll::Until { at: robot.devices.keys.next_of(codes), waits_for: Waits::Key(name(codes)) },
+    }
+}
+
+fn taken(robot: &mut Robot, code: i32) -> i32 {
+    robot.record(Event::Key { key: &name(code) });
+    code
 }
 
 #[cfg(test)]

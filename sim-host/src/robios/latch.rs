@@ -2,7 +2,11 @@
 //!
 //! Source: RoBIOS 6 library, latches and A/D converter; the numbers of latches and channels are those of the EyeBot.
 
+use robios_sys::Robios6Call as Call;
 use sim_core::format::InputSpec;
+
+use super::robot::Robot;
+use crate::record::Event;
 
 /// Input latches, and output latches, numbered from 0; our choice.
 pub const LATCHES: usize = 4;
@@ -46,6 +50,60 @@ pub fn input(inputs: &InputSpec, number: i32) -> u8 {
 pub fn analog(inputs: &InputSpec, channel: i32) -> Option<u16> {
     let value = inputs.analog.iter().find(|(number, _)| i32::from(*number) == channel).map_or(0, |(_, value)| *value);
     (0..CHANNELS).contains(&channel).then_some(value)
+}
+
+/// `OSReadInLatch`
+pub fn read_input(robot: &mut Robot, number: i32) -> u8 {
+    let value = input(&robot.spec.inputs, number);
+    robot.record(Event::Reading { device: "input latch", value: value.into() });
+    value
+}
+
+/// `OSWriteOutLatch`
+pub fn write_output(robot: &mut Robot, number: i32, mask: u8, value: u8) -> u8 {
+    match robot.devices.latches.write(number, mask, value) {
+        Some((old, new)) => {
+            robot.record(Event::Output { device: "output latch", value: new.into() });
+            old
+        }
+        None => {
+            robot.failed(Call::OSWriteOutLatch, 0);
+            0
+        }
+    }
+}
+
+/// `OSReadParData`: what was written last; before that, what the companion says.
+pub fn read_parallel(robot: &mut Robot) -> u8 {
+    let value = robot.devices.latches.parallel_data.unwrap_or(robot.spec.inputs.parallel_data);
+    robot.record(Event::Reading { device: "parallel data", value: value.into() });
+    value
+}
+
+/// `OSWriteParData`
+pub fn write_parallel(robot: &mut Robot, value: u8) {
+    robot.devices.latches.parallel_data = Some(value);
+    robot.record(Event::Output { device: "parallel data", value: value.into() });
+}
+
+/// `OSReadParSR`
+pub fn read_parallel_status(robot: &mut Robot) -> u8 {
+    let value = robot.spec.inputs.parallel_status;
+    robot.record(Event::Reading { device: "parallel status", value: value.into() });
+    value
+}
+
+/// `OSWriteParCTRL`
+pub fn write_parallel_control(robot: &mut Robot, value: u8) {
+    robot.devices.latches.parallel_control = value;
+    robot.record(Event::Output { device: "parallel control", value: value.into() });
+}
+
+/// `OSGetAD`
+pub fn read_analog(robot: &mut Robot, channel: i32) -> i32 {
+    let Some(value) = analog(&robot.spec.inputs, channel) else { return robot.failed(Call::OSGetAD, -1) };
+    robot.record(Event::Reading { device: "A/D", value: value.into() });
+    value.into()
 }
 
 #[cfg(test)]

@@ -1,33 +1,157 @@
 //! What each RoBIOS call does: one file a family of functions, over models of the devices.
+//!
+//! [`robios6`] says which function of a family answers which call; the families change a [`robot::Robot`] at the call's end
+//! and know nothing of threads and slots. What they answer to whom is in `docs/robios6.md`.
 #![forbid(unsafe_code)]
 
 pub mod audio;
+pub mod bump;
 pub mod caller;
 pub mod compass;
 pub mod cost;
 pub mod cycle;
+mod display;
 pub mod handle;
+mod hdt;
 pub mod hint;
 pub mod image;
+mod ir;
+pub mod irtv;
 pub mod key;
 pub mod latch;
 pub mod lcd;
+pub mod motor;
+pub mod os;
 pub mod psd;
+mod robios6;
 pub mod robot;
 pub mod serial;
+pub mod servo;
 pub mod support;
+pub mod table;
+#[cfg(test)]
+mod tests;
+pub mod vw;
+
+use std::borrow::Cow;
+
+use robios_sys::Robios6Call;
+use sim_core::drive::{Command, CommandError};
+use sim_core::format::RobiSpec;
+use sim_core::time::Time;
+use sim_core::world::World;
+
+use crate::record::Event;
+use hint::Mistake;
+use robot::Robot;
 
 /// The devices of one robot, as RoBIOS shows them.
+#[derive(Default)]
 pub struct Devices {
+    /// The table by which programs ask for devices.
+    pub table: table::Table,
+    /// Variables and clock of the system.
+    pub os: os::Os,
     /// The display.
     pub lcd: lcd::Lcd,
     /// The keys under it.
     pub keys: key::Keys,
+    /// Loudspeaker and microphone.
+    pub audio: audio::Audio,
+    /// PSD distance sensors.
+    pub psds: psd::Psds,
+    /// Motors driven one by one.
+    pub motors: motor::Motors,
+    /// Encoders.
+    pub quads: motor::Quads,
+    /// Servos.
+    pub servos: servo::Servos,
+    /// The driving interface.
+    pub vw: vw::Vw,
+    /// Bumpers.
+    pub bumpers: bump::Bumpers,
+    /// Infrared proximity sensors.
+    pub infrareds: handle::Handles,
+    /// The compass.
+    pub compass: compass::Compass,
+    /// Latches and parallel port.
+    pub latches: latch::Latches,
+    /// Serial interfaces.
+    pub serial: serial::Serial,
+    /// Settings of the receiver for a remote control, while it is on.
+    pub irtv: Option<irtv::Settings>,
+    /// Hints that the program was given.
+    pub hints: hint::Hints,
 }
 
 impl Devices {
-    /// The devices of a robot of type `spec`, with the presses of its keys.
-    pub fn new(_spec: &sim_core::format::RobiSpec, keys: key::Keys) -> Self {
-        Self { lcd: lcd::Lcd::default(), keys }
+    /// The devices of a robot of this type, whose keys are pressed as `keys` says.
+    pub fn new(spec: &RobiSpec, keys: key::Keys) -> Self {
+        Self { table: table::Table::new(spec), keys, ..Self::default() }
     }
+
+    /// When [`settle`] is due next; [`Time::NEVER`] if nothing waits for it.
+    pub fn due(&self) -> Time {
+        self.psds.due().min(self.compass.due())
+    }
+}
+
+/// Computes what sensors have measured that end to measure now.
+///
+/// To be called when virtual time reaches [`Devices::due`]: the world remembers for 100 ms only what a sensor saw, and a
+/// program may ask much later. Sensors that measure without end need it not.
+pub fn settle(robot: &mut Robot, world: &World) {
+    if robot.now >= robot.devices.due() {
+        psd::settle(robot, world);
+        compass::settle(robot);
+    }
+}
+
+/// What the families do to a robot.
+impl Robot {
+    /// Records an event now.
+    fn record(&mut self, event: Event<'_>) {
+        self.journal.record(self.now, &event);
+    }
+
+    /// The answer of a call that has failed; a program that never looks at it gets a hint.
+    fn failed(&mut self, call: Robios6Call, answer: i32) -> i32 {
+        if let Some(text) = self.devices.hints.count_failure(call) {
+            self.hint(&text);
+        }
+        answer
+    }
+
+    /// The answer of a call whose device is not simulated: the user is told once a function.
+    fn unavailable<R>(&mut self, call: Robios6Call, answer: R) -> R {
+        if self.devices.hints.is_first_failure(call) {
+            let text = format!("`{}` is not simulated: it answers as a robot without that device does", call.name());
+            self.hint(&text);
+        }
+        self.failed(call, 0);
+        answer
+    }
+
+    /// Tells the user of a likely mistake, once.
+    fn hint_at(&mut self, mistake: Mistake) {
+        self.hint_once(mistake, mistake.text());
+    }
+
+    /// Tells the user of a likely mistake in these words, once.
+    fn hint_once(&mut self, mistake: Mistake, text: &str) {
+        if self.devices.hints.is_first(mistake) {
+            self.hint(text);
+        }
+    }
+
+    /// Gives the drive a command now.
+    fn command(&mut self, world: &World, command: Command) -> Result<(), CommandError> {
+        let touching = world.touching(&mut self.motion, self.now);
+        self.motion.command(self.now, command, &touching)
+    }
+}
+
+/// A program's text as it is recorded: what is not UTF-8 is replaced.
+fn text(characters: &[u8]) -> Cow<'_, str> {
+    String::from_utf8_lossy(characters)
 }

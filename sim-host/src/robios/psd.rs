@@ -3,16 +3,24 @@
 //! A value exists only at the end of a complete cycle and is a function of the world at that instant, computed when it is
 //! first asked for. Source: RoBIOS 6 library, position sensing devices.
 
+use robios_sys::Robios6Call as Call;
+use robios_sys::robios6::PSD_OUT_OF_RANGE;
+use robios_sys::robios6::hdt_type::HDT_PSD;
+use sim_core::drive::Motion;
+use sim_core::format::PsdSpec;
+use sim_core::sensor::{Beam, Mount};
 use sim_core::time::Time;
+use sim_core::world::World;
 
 use super::cycle::Cycle;
 use super::handle::Handles;
+use super::hint::Mistake;
+use super::os;
+use super::robot::Robot;
+use crate::record::Event;
 
 /// Length of a measuring cycle. Source: RoBIOS manual, about 60 ms.
 pub const CYCLE: Time = Time::from_millis(60);
-
-/// What a sensor reads that sees nothing within its range, and one that has never measured.
-pub const OUT_OF_RANGE: i32 = 9999;
 
 /// The raw byte times the distance in millimetres, see [`raw_from_distance`].
 const RAW_MM: f64 = 20_400.0;
@@ -165,9 +173,11 @@ impl Psds {
     }
 }
 
-/// A distance in metres as `PSDGet` gives it: whole millimetres, [`OUT_OF_RANGE`] for nothing.
+/// A distance in metres as `PSDGet` gives it: whole millimetres, [`PSD_OUT_OF_RANGE`] for nothing.
 pub fn mm_from_distance(metres: Option<f64>) -> i32 {
-    metres.map_or(OUT_OF_RANGE, |metres| (sim_core::unit::mm_from_metres(metres).round() as i32).min(OUT_OF_RANGE))
+    metres.map_or(PSD_OUT_OF_RANGE, |metres| {
+        (sim_core::unit::mm_from_metres(metres).round() as i32).min(PSD_OUT_OF_RANGE)
+    })
 }
 
 /// A distance in metres as `PSDGetRaw` gives it: 20 400 divided by the millimetres, at most 255 (from 80 mm down), 0 for
@@ -178,6 +188,94 @@ pub fn mm_from_distance(metres: Option<f64>) -> i32 {
 pub fn raw_from_distance(metres: Option<f64>) -> i32 {
     // A distance of 0 divides to infinity, which the conversion saturates.
     metres.map_or(0, |metres| i32::from((RAW_MM / sim_core::unit::mm_from_metres(metres)).round() as u8))
+}
+
+/// `PSDInit`
+pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
+    match robot.devices.table.find(HDT_PSD, semantics).map(|device| device.index) {
+        Some(index) => robot.devices.psds.open(index),
+        None => robot.failed(Call::PSDInit, 0),
+    }
+}
+
+/// `PSDRelease`
+pub fn release(robot: &mut Robot) -> i32 {
+    robot.devices.psds.release();
+    0
+}
+
+/// `PSDStart`
+pub fn start(robot: &mut Robot, handles: i32, is_continuous: bool) -> i32 {
+    match robot.devices.psds.start(handles, is_continuous, robot.now) {
+        Started::Yes => 0,
+        Started::Busy => {
+            robot.hint_at(Mistake::PsdBusy);
+            robot.failed(Call::PSDStart, 1)
+        }
+        Started::WrongHandle => robot.failed(Call::PSDStart, -1),
+    }
+}
+
+/// `PSDStop`
+pub fn stop(robot: &mut Robot) -> i32 {
+    robot.devices.psds.stop(robot.now);
+    0
+}
+
+/// `PSDCheck`
+pub fn check(robot: &mut Robot) -> i32 {
+    robot.devices.psds.stamp(robot.now).is_some().into()
+}
+
+/// `PSDGet`
+pub fn get(robot: &mut Robot, world: &World, handle: i32) -> i32 {
+    value(robot, world, handle, Call::PSDGet).map_or_else(|stamp| stamp, mm_from_distance)
+}
+
+/// `PSDGetRaw`
+pub fn get_raw(robot: &mut Robot, world: &World, handle: i32) -> i32 {
+    value(robot, world, handle, Call::PSDGetRaw).map_or_else(|stamp| stamp, raw_from_distance)
+}
+
+/// The distance that a sensor has measured in metres, `None` for nothing; or, for handle 0, the time stamp.
+fn value(robot: &mut Robot, world: &World, handle: i32, call: Call) -> Result<Option<f64>, i32> {
+    if !robot.devices.psds.is_open() {
+        robot.hint_at(Mistake::PsdNotOpen);
+    }
+    if handle == 0 {
+        return Err(robot.devices.psds.stamp(robot.now).map_or(0, os::hundredths));
+    }
+    let Some(index) = robot.devices.psds.sensor(handle) else {
+        robot.hint_at(Mistake::PsdNotOpen);
+        robot.failed(call, PSD_OUT_OF_RANGE);
+        return Ok(None);
+    };
+    let Some(Distance { taken, metres }) = read(robot, world, index) else {
+        robot.hint_at(Mistake::PsdNotStarted);
+        return Ok(None);
+    };
+    let device = &robot.spec.psds[index].name;
+    let event = Event::Distance { device, distance_m: metres, measured_s: taken.seconds() };
+    robot.journal.record(robot.now, &event);
+    Ok(metres)
+}
+
+fn read(robot: &mut Robot, world: &World, index: usize) -> Option<Distance> {
+    let Robot { now, motion, spec, devices, .. } = robot;
+    devices.psds.read(index, *now, |index, at| measure(&spec.psds, motion, world, index, at))
+}
+
+/// Computes the values of a measurement that has just ended, before the world forgets what the sensors saw.
+pub fn settle(robot: &mut Robot, world: &World) {
+    let Robot { now, motion, spec, devices, .. } = robot;
+    devices.psds.settle(*now, |index, at| measure(&spec.psds, motion, world, index, at));
+}
+
+/// What sensor `index` saw at `at`, in metres.
+fn measure(psds: &[PsdSpec], motion: &mut Motion, world: &World, index: usize, at: Time) -> Option<f64> {
+    let psd = psds.get(index)?;
+    let mount = Mount::new(psd.position.x, psd.position.y, psd.angle);
+    Beam { mount, range: psd.range }.distance(world, motion.id(), &motion.pose(at), at)
 }
 
 #[cfg(test)]

@@ -1,0 +1,162 @@
+//! What the functions of the display do, over the model in [`super::lcd`].
+//!
+//! Source: RoBIOS 6 library, LCD output. Text at a place leaves the cursor behind it.
+
+use robios_sys::robios6::{BitImage, CURSOR, ColImage, Image, SCROLLING};
+use robios_sys::{Out, Robios6Call as Call};
+
+use super::lcd::{Ink, Lcd, OffDisplay};
+use super::robot::Robot;
+use super::{image, text};
+use crate::record::Event;
+
+/// Columns of the part of an image that is shown.
+const SHOWN_COLUMNS: usize = 80;
+
+/// Longest number and most decimals that `LCDPutFloatS` and `LCDPutIntS` write: more than the display holds.
+const MAX_FORMAT: i32 = 112;
+
+/// Writes text at the cursor.
+pub fn write(robot: &mut Robot, characters: &[u8]) {
+    let (row, column) = robot.devices.lcd.position();
+    let event = Event::LcdText { row: row as u8, column: column as u8, text: &text(characters) };
+    robot.journal.record(robot.now, &event);
+    robot.devices.lcd.write(characters);
+}
+
+/// `LCDPrintf`, `LCDPutString`
+pub fn put(robot: &mut Robot, call: Call, characters: Option<&[u8]>) -> i32 {
+    let Some(characters) = characters else { return robot.failed(call, -1) };
+    write(robot, characters);
+    0
+}
+
+/// `LCDSetPrintf`, `LCDSetString`, `LCDSetChar`
+pub fn put_at(robot: &mut Robot, call: Call, [row, column]: [i32; 2], characters: Option<&[u8]>) -> i32 {
+    let Some(characters) = characters else { return robot.failed(call, -1) };
+    match robot.devices.lcd.set_position(row, column) {
+        Ok(()) => put(robot, call, Some(characters)),
+        Err(OffDisplay) => robot.failed(call, -1),
+    }
+}
+
+/// `LCDClear`
+pub fn clear(robot: &mut Robot) -> i32 {
+    robot.devices.lcd.clear();
+    robot.record(Event::LcdClear {});
+    0
+}
+
+/// `LCDPutIntS`
+pub fn put_int(robot: &mut Robot, value: i32, spaces: i32) -> i32 {
+    let width = spaces.clamp(0, MAX_FORMAT) as usize;
+    put(robot, Call::LCDPutIntS, Some(format!("{value:width$}").as_bytes()))
+}
+
+/// `LCDPutFloatS`
+pub fn put_float(robot: &mut Robot, value: f32, spaces: i32, decimals: i32) -> i32 {
+    let (width, decimals) = (spaces.clamp(0, MAX_FORMAT) as usize, decimals.clamp(0, MAX_FORMAT) as usize);
+    let number =
+        if value.is_nan() { format!("{:>width$}", "nan") } else { format!("{:width$.decimals$}", f64::from(value)) };
+    put(robot, Call::LCDPutFloatS, Some(number.as_bytes()))
+}
+
+/// `LCDMode`
+pub fn set_mode(robot: &mut Robot, mode: i32) -> i32 {
+    robot.devices.lcd.is_scrolling = mode & SCROLLING != 0;
+    robot.devices.lcd.has_cursor = mode & CURSOR != 0;
+    0
+}
+
+/// `LCDSetPos`
+pub fn set_position(robot: &mut Robot, row: i32, column: i32) -> i32 {
+    match robot.devices.lcd.set_position(row, column) {
+        Ok(()) => 0,
+        Err(OffDisplay) => robot.failed(Call::LCDSetPos, -1),
+    }
+}
+
+/// `LCDGetPos`
+pub fn position(robot: &mut Robot, row: &mut Out<i32>, column: &mut Out<i32>) -> i32 {
+    if row.is_null() || column.is_null() {
+        return robot.failed(Call::LCDGetPos, -1);
+    }
+    let position = robot.devices.lcd.position();
+    row.set(position.0 as i32);
+    column.set(position.1 as i32);
+    0
+}
+
+/// `LCDMenu`
+pub fn set_menu(robot: &mut Robot, texts: [Option<&[u8]>; 4]) -> i32 {
+    for (position, text) in (1..).zip(texts) {
+        set_menu_text(robot, position, text.unwrap_or_default());
+    }
+    0
+}
+
+/// `LCDMenuI`
+pub fn set_menu_entry(robot: &mut Robot, position: i32, text: Option<&[u8]>) -> i32 {
+    match text {
+        Some(text) if (1..=4).contains(&position) => set_menu_text(robot, position, text),
+        _ => return robot.failed(Call::LCDMenuI, -1),
+    }
+    0
+}
+
+fn set_menu_text(robot: &mut Robot, position: i32, characters: &[u8]) {
+    if !characters.is_empty() && robot.devices.lcd.set_menu(position, characters).is_ok() {
+        robot.record(Event::LcdMenu { position: position as u8, text: &text(characters) });
+    }
+}
+
+/// `LCDPutGraphic`
+pub fn put_grey(robot: &mut Robot, grey: Option<&Image>) -> i32 {
+    let Some(grey) = grey else { return robot.failed(Call::LCDPutGraphic, -1) };
+    let changed = robot.devices.lcd.show_grey(image::shown(grey), SHOWN_COLUMNS);
+    drawn(robot, Call::LCDPutGraphic, changed)
+}
+
+/// `LCDPutColorGraphic`: the image holds what is shown afterwards, in black and white.
+pub fn put_colour(robot: &mut Robot, colour: Option<&mut ColImage>) -> i32 {
+    let Some(colour) = colour else { return robot.failed(Call::LCDPutColorGraphic, -1) };
+    let dithered = image::dither(&image::grey_from_colour(colour));
+    for (row, levels) in colour.iter_mut().zip(&dithered) {
+        row.iter_mut().zip(levels).for_each(|(pixel, level)| *pixel = [*level; 3]);
+    }
+    let changed = robot.devices.lcd.show_grey(image::shown(&dithered), SHOWN_COLUMNS);
+    drawn(robot, Call::LCDPutColorGraphic, changed)
+}
+
+/// `LCDPutImage`
+pub fn put_picture(robot: &mut Robot, picture: Option<&BitImage>) -> i32 {
+    let Some(picture) = picture else { return robot.failed(Call::LCDPutImage, -1) };
+    let changed = robot.devices.lcd.show_picture(picture);
+    drawn(robot, Call::LCDPutImage, changed)
+}
+
+/// `LCDGetPixel`
+pub fn pixel(robot: &mut Robot, row: i32, column: i32) -> i32 {
+    match robot.devices.lcd.pixel(row, column) {
+        Ok(is_black) => is_black.into(),
+        Err(OffDisplay) => robot.failed(Call::LCDGetPixel, -1),
+    }
+}
+
+/// `LCDSetPixel`, `LCDInvertPixel`, `LCDLine`, `LCDArea`: draws with the ink of `code`.
+pub fn draw(
+    robot: &mut Robot,
+    call: Call,
+    code: i32,
+    shape: impl FnOnce(&mut Lcd, Ink) -> Result<u32, OffDisplay>,
+) -> i32 {
+    match Ink::try_from(code).and_then(|ink| shape(&mut robot.devices.lcd, ink)) {
+        Ok(changed) => drawn(robot, call, changed),
+        Err(OffDisplay) => robot.failed(call, -1),
+    }
+}
+
+fn drawn(robot: &mut Robot, call: Call, changed_pixels: u32) -> i32 {
+    robot.record(Event::LcdGraphics { function: call.name(), changed_pixels });
+    0
+}

@@ -1,0 +1,41 @@
+//! Infrared proximity sensors: switches that tell whether something is nearer than their range.
+//!
+//! Source: RoBIOS 6 library, bumper and infrared sensors.
+
+use robios_sys::Robios6Call as Call;
+use robios_sys::robios6::hdt_type::HDT_IR;
+use sim_core::sensor::{Beam, Mount};
+use sim_core::world::World;
+
+use super::robot::Robot;
+use crate::record::Event;
+
+/// `IRInit`
+pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
+    match robot.devices.table.find(HDT_IR, semantics).map(|device| device.index) {
+        Some(index) => robot.devices.infrareds.open(index),
+        None => robot.failed(Call::IRInit, 0),
+    }
+}
+
+/// `IRRelease`
+pub fn release(robot: &mut Robot, handles: i32) -> i32 {
+    match robot.devices.infrareds.release(handles) {
+        0 => 0,
+        left => robot.failed(Call::IRRelease, left),
+    }
+}
+
+/// `IRRead`
+pub fn read(robot: &mut Robot, world: &World, handle: i32) -> i32 {
+    let index = robot.devices.infrareds.one(handle);
+    let Some((index, infrared)) = index.and_then(|index| Some((index, robot.spec.infrareds.get(index)?))) else {
+        return robot.failed(Call::IRRead, -1);
+    };
+    let mount = Mount::new(infrared.position.x, infrared.position.y, infrared.angle);
+    let beam = Beam { mount, range: infrared.range };
+    let value = i32::from(beam.is_interrupted(world, robot.id, &robot.motion.pose(robot.now), robot.now));
+    let device = robot.devices.table.name(HDT_IR, index);
+    robot.journal.record(robot.now, &Event::Reading { device, value: value.into() });
+    value
+}

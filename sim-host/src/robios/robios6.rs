@@ -1,0 +1,400 @@
+//! Which function of which family answers each RoBIOS 6 call.
+
+use robios_sys::robios6::{
+    BayerFrame, BitImage, ColImage, ColorFrame, FALSE, HDTEntry, Image, MonoFrame, NOCAM, NOTASK, PositionType,
+    RadioIOParameters, RadioStatus, SpeedType, VEHICLE,
+};
+use robios_sys::{Callback, Out, OutBytes, Robios6, Robios6Call as Call, Stop};
+use sim_core::world::World;
+
+use super::caller::{Caller, Poll};
+use super::robot::Robot;
+use super::{
+    audio, bump, compass, display, hdt, image, ir, irtv, key, latch, motor, os, psd, serial, servo, settle, vw,
+};
+
+impl Caller {
+    /// A call that acts at its end.
+    fn act<R>(&self, call: Call, act: impl FnOnce(&mut Robot, &World) -> R) -> Result<R, Stop> {
+        self.call(call, |robot, world| {
+            settle(robot, world);
+            act(robot, world)
+        })
+    }
+
+    /// A call that waits; sensors that end to measure meanwhile are looked at in time.
+    fn await_with<R>(&self, call: Call, mut poll: impl FnMut(&mut Robot, &World) -> Poll<R>) -> Result<R, Stop> {
+        self.wait(call, |robot, world| {
+            settle(robot, world);
+            match poll(robot, world) {
+                Poll::Until { at, waits_for } => Poll::Until { at: at.min(robot.devices.due()), waits_for },
+                ready => ready,
+            }
+        })
+    }
+
+    /// `OSWait`, `OSSleep`
+    fn wait_hundredths(&self, call: Call, n: i32) -> Result<i32, Stop> {
+        let mut end = None;
+        self.await_with(call, |robot, _| {
+            let end = *end.get_or_insert(robot.now + os::span_of_hundredths(n));
+            os::wait_until(robot, end)
+        })
+    }
+}
+
+/// Methods that act at the call's end, one a line: `fn Name(arguments) -> Result = |robot, world| what it does;`.
+macro_rules! act {
+    ($(fn $name:ident($($argument:ident: $kind:ty),*) -> $result:ty = $act:expr;)*) => {$(
+        fn $name(&self, $($argument: $kind),*) -> Result<$result, Stop> {
+            self.act(Call::$name, $act)
+        }
+    )*};
+}
+
+/// Methods that wait, in the same form.
+macro_rules! wait {
+    ($(fn $name:ident($($argument:ident: $kind:ty),*) -> $result:ty = $poll:expr;)*) => {$(
+        fn $name(&self, $($argument: $kind),*) -> Result<$result, Stop> {
+            self.await_with(Call::$name, $poll)
+        }
+    )*};
+}
+
+/// Methods that answer with their documented failure: what they need is not simulated yet.
+macro_rules! fail {
+    ($(fn $name:ident($($argument:ident: $kind:ty),*) -> $result:ty = $failure:expr;)*) => {$(
+        fn $name(&self, $($argument: $kind),*) -> Result<$result, Stop> {
+            $(let _ = $argument;)*
+            self.act(Call::$name, |robot, _| robot.unavailable(Call::$name, $failure))
+        }
+    )*};
+}
+
+type Text<'a> = Option<&'a [u8]>;
+
+impl Robios6 for Caller {
+    // The machine.
+    act! {
+        fn OSVersion(text: &mut OutBytes) -> i32 = |_, _| os::version(text);
+        fn OSMachineType() -> i32 = |_, _| VEHICLE;
+        fn OSMachineSpeed() -> i32 = |_, _| os::MACHINE_SPEED;
+        fn OSMachineName(text: &mut OutBytes) -> i32 = |robot, _| os::machine_name(robot, text);
+        fn OSMachineID() -> u8 = |robot, _| os::machine_id(robot);
+        fn OSGetVar(number: i32) -> i32 = |robot, _| os::variable(robot, number);
+        fn OSPutVar(number: i32, value: i32) -> i32 = |robot, _| os::set_variable(robot, number, value);
+        fn HDT_Validate() -> i32 = |_, _| 0;
+        fn HDT_FindEntry(kind: i32, semantics: i32, entry: &mut Out<HDTEntry>) -> i32 =
+            |robot, _| hdt::find_entry(robot, kind, semantics, entry);
+        fn HDT_FindTable(kind: i32, index: i32, entry: &mut Out<HDTEntry>) -> i32 =
+            |robot, _| hdt::find_nth(robot, kind, index, entry);
+        fn HDT_TypeCount(kind: i32) -> i32 = |robot, _| hdt::count(robot, kind);
+    }
+
+    fn OSError(&self, message: Text<'_>, number: i32, dead: i32) -> Result<i32, Stop> {
+        let mut is_shown = false;
+        self.await_with(Call::OSError, |robot, _| {
+            if !std::mem::replace(&mut is_shown, true) {
+                os::error(robot, message, number, dead != FALSE);
+            }
+            // A dead robot is stopped below.
+            if dead == FALSE { os::acknowledge(robot) } else { Poll::Ready(0) }
+        })?;
+        if dead == FALSE { Ok(0) } else { Err(Stop) }
+    }
+
+    fn OSPanic(&self, message: Text<'_>) -> Result<i32, Stop> {
+        self.act(Call::OSPanic, |robot, _| os::panic(robot, message))?;
+        Err(Stop)
+    }
+
+    fn OSExit(&self, code: i32) -> Result<i32, Stop> {
+        self.act(Call::OSExit, |robot, _| os::exit(robot, code))?;
+        Err(Stop)
+    }
+
+    // Time and timers.
+    act! {
+        fn OSEnable() -> i32 = |robot, _| { robot.timers.are_held = false; 0 };
+        fn OSDisable() -> i32 = |robot, _| { robot.timers.are_held = true; 0 };
+        fn OSSetTime(h: i32, m: i32, s: i32) -> i32 = |robot, _| os::set_time(robot, [h, m, s]);
+        fn OSGetTime(h: &mut Out<i32>, m: &mut Out<i32>, s: &mut Out<i32>, ticks: &mut Out<i32>) -> i32 =
+            |robot, _| os::time(robot, [h, m, s, ticks]);
+        fn OSShowTime() -> i32 = |robot, _| os::show_time(robot);
+        fn OSGetCount() -> i32 = |robot, _| os::hundredths(robot.now);
+        fn OSAttachTimer(scale: i32, callback: Option<Callback>) -> i32 =
+            |robot, _| os::attach_timer(robot, scale, callback);
+        fn OSDetachTimer(handle: i32) -> i32 = |robot, _| os::detach_timer(robot, handle);
+    }
+
+    fn OSWait(&self, n: i32) -> Result<i32, Stop> {
+        self.wait_hundredths(Call::OSWait, n)
+    }
+
+    fn OSSleep(&self, n: i32) -> Result<i32, Stop> {
+        self.wait_hundredths(Call::OSSleep, n)
+    }
+
+    // The display.
+    act! {
+        fn LCDPrintf(text: Text<'_>) -> i32 = |robot, _| display::put(robot, Call::LCDPrintf, text);
+        fn LCDSetPrintf(row: i32, column: i32, text: Text<'_>) -> i32 =
+            |robot, _| display::put_at(robot, Call::LCDSetPrintf, [row, column], text);
+        fn LCDClear() -> i32 = |robot, _| display::clear(robot);
+        fn LCDPutChar(c: u8) -> i32 = |robot, _| display::put(robot, Call::LCDPutChar, Some(&[c]));
+        fn LCDSetChar(row: i32, column: i32, c: u8) -> i32 =
+            |robot, _| display::put_at(robot, Call::LCDSetChar, [row, column], Some(&[c]));
+        fn LCDPutString(s: Text<'_>) -> i32 = |robot, _| display::put(robot, Call::LCDPutString, s);
+        fn LCDSetString(row: i32, column: i32, s: Text<'_>) -> i32 =
+            |robot, _| display::put_at(robot, Call::LCDSetString, [row, column], s);
+        fn LCDPutHex(v: i32) -> i32 =
+            |robot, _| display::put(robot, Call::LCDPutHex, Some(format!("{v:08X}").as_bytes()));
+        fn LCDPutHex1(v: i32) -> i32 =
+            |robot, _| display::put(robot, Call::LCDPutHex1, Some(format!("{:02X}", v as u8).as_bytes()));
+        fn LCDPutInt(v: i32) -> i32 = |robot, _| display::put(robot, Call::LCDPutInt, Some(v.to_string().as_bytes()));
+        fn LCDPutIntS(v: i32, spaces: i32) -> i32 = |robot, _| display::put_int(robot, v, spaces);
+        fn LCDPutFloat(v: f32) -> i32 = |robot, _| display::put_float(robot, v, 0, 6);
+        fn LCDPutFloatS(v: f32, spaces: i32, decimals: i32) -> i32 =
+            |robot, _| display::put_float(robot, v, spaces, decimals);
+        fn LCDMode(mode: i32) -> i32 = |robot, _| display::set_mode(robot, mode);
+        fn LCDSetPos(row: i32, column: i32) -> i32 = |robot, _| display::set_position(robot, row, column);
+        fn LCDGetPos(row: &mut Out<i32>, column: &mut Out<i32>) -> i32 =
+            |robot, _| display::position(robot, row, column);
+        fn LCDPutGraphic(image: Option<&Image>) -> i32 = |robot, _| display::put_grey(robot, image);
+        fn LCDPutColorGraphic(image: Option<&mut ColImage>) -> i32 = |robot, _| display::put_colour(robot, image);
+        fn LCDPutImage(picture: Option<&BitImage>) -> i32 = |robot, _| display::put_picture(robot, picture);
+        fn LCDMenu(s1: Text<'_>, s2: Text<'_>, s3: Text<'_>, s4: Text<'_>) -> i32 =
+            |robot, _| display::set_menu(robot, [s1, s2, s3, s4]);
+        fn LCDMenuI(position: i32, s: Text<'_>) -> i32 = |robot, _| display::set_menu_entry(robot, position, s);
+        fn LCDSetPixel(row: i32, column: i32, ink: i32) -> i32 = |robot, _| {
+            display::draw(robot, Call::LCDSetPixel, ink, |lcd, ink| lcd.draw_pixel(row, column, ink))
+        };
+        fn LCDInvertPixel(row: i32, column: i32) -> i32 = |robot, _| {
+            display::draw(robot, Call::LCDInvertPixel, 2, |lcd, ink| lcd.draw_pixel(row, column, ink))
+        };
+        fn LCDGetPixel(row: i32, column: i32) -> i32 = |robot, _| display::pixel(robot, row, column);
+        fn LCDLine(x1: i32, y1: i32, x2: i32, y2: i32, ink: i32) -> i32 = |robot, _| {
+            display::draw(robot, Call::LCDLine, ink, |lcd, ink| Ok(lcd.draw_line([x1, y1], [x2, y2], ink)))
+        };
+        fn LCDArea(x1: i32, y1: i32, x2: i32, y2: i32, ink: i32) -> i32 = |robot, _| {
+            display::draw(robot, Call::LCDArea, ink, |lcd, ink| lcd.draw_area([x1, y1], [x2, y2], ink))
+        };
+    }
+
+    // Keys.
+    wait! {
+        fn KEYGetBuf(buffer: &mut Out<u8>) -> i32 = |robot, _| key::get_into(robot, buffer);
+        fn KEYGet() -> i32 = |robot, _| key::wait_for(robot, key::all_keys());
+        fn KEYWait(codes: i32) -> i32 = |robot, _| key::wait(robot, codes);
+    }
+    act! {
+        fn KEYRead() -> i32 = |robot, _| key::read(robot);
+    }
+
+    // Image processing.
+    act! {
+        fn IPLaplace(source: Option<&Image>, result: &mut Out<Image>) -> i32 =
+            |robot, _| image::process(robot, Call::IPLaplace, result, || Some(image::laplace(source?)));
+        fn IPSobel(source: Option<&Image>, result: &mut Out<Image>) -> i32 =
+            |robot, _| image::process(robot, Call::IPSobel, result, || Some(image::sobel(source?)));
+        fn IPDither(source: Option<&Image>, result: &mut Out<Image>) -> i32 =
+            |robot, _| image::process(robot, Call::IPDither, result, || Some(image::dither(source?)));
+        fn IPDiffer(current: Option<&Image>, last: Option<&Image>, result: &mut Out<Image>) -> i32 =
+            |robot, _| image::process(robot, Call::IPDiffer, result, || Some(image::differ(current?, last?)));
+        fn IPColor2Grey(source: Option<&ColImage>, result: &mut Out<Image>) -> i32 =
+            |robot, _| image::process(robot, Call::IPColor2Grey, result, || Some(image::grey_from_colour(source?)));
+    }
+
+    // Serial interfaces.
+    act! {
+        fn OSInitRS232(baud: i32, handshake: i32, interface: i32) -> i32 =
+            |robot, _| serial::init(robot, baud, handshake, interface);
+        fn OSSendCharRS232(c: u8, interface: i32) -> i32 =
+            |robot, _| serial::send(robot, Call::OSSendCharRS232, Some(&[c]), interface);
+        fn OSSendRS232(s: Text<'_>, interface: i32) -> i32 =
+            |robot, _| serial::send(robot, Call::OSSendRS232, s, interface);
+        fn OSFlushInRS232(interface: i32) -> i32 = |robot, _| serial::check(robot, Call::OSFlushInRS232, interface);
+        fn OSFlushOutRS232(interface: i32) -> i32 = |robot, _| serial::check(robot, Call::OSFlushOutRS232, interface);
+        fn OSCheckInRS232(interface: i32) -> i32 = |robot, _| serial::check(robot, Call::OSCheckInRS232, interface);
+        fn OSCheckOutRS232(interface: i32) -> i32 = |robot, _| serial::check(robot, Call::OSCheckOutRS232, interface);
+        fn USRStart() -> i32 = |robot, _| robot.failed(Call::USRStart, -1);
+        fn USRResident(_name: Text<'_>, _mode: i32) -> i32 = |robot, _| robot.failed(Call::USRResident, -1);
+        fn OSDownload(_name: &mut Out<[u8; 16]>, _bytes: &mut Out<i32>, _baud: i32, _handshake: i32, _interface: i32)
+            -> i32 = |robot, _| robot.failed(Call::OSDownload, 1);
+    }
+    wait! {
+        fn OSRecvRS232(buffer: &mut Out<u8>, interface: i32) -> i32 =
+            |robot, _| serial::receive(robot, buffer.is_null(), interface);
+    }
+
+    // Sound.
+    act! {
+        fn AUPlaySample(sample: Option<&[u8]>) -> i32 = |robot, _| audio::play_sample(robot, sample);
+        fn AUCheckSample() -> i32 = |robot, _| robot.devices.audio.is_sample_done(robot.now).into();
+        fn AUTone(frequency_hz: i32, span_ms: i32) -> i32 =
+            |robot, _| audio::play_tone(robot, frequency_hz, span_ms);
+        fn AUCheckTone() -> i32 = |robot, _| robot.devices.audio.is_tone_done(robot.now).into();
+        fn AUBeep() -> i32 = |robot, _| audio::beep(robot);
+        fn AURecordSample(buffer: &mut OutBytes, rate_hz: i64) -> i32 =
+            |robot, _| audio::record_sample(robot, buffer, rate_hz);
+        fn AUCheckRecord() -> i32 = |robot, _| robot.devices.audio.is_record_done(robot.now).into();
+        fn AUCaptureMic() -> i32 = |_, _| audio::SILENT_VALUE;
+    }
+
+    // PSD sensors.
+    act! {
+        fn PSDInit(semantics: i32) -> i32 = |robot, _| psd::init(robot, semantics);
+        fn PSDRelease() -> i32 = |robot, _| psd::release(robot);
+        fn PSDStart(handles: i32, cycle: i32) -> i32 = |robot, _| psd::start(robot, handles, cycle != FALSE);
+        fn PSDStop() -> i32 = |robot, _| psd::stop(robot);
+        fn PSDCheck() -> i32 = |robot, _| psd::check(robot);
+        fn PSDGet(handle: i32) -> i32 = |robot, world| psd::get(robot, world, handle);
+        fn PSDGetRaw(handle: i32) -> i32 = |robot, world| psd::get_raw(robot, world, handle);
+    }
+
+    // Servos, motors, encoders.
+    act! {
+        fn SERVOInit(semantics: i32) -> i32 = |robot, _| servo::init(robot, semantics);
+        fn SERVORelease(handles: i32) -> i32 = |robot, _| servo::release(robot, handles);
+        fn SERVOSet(handles: i32, angle: i32) -> i32 = |robot, world| servo::set(robot, world, handles, angle);
+        fn MOTORInit(semantics: i32) -> i32 = |robot, _| motor::init(robot, semantics);
+        fn MOTORRelease(handles: i32) -> i32 = |robot, world| motor::release(robot, world, handles);
+        fn MOTORDrive(handles: i32, percent: i32) -> i32 = |robot, world| motor::drive(robot, world, handles, percent);
+        fn QUADInit(semantics: i32) -> i32 = |robot, _| motor::quad_init(robot, semantics);
+        fn QUADRelease(handles: i32) -> i32 = |robot, _| motor::quad_release(robot, handles);
+        fn QUADReset(handles: i32) -> i32 = |robot, _| motor::quad_reset(robot, handles);
+        fn QUADRead(handle: i32) -> i32 = |robot, _| motor::quad_read(robot, handle);
+        fn QUADGetMotor(semantics: i32) -> i32 = |robot, _| motor::quad_motor(robot, semantics);
+        fn QUADODORead(handle: i32) -> f32 = |robot, _| motor::odometer_read(robot, handle);
+        fn QUADODOReset(handles: i32) -> i32 = |robot, _| motor::odometer_reset(robot, handles);
+    }
+
+    // Driving.
+    act! {
+        fn VWInit(semantics: i32, timescale: i32) -> i32 =
+            |robot, world| vw::init(robot, world, semantics, timescale);
+        fn VWRelease(handle: i32) -> i32 = |robot, world| vw::release(robot, world, handle);
+        fn VWSetSpeed(handle: i32, v: f32, w: f32) -> i32 = |robot, world| vw::set_speed(robot, world, handle, v, w);
+        fn VWGetSpeed(handle: i32, speed: &mut Out<SpeedType>) -> i32 = |robot, _| vw::speed(robot, handle, speed);
+        fn VWSetPosition(handle: i32, x: f32, y: f32, phi: f32) -> i32 =
+            |robot, _| vw::set_position(robot, handle, x, y, phi);
+        fn VWGetPosition(handle: i32, position: &mut Out<PositionType>) -> i32 =
+            |robot, _| vw::position(robot, handle, position);
+        fn VWStartControl(handle: i32, vv: f32, tv: f32, vw: f32, tw: f32) -> i32 =
+            |robot, _| vw::start_control(robot, handle, [vv, tv, vw, tw]);
+        fn VWStopControl(handle: i32) -> i32 = |robot, _| vw::stop_control(robot, handle);
+        fn VWDriveStraight(handle: i32, delta: f32, v: f32) -> i32 =
+            |robot, world| vw::drive_straight(robot, world, handle, delta, v);
+        fn VWDriveTurn(handle: i32, delta: f32, w: f32) -> i32 =
+            |robot, world| vw::drive_turn(robot, world, handle, delta, w);
+        fn VWDriveCurve(handle: i32, length: f32, angle: f32, v: f32) -> i32 =
+            |robot, world| vw::drive_curve(robot, world, handle, [length, angle, v]);
+        fn VWDriveRemain(handle: i32) -> f32 = |robot, _| vw::drive_remain(robot, handle);
+        fn VWDriveDone(handle: i32) -> i32 = |robot, _| vw::drive_done(robot, handle);
+        fn VWStalled(handle: i32) -> i32 = |robot, _| vw::stalled(robot, handle);
+    }
+    wait! {
+        fn VWDriveWait(handle: i32) -> i32 = |robot, _| vw::drive_wait(robot, handle);
+    }
+
+    // Bumpers, infrared, compass.
+    act! {
+        fn BUMPInit(semantics: i32) -> i32 = |robot, _| bump::init(robot, semantics);
+        fn BUMPRelease(handles: i32) -> i32 = |robot, _| bump::release(robot, handles);
+        fn BUMPCheck(handle: i32, stamp: &mut Out<i32>) -> i32 = |robot, _| bump::check(robot, handle, stamp);
+        fn IRInit(semantics: i32) -> i32 = |robot, _| ir::init(robot, semantics);
+        fn IRRelease(handles: i32) -> i32 = |robot, _| ir::release(robot, handles);
+        fn IRRead(handle: i32) -> i32 = |robot, world| ir::read(robot, world, handle);
+        fn COMPASSInit(semantics: i32) -> i32 = |robot, _| compass::init(robot, semantics);
+        fn COMPASSStart(cycle: i32) -> i32 = |robot, _| compass::start(robot, cycle != FALSE);
+        fn COMPASSCheck() -> i32 = |robot, _| compass::check(robot);
+        fn COMPASSStop() -> i32 = |robot, _| compass::stop(robot);
+        fn COMPASSRelease() -> i32 = |robot, _| compass::release(robot);
+        fn COMPASSGet() -> i32 = |robot, _| compass::get(robot);
+        fn COMPASSCalibrate(_mode: i32) -> i32 = |robot, _| compass::calibrate(robot);
+    }
+
+    // Latches, parallel port, A/D.
+    act! {
+        fn OSReadInLatch(number: i32) -> u8 = |robot, _| latch::read_input(robot, number);
+        fn OSWriteOutLatch(number: i32, mask: u8, value: u8) -> u8 =
+            |robot, _| latch::write_output(robot, number, mask, value);
+        fn OSReadOutLatch(number: i32) -> u8 = |robot, _| robot.devices.latches.output(number);
+        fn OSReadParData() -> u8 = |robot, _| latch::read_parallel(robot);
+        fn OSWriteParData(value: u8) -> () = |robot, _| latch::write_parallel(robot, value);
+        fn OSReadParSR() -> u8 = |robot, _| latch::read_parallel_status(robot);
+        fn OSWriteParCTRL(value: u8) -> () = |robot, _| latch::write_parallel_control(robot, value);
+        fn OSReadParCTRL() -> u8 = |robot, _| robot.devices.latches.parallel_control;
+        fn OSGetAD(channel: i32) -> i32 = |robot, _| latch::read_analog(robot, channel);
+        fn OSOffAD(_mode: i32) -> i32 = |_, _| 0;
+    }
+
+    // Remote control: no code ever arrives.
+    act! {
+        fn IRTVInitHDT(semantics: i32) -> i32 = |robot, _| irtv::init_standard(robot, semantics);
+        fn IRTVInit(
+            type_code: i32, length: i32, tog_mask: i32, inv_mask: i32, mode: i32, bufsize: i32, delay: i32
+        ) -> i32 = |robot, _| {
+            irtv::init(robot, irtv::Settings { type_code, length, tog_mask, inv_mask, mode, bufsize, delay })
+        };
+        fn IRTVTerm() -> () = |robot, _| robot.devices.irtv = None;
+        fn IRTVPressed() -> i32 = |_, _| 0;
+        fn IRTVRead() -> i32 = |_, _| 0;
+        fn IRTVFlush() -> () = |_, _| ();
+        fn IRTVGetStatus(
+            type_code: &mut Out<i32>, length: &mut Out<i32>, tog_mask: &mut Out<i32>, inv_mask: &mut Out<i32>,
+            mode: &mut Out<i32>, bufsize: &mut Out<i32>, delay: &mut Out<i32>
+        ) -> () = |robot, _| irtv::status(robot, [type_code, length, tog_mask, inv_mask, mode, bufsize, delay]);
+    }
+    wait! {
+        fn IRTVGet() -> i32 = |robot, _| irtv::get(robot);
+    }
+
+    // Camera.
+    fail! {
+        fn CAMInit(mode: i32) -> i32 = NOCAM;
+        fn CAMRelease() -> i32 = -1;
+        fn CAMGetFrame(buffer: &mut Out<Image>) -> i32 = -1;
+        fn CAMGetColFrame(buffer: &mut Out<ColImage>, convert: i32) -> i32 = -1;
+        fn CAMGetFrameMono(buffer: &mut Out<MonoFrame>) -> i32 = -1;
+        fn CAMGetFrameColor(buffer: &mut Out<ColorFrame>) -> i32 = -1;
+        fn CAMGetFrameRGB(buffer: &mut Out<ColorFrame>) -> i32 = -1;
+        fn CAMGetFrameBayer(buffer: &mut Out<BayerFrame>) -> i32 = -1;
+        fn CAMSet(p1: i32, p2: i32, p3: i32) -> i32 = -1;
+        fn CAMGet(p1: &mut Out<i32>, p2: &mut Out<i32>, p3: &mut Out<i32>) -> i32 = -1;
+        fn CAMMode(mode: i32) -> i32 = -1;
+    }
+
+    // Radio.
+    fail! {
+        fn RADIOInit() -> i32 = -1;
+        fn RADIOTerm() -> i32 = -1;
+        fn RADIOSend(id: u8, buffer: Option<&[u8]>) -> i32 = 1;
+        fn RADIOCheck() -> i32 = 0;
+        fn RADIORecv(id: &mut Out<u8>, received: &mut Out<i32>, buffer: &mut OutBytes) -> i32 = -1;
+        fn RADIOGetIoctl(parameters: &mut Out<RadioIOParameters>) -> i32 = -1;
+        fn RADIOSetIoctl(parameters: Option<&RadioIOParameters>) -> i32 = -1;
+        fn RADIOGetStatus(status: &mut Out<RadioStatus>) -> i32 = -1;
+    }
+
+    // Multi-tasking.
+    act! {
+        fn OSMTStatus() -> i32 = |_, _| NOTASK;
+    }
+    fail! {
+        fn OSMTInit(mode: u8) -> i32 = -1;
+        fn OSSpawn(name: Text<'_>, code: Option<Callback>, stack_bytes: i32, priority: i32, uid: i32) -> i32 = 0;
+        fn OSReady(thread: i32) -> i32 = -1;
+        fn OSSuspend(thread: i32) -> i32 = -1;
+        fn OSReschedule() -> i32 = -1;
+        fn OSYield() -> i32 = -1;
+        fn OSRun(thread: i32) -> i32 = -1;
+        fn OSGetUID(thread: i32) -> i32 = 0;
+        fn OSKill(thread: i32) -> i32 = -1;
+        fn OSForbid() -> i32 = -1;
+        fn OSPermit() -> i32 = -1;
+        fn OSSemInit(semaphore: Option<&mut i32>, value: i32) -> i32 = -1;
+        fn OSSemP(semaphore: i32) -> i32 = -1;
+        fn OSSemV(semaphore: i32) -> i32 = -1;
+    }
+}

@@ -1,0 +1,88 @@
+//! Servos: they hold the position that they were set to; the steering servo of an Ackermann drive steers.
+//!
+//! Source: RoBIOS 6 library, servos; section 4.1 of Koestler & Bräunl for the steering.
+
+use robios_sys::Robios6Call as Call;
+use robios_sys::robios6::hdt_type::HDT_SERVO;
+use sim_core::drive::Command;
+use sim_core::world::World;
+
+use super::handle::Handles;
+use super::robot::Robot;
+use crate::record::Event;
+
+/// The servos of a robot.
+#[derive(Clone, Debug, Default)]
+pub struct Servos {
+    handles: Handles,
+    /// Positions 0 to 255 by servo; the middle as long as nothing was set.
+    positions: Vec<u8>,
+}
+
+/// Position of a servo that was never set.
+const MIDDLE: u8 = 127;
+
+impl Servos {
+    /// Position of servo `index`, 0 to 255.
+    pub fn position(&self, index: usize) -> u8 {
+        self.positions.get(index).copied().unwrap_or(MIDDLE)
+    }
+}
+
+/// `SERVOInit`
+pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
+    match robot.devices.table.find(HDT_SERVO, semantics).map(|device| device.index) {
+        Some(index) => robot.devices.servos.handles.open(index),
+        None => robot.failed(Call::SERVOInit, 0),
+    }
+}
+
+/// `SERVORelease`
+pub fn release(robot: &mut Robot, handles: i32) -> i32 {
+    match robot.devices.servos.handles.release(handles) {
+        0 => 0,
+        left => robot.failed(Call::SERVORelease, left),
+    }
+}
+
+/// `SERVOSet`
+pub fn set(robot: &mut Robot, world: &World, handles: i32, position: i32) -> i32 {
+    let servos = robot.devices.servos.handles.all(handles);
+    let (Some(servos), Ok(position)) = (servos, u8::try_from(position)) else {
+        return robot.failed(Call::SERVOSet, -1);
+    };
+    for index in servos {
+        let positions = &mut robot.devices.servos.positions;
+        positions.resize(positions.len().max(index + 1), MIDDLE);
+        positions[index] = position;
+        let device = robot.devices.table.name(HDT_SERVO, index);
+        robot.journal.record(robot.now, &Event::Servo { device, position: position.into() });
+        if robot.spec.drive.steering.as_deref() == Some(device) {
+            let angle = steering_from_position(position) * robot.motion.model().max_steering;
+            // Never refused: the angle is finite, and only a drive that steers has a steering servo.
+            let _ = robot.command(world, Command::Steer(angle));
+        }
+    }
+    0
+}
+
+/// Part of the greatest steering angle, left positive: 0 is 1, 127 and 128 are 0, 255 is -1.
+///
+/// Source: RoBIOS 6 gives 127 as straight, EyeSim VR 128; so both are, and left and right are alike.
+pub fn steering_from_position(position: u8) -> f64 {
+    let position = f64::from(position);
+    if position <= 127.0 { (127.0 - position) / 127.0 } else { (128.0 - position) / 127.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steering_is_symmetric() {
+        assert_eq!([0, 127, 128, 255].map(steering_from_position), [1.0, 0.0, 0.0, -1.0]);
+        for position in 0..=255 {
+            assert_eq!(steering_from_position(position), -steering_from_position(255 - position));
+        }
+    }
+}

@@ -1,0 +1,223 @@
+//! The driving interface: metres, radians, seconds.
+//!
+//! Source: RoBIOS 6 library, VW interface.
+
+use robios_sys::robios6::hdt_type::HDT_VW;
+use robios_sys::robios6::{PositionType, SpeedType};
+use robios_sys::{Out, Robios6Call as Call};
+use sim_core::drive::{Command, CommandError, Gains};
+use sim_core::pose::{Pose, Twist};
+use sim_core::time::Time;
+use sim_core::world::World;
+
+use super::caller::Poll;
+use super::hint::{LONG_DRIVE, LONG_TURN, Mistake};
+use super::robot::{Robot, Waits};
+use crate::record::Event;
+
+/// The one handle: a number that no other family hands out, so that a mixed-up handle is noticed.
+pub const HANDLE: i32 = 0x56;
+
+/// The driving interface of a robot.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Vw {
+    /// True between `VWInit` and `VWRelease`: motors are reserved.
+    pub is_open: bool,
+}
+
+/// `VWInit`
+pub fn init(robot: &mut Robot, world: &World, semantics: i32, timescale: i32) -> i32 {
+    let is_known = robot.devices.table.find(HDT_VW, semantics).is_some();
+    if !is_known || timescale < 1 || robot.devices.vw.is_open || robot.devices.motors.is_open() {
+        return robot.failed(Call::VWInit, 0);
+    }
+    robot.devices.vw.is_open = true;
+    robot.halt(world);
+    // Nothing to refuse: the origin is finite.
+    let _ = robot.motion.set_odometry(robot.now, Pose::default());
+    robot.record(Event::SetOdometry { x_m: 0.0, y_m: 0.0, phi_rad: 0.0 });
+    HANDLE
+}
+
+/// `VWRelease`
+pub fn release(robot: &mut Robot, world: &World, handle: i32) -> i32 {
+    if !is_handle(robot, handle) {
+        return robot.failed(Call::VWRelease, -1);
+    }
+    robot.halt(world);
+    robot.motion.stop_control(robot.now);
+    robot.devices.vw.is_open = false;
+    0
+}
+
+/// `VWSetSpeed`
+pub fn set_speed(robot: &mut Robot, world: &World, handle: i32, v: f32, omega: f32) -> i32 {
+    let (v, omega) = (f64::from(v), f64::from(omega));
+    if !is_handle(robot, handle) {
+        return robot.failed(Call::VWSetSpeed, -1);
+    }
+    let accepted = robot.command(world, Command::Twist(Twist::new(v, omega)));
+    answer(robot, Call::VWSetSpeed, accepted, Event::DriveSpeed { v_m_per_s: v, omega_rad_per_s: omega })
+}
+
+/// `VWGetSpeed`
+pub fn speed(robot: &mut Robot, handle: i32, speed: &mut Out<SpeedType>) -> i32 {
+    if !is_handle(robot, handle) || speed.is_null() {
+        return robot.failed(Call::VWGetSpeed, -1);
+    }
+    let twist = robot.motion.speed(robot.now);
+    speed.set(SpeedType { v: twist.vx as f32, w: twist.omega as f32 });
+    robot.record(Event::OdometrySpeed { v_m_per_s: twist.vx, omega_rad_per_s: twist.omega });
+    0
+}
+
+/// `VWSetPosition`
+pub fn set_position(robot: &mut Robot, handle: i32, x: f32, y: f32, phi: f32) -> i32 {
+    let [x, y, phi] = [x, y, phi].map(f64::from);
+    if !is_handle(robot, handle) || !phi.is_finite() {
+        return robot.failed(Call::VWSetPosition, -1);
+    }
+    let accepted = robot.motion.set_odometry(robot.now, Pose::new(x, y, phi));
+    answer(robot, Call::VWSetPosition, accepted, Event::SetOdometry { x_m: x, y_m: y, phi_rad: phi })
+}
+
+/// `VWGetPosition`: the heading is within [-pi, pi).
+pub fn position(robot: &mut Robot, handle: i32, position: &mut Out<PositionType>) -> i32 {
+    if !is_handle(robot, handle) || position.is_null() {
+        return robot.failed(Call::VWGetPosition, -1);
+    }
+    let pose = robot.motion.odometry(robot.now);
+    let (x, y, phi) = (pose.position.x, pose.position.y, pose.heading.remainder());
+    position.set(PositionType { x: x as f32, y: y as f32, phi: phi as f32 });
+    robot.record(Event::Odometry { x_m: x, y_m: y, phi_rad: phi });
+    0
+}
+
+/// `VWStartControl`
+pub fn start_control(robot: &mut Robot, handle: i32, [vv, tv, vw, tw]: [f32; 4]) -> i32 {
+    if !is_handle(robot, handle) {
+        return robot.failed(Call::VWStartControl, -1);
+    }
+    let gains = Gains { vv: vv.into(), tv: tv.into(), vw: vw.into(), tw: tw.into() };
+    let accepted = robot.motion.start_control(robot.now, gains);
+    let event =
+        Event::ControlStarted { v_gain: gains.vv, v_reset_s: gains.tv, omega_gain: gains.vw, omega_reset_s: gains.tw };
+    answer(robot, Call::VWStartControl, accepted, event)
+}
+
+/// `VWStopControl`
+pub fn stop_control(robot: &mut Robot, handle: i32) -> i32 {
+    if !is_handle(robot, handle) {
+        return robot.failed(Call::VWStopControl, -1);
+    }
+    robot.motion.stop_control(robot.now);
+    robot.record(Event::ControlStopped {});
+    0
+}
+
+/// `VWDriveStraight`: the sign is that of `distance`; that of the speed is ignored.
+pub fn drive_straight(robot: &mut Robot, world: &World, handle: i32, distance: f32, v: f32) -> i32 {
+    let (distance, v) = (f64::from(distance), f64::from(v));
+    if distance.abs() > LONG_DRIVE {
+        robot.hint_at(Mistake::LongDrive);
+    }
+    let event = Event::DriveStraight { distance_m: distance, v_m_per_s: v };
+    let drive = Twist::new(distance, 0.0);
+    start_drive(robot, world, handle, drive, distance / v, (Call::VWDriveStraight, event))
+}
+
+/// `VWDriveTurn`: the sign is that of `angle`; that of the rate is ignored.
+pub fn drive_turn(robot: &mut Robot, world: &World, handle: i32, angle: f32, omega: f32) -> i32 {
+    let (angle, omega) = (f64::from(angle), f64::from(omega));
+    if angle.abs() > LONG_TURN {
+        robot.hint_at(Mistake::LongTurn);
+    }
+    let event = Event::DriveTurn { angle_rad: angle, omega_rad_per_s: omega };
+    start_drive(robot, world, handle, Twist::new(0.0, angle), angle / omega, (Call::VWDriveTurn, event))
+}
+
+/// `VWDriveCurve`: forwards or backwards by the sign of `distance`; that of the speed is ignored.
+pub fn drive_curve(robot: &mut Robot, world: &World, handle: i32, [distance, angle, v]: [f32; 3]) -> i32 {
+    let [distance, angle, v] = [distance, angle, v].map(f64::from);
+    if distance.abs() > LONG_DRIVE {
+        robot.hint_at(Mistake::LongDrive);
+    }
+    if angle.abs() > LONG_TURN {
+        robot.hint_at(Mistake::LongTurn);
+    }
+    let event = Event::DriveCurve { distance_m: distance, angle_rad: angle, v_m_per_s: v };
+    // A curve without length has no speed along it.
+    let seconds = if distance == 0.0 && angle != 0.0 { f64::NAN } else { distance / v };
+    start_drive(robot, world, handle, Twist::new(distance, angle), seconds, (Call::VWDriveCurve, event))
+}
+
+/// `VWDriveRemain`
+pub fn drive_remain(robot: &mut Robot, handle: i32) -> f32 {
+    if !is_handle(robot, handle) {
+        robot.failed(Call::VWDriveRemain, 0);
+        return 0.0;
+    }
+    robot.motion.drive_remaining(robot.now) as f32
+}
+
+/// `VWDriveDone`
+pub fn drive_done(robot: &mut Robot, handle: i32) -> i32 {
+    if !is_handle(robot, handle) {
+        return robot.failed(Call::VWDriveDone, -1);
+    }
+    i32::from(robot.motion.is_drive_done(robot.now))
+}
+
+/// `VWDriveWait`
+pub fn drive_wait(robot: &mut Robot, handle: i32) -> Poll<i32> {
+    if !is_handle(robot, handle) {
+        return Poll::Ready(robot.failed(Call::VWDriveWait, -1));
+    }
+    if robot.motion.is_drive_done(robot.now) {
+        return Poll::Ready(0);
+    }
+    Poll::Until { at: robot.motion.drive_end().unwrap_or(Time::NEVER), waits_for: Waits::Drive }
+}
+
+/// `VWStalled`
+pub fn stalled(robot: &mut Robot, handle: i32) -> i32 {
+    if !is_handle(robot, handle) {
+        return robot.failed(Call::VWStalled, -1);
+    }
+    i32::from(robot.motion.is_stalled(robot.now))
+}
+
+fn is_handle(robot: &Robot, handle: i32) -> bool {
+    robot.devices.vw.is_open && handle == HANDLE
+}
+
+/// Starts a drive of `seconds`, of which the sign does not count: it is that of a speed.
+fn start_drive(
+    robot: &mut Robot,
+    world: &World,
+    handle: i32,
+    displacement: Twist,
+    seconds: f64,
+    (call, event): (Call, Event<'_>),
+) -> i32 {
+    if !is_handle(robot, handle) {
+        return robot.failed(call, -1);
+    }
+    // A speed of 0 gives an infinite time, or NaN for a distance of 0: both are refused.
+    let accepted = robot.command(world, Command::Drive { displacement, duration: seconds.abs() });
+    answer(robot, call, accepted, event)
+}
+
+/// The answer to a command, with its event if it was accepted.
+fn answer(robot: &mut Robot, call: Call, accepted: Result<(), CommandError>, event: Event<'_>) -> i32 {
+    match accepted {
+        Ok(()) => {
+            robot.record(event);
+            0
+        }
+        Err(error) => {
+            robot.hint_once(Mistake::Refused, &format!("`{}` refused: {error}", call.name()));
+            robot.failed(call, -1)
+        }
+    }
+}
