@@ -230,7 +230,6 @@ impl Caller {
     }
 }
 
-
 impl CallContext for Caller {
     fn is_logging(&self) -> bool {
         self.run.is_verbose()

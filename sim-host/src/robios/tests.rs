@@ -487,7 +487,8 @@ impl Storm {
     }
 
     fn float(&mut self) -> f32 {
-        let extremes = [0.0, -0.0, 0.1, -0.3, 1.0, 1e-30, f32::MAX, f32::MIN, f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
+        let extremes =
+            [0.0, -0.0, 0.1, -0.3, 1.0, 1e-30, f32::MAX, f32::MIN, f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
         extremes[self.next(extremes.len())]
     }
 
