@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use accuracy::{oracle, world::Random};
 use glam::DVec2;
 use sim_core::{
-    contact::{Path, SKIN, TOUCH, first_contact},
+    contact::{Path, Rolling, SKIN, TOUCH, first_contact, first_touch},
     pose::{Pose, Twist},
     scene::{Bounds, Segment},
 };
@@ -165,4 +165,42 @@ fn numbers_at_the_edge_give_no_nonsense() {
             }
         }
     }
+}
+
+#[test]
+fn two_moving_discs_touch_where_sampling_says() {
+    let mut random = Random::new(11);
+    let place = Bounds { min: DVec2::splat(-1.0), max: DVec2::splat(1.0) };
+    let span = 2.0;
+    let mut contacts = 0;
+    for case in 0..3_000 {
+        let mut disc = || {
+            let pose = Pose { position: random.point_in(place), ..Pose::new(0.0, 0.0, random.between(-PI, PI)) };
+            let omega = if random.chance(0.3) { 0.0 } else { random.between(-8.0, 8.0) };
+            let twist = Twist { vx: random.between(-1.0, 1.0), vy: random.between(-0.3, 0.3), omega };
+            let path = if random.chance(0.1) { Path::resting(pose.position) } else { Path::new(&pose, twist) };
+            Rolling { path, elapsed: random.between(0.0, 1.0), radius: random.between(0.02, 0.3) }
+        };
+        let (a, b) = (disc(), disc());
+        let gap = |t: f64| {
+            let offset = a.path.position(a.elapsed + t) - b.path.position(b.elapsed + t);
+            offset.length() - a.radius - b.radius
+        };
+        if gap(0.0) < 2.0 * SKIN {
+            continue;
+        }
+        let sampled = (0..=4_000).map(|n| f64::from(n) * span / 4_000.0).find(|&t| gap(t) <= SKIN);
+        match (first_touch(&a, &b, span), sampled) {
+            (Some(found), Some(sampled)) => {
+                contacts += 1;
+                assert!(found <= sampled && sampled - found < span / 400.0, "case {case}: {found}, sampled {sampled}");
+                assert!(gap(found) > SKIN - 1e-9 && gap(found) <= TOUCH, "case {case}: gap {}", gap(found));
+            }
+            // Between two samples, by a hair.
+            (Some(found), None) => assert!(gap(found) > SKIN - 1e-9 && gap(found) <= TOUCH, "case {case}"),
+            (None, Some(sampled)) => panic!("case {case}: missed the contact at {sampled}"),
+            (None, None) => {}
+        }
+    }
+    assert!(contacts > 150, "{contacts} contacts: the cases say something");
 }

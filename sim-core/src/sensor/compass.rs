@@ -1,31 +1,32 @@
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::TAU;
 
 use crate::pose::Heading;
 
 /// What a compass on the robot shows: the angle from north, clockwise, in [0, 2 pi), rad.
 ///
-/// North is the world's y axis, up on the map: our choice, as the sources name none.
-pub fn bearing_from_north(heading: Heading) -> f64 {
-    let clockwise = FRAC_PI_2 - heading.remainder();
-    let bearing = if clockwise < 0.0 { clockwise + TAU } else { clockwise };
+/// `north` is a direction of the world, rad counter-clockwise from x.
+pub fn bearing_from_north(heading: Heading, north: f64) -> f64 {
+    let bearing = Heading::new(north - heading.remainder()).remainder();
+    let bearing = if bearing < 0.0 { bearing + TAU } else { bearing };
     // A heading just left of north rounds to the full turn.
     if bearing >= TAU { 0.0 } else { bearing }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::PI;
+    use std::f64::consts::{FRAC_PI_2, PI};
 
     use super::*;
 
     #[test]
     fn the_four_winds() {
-        let shown = |heading: f64| bearing_from_north(Heading::new(heading));
+        let shown = |heading: f64| bearing_from_north(Heading::new(heading), FRAC_PI_2);
         assert_eq!(shown(FRAC_PI_2), 0.0);
         assert_eq!(shown(0.0), FRAC_PI_2);
         assert_eq!(shown(-FRAC_PI_2), PI);
         assert_eq!(shown(PI), 1.5 * PI);
-        assert_eq!(shown(FRAC_PI_2 + 1e-17), 0.0);
-        assert!(shown(FRAC_PI_2 + 1e-3) > TAU - 2e-3);
+        assert!(shown(FRAC_PI_2 + 1e-3) > TAU - 2e-3 && shown(FRAC_PI_2 + 1e-3) < TAU);
+        assert_eq!(bearing_from_north(Heading::new(1.0 + 1e-17), 1.0), 0.0);
+        assert!((bearing_from_north(Heading::new(100.0), -200.0) - (TAU * 48.0 - 300.0)).abs() < 1e-12);
     }
 }

@@ -1,0 +1,59 @@
+//! Readings of sensors against what plane geometry says.
+
+use std::{f64::consts::PI, sync::Arc};
+
+use accuracy::world::Random;
+use glam::DVec2;
+use sim_core::{
+    RobotId,
+    pose::Pose,
+    scene::{Bounds, Segment, Walls},
+    sensor::{Beam, Mount},
+    time::Time,
+    world::World,
+};
+
+/// A room of 4 m by 3 m with its lower left corner at `corner`.
+fn room(corner: DVec2) -> World {
+    let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]].map(|[x, y]| corner + DVec2::new(x, y));
+    let walls = (0..4).map(|i| Segment::new(corners[i], corners[(i + 1) % 4])).collect();
+    World::new(Arc::new(Walls::new(walls)), Time::from_millis(50), std::iter::empty())
+}
+
+#[test]
+fn a_reading_in_a_room_is_the_analytic_one() {
+    let mut random = Random::new(5);
+    for corner in [DVec2::ZERO, DVec2::new(1e4, -1e4)] {
+        let world = room(corner);
+        for _ in 0..10_000 {
+            let place = random.point_in(Bounds { min: DVec2::splat(0.3), max: DVec2::new(3.7, 2.7) });
+            let heading = random.between(-PI, PI);
+            let (x, y, angle) = (random.between(-0.2, 0.2), random.between(-0.2, 0.2), random.between(-PI, PI));
+            let beam = Beam { mount: Mount::new(x, y, angle), range: 9.0 };
+            let pose = Pose { position: corner + place, ..Pose::new(0.0, 0.0, heading) };
+            let found = beam.distance(&world, RobotId(1), &pose, Time::ZERO).expect("walls all around");
+
+            let (sin, cos) = (libm::sin(heading), libm::cos(heading));
+            let (ox, oy) = (place.x + cos * x - sin * y, place.y + sin * x + cos * y);
+            let (dx, dy) = (libm::cos(heading + angle), libm::sin(heading + angle));
+            let to_x = if dx > 0.0 { (4.0 - ox) / dx } else { -ox / dx };
+            let to_y = if dy > 0.0 { (3.0 - oy) / dy } else { -oy / dy };
+            assert!((found - to_x.min(to_y)).abs() < 1e-9, "within 1 nm: {found} for {}", to_x.min(to_y));
+        }
+    }
+}
+
+#[test]
+fn the_range_is_closed_and_beyond_it_nothing_is_seen() {
+    let world = room(DVec2::ZERO);
+    let pose = Pose::new(1.0, 1.0, 0.0);
+    let see = |range: f64| {
+        let beam = Beam { mount: Mount::default(), range };
+        let distance = beam.distance(&world, RobotId(1), &pose, Time::ZERO);
+        assert_eq!(beam.is_interrupted(&world, RobotId(1), &pose, Time::ZERO), distance.is_some());
+        distance
+    };
+    assert_eq!(see(3.0), Some(3.0));
+    assert_eq!(see(3.0 - 1e-9), None);
+    assert_eq!(see(0.0), None);
+}
