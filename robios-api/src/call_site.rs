@@ -44,7 +44,12 @@ pub(crate) fn note_call_site(location: &'static Location<'static>) {
     PUBLISHED.line.store(location.line(), Relaxed);
 }
 
-/// Where the last call on this thread was made.
+/// Where the last call on this thread was made, since the last [`forget`].
 pub(crate) fn last() -> Option<&'static Location<'static>> {
     LAST.get()
+}
+
+/// Forgets where calls were made before.
+pub(crate) fn forget() {
+    LAST.set(None);
 }

@@ -66,14 +66,14 @@ pub struct ControlGains {
 ///
 /// ```
 /// # use robios_api::prelude::*;
-/// fn main(robot: &Robot) -> Result {
+/// fn leg(robot: &Robot) -> Result {
 ///     let drive = robot.drive()?;
 ///     drive.straight(0.4.metres(), 0.2.metres_per_second())?.wait()?;
 ///     drive.turn(90.degrees(), 1.radians_per_second())?.wait()?;
 ///     assert_eq!(format!("{:.3}", drive.position().x), "0.400 m");
 ///     Ok(())
 /// }
-/// # robios_api::fake::Fake::new().run(main).expect_finished();
+/// # robios_api::fake::Fake::new().run(leg).expect_finished();
 /// ```
 #[derive(Debug)]
 pub struct Drive {

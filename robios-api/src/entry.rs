@@ -24,6 +24,7 @@ const EXIT_FAILED: c_int = 1;
 /// `unwind`, which is the default.
 ///
 /// ```standalone_crate
+/// # mod program {
 /// use robios_api::prelude::*;
 ///
 /// robios_api::program!(main);
@@ -32,8 +33,13 @@ const EXIT_FAILED: c_int = 1;
 ///     writeln!(robot.lcd(), "hello");
 ///     Ok(())
 /// }
-/// # assert_eq!(robios_api::fake::Fake::new().run(main).lcd_line(0), "hello");
-/// # let _ = ();
+/// # pub fn check() {
+/// #     assert_eq!(robios_api::fake::Fake::new().run(main).lcd_line(0), "hello");
+/// # }
+/// # }
+/// # fn main() {
+/// #     program::check();
+/// # }
 /// ```
 #[macro_export]
 macro_rules! program {

@@ -15,12 +15,12 @@ use crate::{Result, Robot};
 ///
 /// ```
 /// # use robios_api::prelude::*;
-/// fn main(robot: &Robot) -> Result {
+/// fn hello(robot: &Robot) -> Result {
 ///     writeln!(robot.lcd(), "hello");
 ///     write!(robot.lcd().at(3, 10), "{:.2}", 0.5)?;
 ///     Ok(())
 /// }
-/// # let run = robios_api::fake::Fake::new().run(main);
+/// # let run = robios_api::fake::Fake::new().run(hello);
 /// # assert_eq!((run.lcd_line(0), run.lcd_line(3)), ("hello", "          0.50"));
 /// ```
 #[derive(Clone, Copy, Debug)]

@@ -5,6 +5,7 @@
 //! as a library (`crate-type = ["cdylib"]`) that [`program!`] gives its entry.
 //!
 //! ```standalone_crate
+//! # mod program {
 //! use robios_api::prelude::*;
 //!
 //! robios_api::program!(main);
@@ -19,8 +20,14 @@
 //!     writeln!(robot.lcd(), "stopped at x = {:.2}", drive.position().x);
 //!     Ok(())
 //! }
-//! # let fake = robios_api::fake::Fake::new().psd(PsdAt::Front, |now| Some(1.metres() - now.position.x));
-//! # assert!(fake.run(main).expect_finished().lcd_line(0).starts_with("stopped at x = "));
+//! # pub fn check() {
+//! #     let fake = robios_api::fake::Fake::new().psd(PsdAt::Front, |now| Some(1.metres() - now.position.x));
+//! #     assert!(fake.run(main).expect_finished().lcd_line(0).starts_with("stopped at x = "));
+//! # }
+//! # }
+//! # fn main() {
+//! #     program::check();
+//! # }
 //! ```
 //!
 //! [`fake`] runs a program in a unit test without a simulator.

@@ -51,7 +51,7 @@ impl Robot {
     ///
     /// ```
     /// # use robios_api::prelude::*;
-    /// fn main(robot: &Robot) -> Result {
+    /// fn look(robot: &Robot) -> Result {
     ///     let [left, right] = robot.psds([PsdAt::Left, PsdAt::Right])?;
     ///     match left.distance() {
     ///         Some(distance) if distance < 0.2.metres() => writeln!(robot.console(), "a wall at {distance:.2}"),
@@ -63,7 +63,7 @@ impl Robot {
     /// # let fake = robios_api::fake::Fake::new()
     /// #     .psd(PsdAt::Left, |_| Some(0.1.metres()))
     /// #     .psd(PsdAt::Right, |_| None);
-    /// # assert_eq!(fake.run(main).expect_finished().console(), "a wall at 0.10 m\n");
+    /// # assert_eq!(fake.run(look).expect_finished().console(), "a wall at 0.10 m\n");
     /// ```
     ///
     /// # Errors

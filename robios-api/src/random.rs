@@ -33,11 +33,11 @@ impl<'r> Random<'r> {
     ///
     /// ```
     /// # use robios_api::prelude::*;
-    /// fn main(robot: &Robot) {
+    /// fn draw(robot: &Robot) {
     ///     let turn = robot.random().within(-90.degrees()..90.degrees());
     ///     assert!(turn.abs() <= 90.degrees());
     /// }
-    /// # robios_api::fake::Fake::new().run(main).expect_finished();
+    /// # robios_api::fake::Fake::new().run(draw).expect_finished();
     /// ```
     #[track_caller]
     pub fn within<T>(&self, range: Range<T>) -> T

@@ -8,7 +8,7 @@
 //! use robios_api::fake::Fake;
 //! use robios_api::prelude::*;
 //!
-//! fn main(robot: &Robot) -> Result {
+//! fn approach(robot: &Robot) -> Result {
 //!     let front = robot.psd(PsdAt::Front)?;
 //!     robot.wait_for_key(Key::Key4);
 //!     let drive = robot.drive()?;
@@ -22,7 +22,7 @@
 //! let run = Fake::new()
 //!     .psd(PsdAt::Front, |now| Some(1.metres() - now.position.x))
 //!     .key(2.5.seconds(), Key::Key4)
-//!     .run(main)
+//!     .run(approach)
 //!     .expect_finished();
 //! assert_eq!(run.lcd_line(0), "wall");
 //! assert!((run.position().x - 0.4.metres()).abs() < 1.millimetres());
@@ -41,12 +41,12 @@ use std::time::Duration;
 
 use robios_sys::{Host, Program, Robios6Table, SupportTable};
 
-use crate::Robot;
 use crate::device::{BumperAt, InfraredAt, PsdAt};
 use crate::drive::Position;
 use crate::entry::{self, Outcome};
 use crate::key::Key;
 use crate::unit::Length;
+use crate::{Robot, call_site};
 use robot::FakeRobot;
 
 /// An instant of a run, for scripts.
@@ -184,6 +184,7 @@ impl Fake {
         argv.push(std::ptr::null());
         let robot = FakeRobot::new(self);
         let context = std::ptr::from_ref(&robot).cast_mut().cast();
+        call_site::forget();
         let code = program(&HOST, context, arguments.len() as c_int, argv.as_ptr());
         robot.finish(code)
     }

@@ -117,7 +117,7 @@ impl FakeRobot {
         let end = match state.failure {
             Some(reason) => End::Failed { exit_code, reason },
             None if state.is_over => {
-                let during = state.calls.iter().rfind(|call| call.text.ends_with(" stopped"));
+                let during = state.calls.iter().find(|call| call.text.ends_with(" stopped"));
                 End::TimeUp { during: during.map_or_else(String::new, placed) }
             }
             None if exit_code == 0 => End::Finished,

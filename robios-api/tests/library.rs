@@ -1,0 +1,72 @@
+//! Real libraries of robot programs, loaded as the simulator does and run against the fake host's tables.
+
+use std::path::PathBuf;
+
+use robios_api::fake::{End, Fake, Run};
+use robios_api::prelude::*;
+use robios_sys::{EXIT_PANICKED, Program};
+
+/// The folder that cargo builds libraries of this profile to.
+fn target_folder() -> PathBuf {
+    let test = std::env::current_exe().expect("a test has a path");
+    test.ancestors().nth(2).expect("tests lie in `deps`").to_owned()
+}
+
+/// Runs the program of a library, which stays loaded.
+fn run(library: &str, fake: Fake) -> Run {
+    let path = target_folder().join(library);
+    // SAFETY: the library was built from this workspace; its initialisers are those of `std`.
+    let library = unsafe { libloading::Library::new(&path) };
+    let library = library.unwrap_or_else(|error| panic!("{error} (`cargo test -p robios-api` builds it)"));
+    let library = Box::leak(Box::new(library));
+    // SAFETY: the symbol is a `Program`, as `program!` exports it.
+    let program = unsafe { library.get::<*const Program>(b"eyesim_program\0") }.expect("it exports its program");
+    // SAFETY: as above, and the library stays loaded.
+    unsafe { fake.run_library(&**program) }
+}
+
+fn mischief(way: &str) -> Run {
+    let name = format!("examples/{}mischief{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    run(&name, Fake::new().argument(way).until(5.seconds()))
+}
+
+#[test]
+fn the_square_drives_a_square() {
+    let name = format!("deps/{}square{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let run = run(&name, Fake::new().argument("0.5")).expect_finished();
+    assert_eq!(run.calls_of("VWDriveStraight").count(), 4);
+    assert_eq!(run.lcd_line(1), "2: 0.500 0.500");
+    assert!(run.position().distance_to(Default::default()) < 0.001.millimetres());
+}
+
+#[test]
+fn a_panic_stays_inside_and_says_where() {
+    let run = mischief("panic");
+    let End::Failed { exit_code, reason } = run.end() else { panic!("{:?}", run.end()) };
+    assert_eq!(*exit_code, EXIT_PANICKED);
+    let place = reason.strip_prefix("panicked at ").and_then(|rest| rest.strip_suffix(": out of cheese"));
+    assert!(place.is_some_and(|place| place.contains("mischief.rs:")), "{reason}");
+    assert_eq!(run.console(), "bye\n");
+}
+
+#[test]
+fn a_panic_in_a_timer_ends_the_program() {
+    let run = mischief("panic-in-timer");
+    assert!(run.expect_failed().ends_with(": tick"), "{}", run.expect_failed());
+    assert_eq!(run.time().as_millis(), 100);
+}
+
+#[test]
+fn an_error_is_told_with_its_text() {
+    let run = mischief("error");
+    assert_eq!(run.end(), &End::Failed { exit_code: 1, reason: "the battery is flat".to_owned() });
+}
+
+#[test]
+fn a_program_without_end_is_left() {
+    for way in ["loop", "wait"] {
+        let run = mischief(way).expect_time_up();
+        assert_eq!(run.time(), 5.seconds());
+    }
+    assert!(matches!(mischief("wait").end(), End::TimeUp { during } if during == "KEYWait(8)"));
+}
