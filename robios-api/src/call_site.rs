@@ -1,55 +1,56 @@
-//! Where in the program's source the call in progress was made, so that messages can say so.
+//! Where in the program's source the call in progress was made, so that messages can say `waits at src/lib.rs:88`.
 
 use std::cell::Cell;
-use std::ffi::c_void;
 use std::panic::Location;
-use std::ptr;
-use std::sync::atomic::{AtomicPtr, AtomicU32, AtomicUsize, Ordering::Relaxed};
+use std::ptr::null_mut;
+use std::rc::Rc;
+use std::sync::atomic::{AtomicPtr, AtomicU32, AtomicUsize, Ordering};
 
 use robios_sys::CallSite;
 
-thread_local! {
-    static LAST: Cell<Option<&'static Location<'static>>> = const { Cell::new(None) };
+/// Who wants to know.
+pub(crate) enum Reader {
+    /// The host that has loaded this library: it reads the variable that [`of_library`] names.
+    Host,
+    /// A fake host in the same library.
+    Fake(Rc<Cell<Option<&'static Location<'static>>>>),
 }
 
-/// A [`CallSite`] that threads may write at the same time, as the tests of a program do.
+impl Reader {
+    /// Notes where the call that starts now was made. The one place that publishes it.
+    pub(crate) fn note(&self, place: &'static Location<'static>) {
+        match self {
+            Self::Fake(last) => last.set(Some(place)),
+            Self::Host => {
+                let file = place.file();
+                LAST.file.store(file.as_ptr().cast_mut(), Ordering::Relaxed);
+                LAST.file_len.store(file.len(), Ordering::Relaxed);
+                LAST.line.store(place.line(), Ordering::Relaxed);
+            }
+        }
+    }
+}
+
+/// A [`CallSite`] that may be written on any thread: its fields are those of that, in their order.
 #[repr(C)]
-struct Published {
-    address: AtomicPtr<c_void>,
+struct LastCall {
+    address: AtomicPtr<u8>,
     file: AtomicPtr<u8>,
     file_len: AtomicUsize,
     line: AtomicU32,
 }
 
-const _: () = assert!(size_of::<Published>() == size_of::<CallSite>());
+const _: () =
+    assert!(size_of::<LastCall>() == size_of::<CallSite>() && align_of::<LastCall>() == align_of::<CallSite>());
 
-static PUBLISHED: Published = Published {
-    address: AtomicPtr::new(ptr::null_mut()),
-    file: AtomicPtr::new(ptr::null_mut()),
+static LAST: LastCall = LastCall {
+    address: AtomicPtr::new(null_mut()),
+    file: AtomicPtr::new(null_mut()),
     file_len: AtomicUsize::new(0),
     line: AtomicU32::new(0),
 };
 
-/// What the program's description points to.
-pub(crate) const fn published() -> *const CallSite {
-    (&raw const PUBLISHED).cast()
-}
-
-/// Notes where the call that starts now was made. The one place that publishes it.
-pub(crate) fn note_call_site(location: &'static Location<'static>) {
-    LAST.set(Some(location));
-    let file = location.file();
-    PUBLISHED.file.store(file.as_ptr().cast_mut(), Relaxed);
-    PUBLISHED.file_len.store(file.len(), Relaxed);
-    PUBLISHED.line.store(location.line(), Relaxed);
-}
-
-/// Where the last call on this thread was made, since the last [`forget`].
-pub(crate) fn last() -> Option<&'static Location<'static>> {
-    LAST.get()
-}
-
-/// Forgets where calls were made before.
-pub(crate) fn forget() {
-    LAST.set(None);
+/// The variable of this library that the host reads.
+pub(crate) const fn of_library() -> *const CallSite {
+    (&raw const LAST).cast()
 }

@@ -11,8 +11,8 @@ use std::sync::Once;
 use robios_sys::support::failure;
 use robios_sys::{ByteSlice, EXIT_PANICKED, EXIT_STOPPED};
 
-use crate::Robot;
 use crate::robot::Stopped;
+use crate::{Robot, call_site};
 
 /// Exit code of a program whose `main` returned an error, as of any Rust program.
 const EXIT_FAILED: c_int = 1;
@@ -97,7 +97,7 @@ impl<E: Into<Box<dyn StdError>>> Outcome for Result<(), E> {
 
 /// The description of a program that [`program!`](crate::program) exports.
 pub const fn program(run: robios_sys::Run) -> Program {
-    Program::robios6(robios_sys::language::RUST, run, crate::call_site::published())
+    Program::robios6(robios_sys::language::RUST, run, call_site::of_library())
 }
 
 /// Runs a program's `main` between the host and the library, and gives its exit code.
@@ -109,13 +109,29 @@ pub unsafe fn run<O: Outcome>(
     context: *mut c_void,
     argc: c_int,
     argv: *const *const c_char,
+    main: fn(&Robot) -> O,
+) -> c_int {
+    // SAFETY: the caller vouches for the arguments.
+    unsafe { run_for(call_site::Reader::Host, host, context, argc, argv, main) }
+}
+
+/// As [`run`], for whoever reads where calls are made.
+///
+/// # Safety
+/// As of [`run`].
+pub(crate) unsafe fn run_for<O: Outcome>(
+    reader: call_site::Reader,
+    host: *const Host,
+    context: *mut c_void,
+    argc: c_int,
+    argv: *const *const c_char,
     main: impl FnOnce(&Robot) -> O,
 ) -> c_int {
     install_hook();
     // SAFETY: the caller vouches for the arguments.
     let arguments = unsafe { arguments(argc, argv) };
     // SAFETY: the caller vouches for host and context, and the robot is closed below.
-    let robot = unsafe { Robot::new(host, context, arguments) };
+    let robot = unsafe { Robot::new(host, context, arguments, reader) };
     let outcome = {
         let _inside = Inside::enter();
         panic::catch_unwind(AssertUnwindSafe(|| main(&robot).failure()))

@@ -7,6 +7,7 @@ use std::rc::Rc;
 use robios_sys::{Host, Robios6Table, Status, SupportTable};
 
 use crate::audio::Audio;
+use crate::call_site;
 use crate::console::Console;
 use crate::lcd::Lcd;
 use crate::port::Ports;
@@ -24,6 +25,7 @@ pub(crate) struct Inner {
     /// `None` once the program has ended: a device that outlives it (in a thread-local, say) does nothing any more.
     tables: Cell<Option<Tables>>,
     arguments: Vec<String>,
+    pub(crate) call_site: call_site::Reader,
     pub(crate) psd: RefCell<PsdState>,
     /// The exit code after a failure that has been reported already, as from within a timer's function.
     pub(crate) failure: Cell<Option<i32>>,
@@ -46,12 +48,18 @@ impl Robot {
     /// # Safety
     /// `host` and `context` are what the program's `run` got, for RoBIOS 6, and [`close`](Self::close) is called
     /// before it returns.
-    pub(crate) unsafe fn new(host: *const Host, context: *mut c_void, arguments: Vec<String>) -> Self {
+    pub(crate) unsafe fn new(
+        host: *const Host,
+        context: *mut c_void,
+        arguments: Vec<String>,
+        call_site: call_site::Reader,
+    ) -> Self {
         // SAFETY: the caller vouches for `host`.
         let host = unsafe { &*host };
         Self(Rc::new(Inner {
             tables: Cell::new(Some(Tables { support: host.support, robios: host.robios6, context })),
             arguments,
+            call_site,
             psd: RefCell::default(),
             failure: Cell::new(None),
         }))
@@ -139,7 +147,7 @@ pub(crate) use support;
 macro_rules! call {
     ($robot:expr, $table:ident, $name:ident($($argument:expr),*)) => {{
         let robot: &$crate::Robot = $robot;
-        $crate::call_site::note_call_site(std::panic::Location::caller());
+        robot.0.call_site.note(std::panic::Location::caller());
         let mut result = Default::default();
         if let Some(tables) = robot.tables() {
             // SAFETY: table and context are valid as long as the robot is not closed; pointers among the arguments

@@ -1,6 +1,7 @@
 //! Real libraries of robot programs, loaded as the simulator does and run against the fake host's tables.
 
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 
 use robios_api::fake::{End, Fake, Run};
 use robios_api::prelude::*;
@@ -12,8 +13,11 @@ fn target_folder() -> PathBuf {
     test.ancestors().nth(2).expect("tests lie in `deps`").to_owned()
 }
 
-/// Runs the program of a library, which stays loaded.
-fn run(library: &str, fake: Fake) -> Run {
+/// One copy of a library runs one robot at a time.
+static IMAGE: Mutex<()> = Mutex::new(());
+
+/// The program of a library, which stays loaded.
+fn load(library: &str) -> &'static Program {
     let path = target_folder().join(library);
     // SAFETY: the library was built from this workspace; its initialisers are those of `std`.
     let library = unsafe { libloading::Library::new(&path) };
@@ -22,12 +26,22 @@ fn run(library: &str, fake: Fake) -> Run {
     // SAFETY: the symbol is a `Program`, as `program!` exports it.
     let program = unsafe { library.get::<*const Program>(b"eyesim_program\0") }.expect("it exports its program");
     // SAFETY: as above, and the library stays loaded.
-    unsafe { fake.run_library(&**program) }
+    unsafe { &**program }
+}
+
+/// Runs the program of a library.
+fn run(library: &str, fake: Fake) -> Run {
+    let _image = IMAGE.lock().unwrap_or_else(PoisonError::into_inner);
+    // SAFETY: the library stays loaded.
+    unsafe { fake.run_library(load(library)) }
+}
+
+fn mischief_library() -> String {
+    format!("examples/{}mischief{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX)
 }
 
 fn mischief(way: &str) -> Run {
-    let name = format!("examples/{}mischief{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
-    run(&name, Fake::new().argument(way).until(5.seconds()))
+    run(&mischief_library(), Fake::new().argument(way).until(5.seconds()))
 }
 
 #[test]
@@ -37,6 +51,21 @@ fn the_square_drives_a_square() {
     assert_eq!(run.calls_of("VWDriveStraight").count(), 4);
     assert_eq!(run.lcd_line(1), "2: 0.500 0.500");
     assert!(run.position().distance_to(Default::default()) < 0.001.millimetres());
+}
+
+#[test]
+fn the_place_of_the_last_call_can_be_read() {
+    let image = IMAGE.lock().unwrap_or_else(PoisonError::into_inner);
+    let program = load(&mischief_library());
+    // SAFETY: the library stays loaded.
+    unsafe { Fake::new().argument("loop").until(1.seconds()).run_library(program) };
+    // SAFETY: its variable lies in the library, of which nothing runs now.
+    let site = unsafe { program.call_site.read() };
+    drop(image);
+    assert!(site.address.is_null() && site.line > 0, "{site:?}");
+    // SAFETY: pointer and length are those of a name in the library.
+    let file = unsafe { std::slice::from_raw_parts(site.file, site.file_len) };
+    assert!(file.ends_with(b"mischief.rs"), "{}", file.escape_ascii());
 }
 
 #[test]

@@ -34,9 +34,11 @@ mod motion;
 mod robios;
 mod robot;
 
+use std::cell::Cell;
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::fmt::{self, Display, Formatter};
 use std::panic::Location;
+use std::rc::Rc;
 use std::time::Duration;
 
 use robios_sys::{Host, Program, Robios6Table, SupportTable};
@@ -57,6 +59,9 @@ pub struct Moment {
     /// Where the robot truly is: it starts at 0, whatever the program says with `set_position`.
     pub position: Position,
 }
+
+/// Where the program made its last call, if it tells.
+type LastPlace = Rc<Cell<Option<&'static Location<'static>>>>;
 
 type Script<T> = Box<dyn Fn(&Moment) -> T>;
 
@@ -149,9 +154,10 @@ impl Fake {
 
     /// Runs a program.
     pub fn run<O: Outcome>(self, main: impl FnOnce(&Robot) -> O) -> Run {
-        self.run_with(|host, context, argc, argv| {
+        self.run_with(|last_place, host, context, argc, argv| {
+            let reader = call_site::Reader::Fake(last_place);
             // SAFETY: host, context and arguments live until the call returns, and are as `robios_sys::Run` says.
-            unsafe { entry::run(host, context, argc, argv, main) }
+            unsafe { entry::run_for(reader, host, context, argc, argv, main) }
         })
     }
 
@@ -166,13 +172,16 @@ impl Fake {
         if let Err(misfit) = program.check() {
             panic!("{misfit}");
         }
-        self.run_with(|host, context, argc, argv| {
+        self.run_with(|_, host, context, argc, argv| {
             // SAFETY: the caller vouches for the program; host, context and arguments live until the call returns.
             unsafe { (program.run)(host, context, argc, argv) }
         })
     }
 
-    fn run_with(mut self, program: impl FnOnce(*const Host, *mut c_void, c_int, *const *const c_char) -> c_int) -> Run {
+    fn run_with(
+        mut self,
+        program: impl FnOnce(LastPlace, *const Host, *mut c_void, c_int, *const *const c_char) -> c_int,
+    ) -> Run {
         static SUPPORT: SupportTable = SupportTable::of::<FakeRobot>();
         static ROBIOS: Robios6Table = Robios6Table::of::<FakeRobot>();
         static HOST: Host = Host::new(&SUPPORT, &ROBIOS);
@@ -184,8 +193,7 @@ impl Fake {
         argv.push(std::ptr::null());
         let robot = FakeRobot::new(self);
         let context = std::ptr::from_ref(&robot).cast_mut().cast();
-        call_site::forget();
-        let code = program(&HOST, context, arguments.len() as c_int, argv.as_ptr());
+        let code = program(robot.last_place.clone(), &HOST, context, arguments.len() as c_int, argv.as_ptr());
         robot.finish(code)
     }
 }

@@ -10,8 +10,7 @@ use robios_sys::{CallContext, CallRecord, Callback, OutBytes, Stop, Support};
 
 use super::lcd::Lcd;
 use super::motion::{FULL_SPEED_MPS, Motion, Pose, TRACK_M};
-use super::{Call, End, Fake, Moment, Run};
-use crate::call_site;
+use super::{Call, End, Fake, LastPlace, Moment, Run};
 
 /// Virtual time of a call that does not wait, in microseconds: as of a slow processor, so that loops that poll end.
 const COST_US: u64 = 100;
@@ -23,6 +22,7 @@ pub(super) const VW: i32 = 1;
 /// A robot that follows the script of a [`Fake`].
 pub(super) struct FakeRobot {
     pub fake: Fake,
+    pub last_place: LastPlace,
     /// Never borrowed over a callback.
     pub state: RefCell<State>,
 }
@@ -108,7 +108,7 @@ impl FakeRobot {
             clock_offset_us: 0,
             calls: Vec::new(),
         };
-        Self { fake, state: RefCell::new(state) }
+        Self { fake, last_place: LastPlace::default(), state: RefCell::new(state) }
     }
 
     /// What the program did, after it has returned its exit code.
@@ -299,7 +299,7 @@ impl CallContext for FakeRobot {
             time: Duration::from_micros(state.now_us),
             name: record.name,
             text: record.to_string(),
-            place: call_site::last(),
+            place: self.last_place.get(),
         };
         state.calls.push(call);
     }
