@@ -36,7 +36,7 @@ pub enum Language {
 /// If the name is unfit, something of that name is there, or a file cannot be written.
 pub fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
     check_name(&args.name, args.lang)?;
-    let folder = args.path.join(&args.name);
+    let folder = if args.path == Path::new(".") { PathBuf::from(&args.name) } else { args.path.join(&args.name) };
     let api = robios_api_folder();
     write_folder(&folder, &files(&args.name, args.lang, api.as_deref()))?;
     println!("wrote `{}`; run it with\n\n    eyesim run {}/{}.sim\n", folder.display(), folder.display(), args.name);

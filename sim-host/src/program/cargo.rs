@@ -95,12 +95,12 @@ pub fn build_package(folder: &Path, cargo: Option<&Path>, cache: &Cache) -> Resu
         return Err(if said.contains("no library targets found") {
             CargoError::NoLibrary { folder }
         } else {
-            CargoError::Refused { folder, output: said }
+            CargoError::Refused { folder, output: without_progress(&said) }
         });
     }
     let (library, fresh) =
         library_of(&messages, &manifest).ok_or_else(|| CargoError::NoLibrary { folder: folder.to_owned() })?;
-    Ok(Package { library, output: warnings(&said), fresh })
+    Ok(Package { library, output: without_progress(&said), fresh })
 }
 
 fn cargo_command(cargo: &Path, manifest: &Path) -> Command {
@@ -137,7 +137,7 @@ fn library_of(messages: &str, manifest: &Path) -> Option<(PathBuf, bool)> {
 }
 
 /// What cargo said without its own report of progress, which is of no use afterwards.
-fn warnings(said: &str) -> String {
+fn without_progress(said: &str) -> String {
     const PROGRESS: &[&str] = &[
         "Compiling ",
         "Finished ",
@@ -171,7 +171,7 @@ mod tests {
     #[test]
     fn progress_is_left_out_of_the_warnings() {
         let said = "   Compiling maze v0.1.0 (/p/maze)\nwarning: unused variable: `x`\n --> src/lib.rs:3:9\n    Finished `release`\n";
-        assert_eq!(warnings(said), "warning: unused variable: `x`\n --> src/lib.rs:3:9\n");
-        assert_eq!(warnings("    Finished `release`\n"), "");
+        assert_eq!(without_progress(said), "warning: unused variable: `x`\n --> src/lib.rs:3:9\n");
+        assert_eq!(without_progress("    Finished `release`\n"), "");
     }
 }

@@ -176,6 +176,9 @@ impl ProgramImage {
     /// innermost one that lies in the program's own folder is told. Allocates; safe to call after a program has
     /// faulted, as the host's heap is its own.
     pub fn source_line(&self, offset: usize) -> Option<SourceLine> {
+        if !self.span.contains(&offset) {
+            return None;
+        }
         let lines = self.lines.get_or_init(|| addr2line::Loader::new(&self.path).ok().map(Mutex::new)).as_ref()?.lock();
         let mut frames = lines.find_frames(offset as u64).ok()?;
         let mut innermost = None;

@@ -5,7 +5,7 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use robios_sys::{CallContext, Robios6, Support};
+use robios_sys::{CallContext, Robios6, Support, c};
 
 use super::build::{BuildError, Builder, Built, Tools};
 use super::cache::Cache;
@@ -18,36 +18,38 @@ use super::load::{LoadError, LoadedProgram, Loader, check_mappings};
 use super::prepare::{Prepared, prepare};
 use super::symbols::warnings_about;
 
-/// A kit that needs no host: `run` calls `main` and returns what it returns.
+/// `run` calls `main` and returns what it returns.
+const SHIM: &str = r#"
+#include "abi.h"
+#ifdef EYESIM_VOID_MAIN
+extern void main(int argc, char **argv);
+#else
+extern int main(int argc, char **argv);
+#endif
+int TestAnswer(void) { return 42; }
+static int run(const struct eyesim_host *host, void *robot, int argc, const char *const *argv) {
+    (void)host; (void)robot;
+#ifdef EYESIM_VOID_MAIN
+    main(argc, (char **)argv);
+    return 0;
+#else
+    return main(argc, (char **)argv);
+#endif
+}
+const struct eyesim_program eyesim_program = {
+    .size = sizeof eyesim_program, .abi = EYESIM_ABI_VERSION, .generation = 6,
+    .language = EYESIM_LANGUAGE_C, .run = run };
+"#;
+
+/// A kit that needs no host.
 fn kit() -> ShimKit {
+    let abi_header = c::SHIM.iter().find(|file| file.name == "abi.h").expect("the header of the ABI");
     ShimKit {
         headers: vec![
             ("eyebot.h", "#include <stdio.h>\nint TestAnswer(void);\n"),
             ("hdt_sem.h", "#define PSD_FRONT -200\n"),
         ],
-        shim: vec![(
-            "shim.c",
-            r#"
-            #ifdef EYESIM_VOID_MAIN
-            extern void main(int argc, char **argv);
-            #else
-            extern int main(int argc, char **argv);
-            #endif
-            int TestAnswer(void) { return 42; }
-            static int run(const void *host, void *robot, int argc, char **argv) {
-                (void)host; (void)robot;
-            #ifdef EYESIM_VOID_MAIN
-                main(argc, argv);
-                return 0;
-            #else
-                return main(argc, argv);
-            #endif
-            }
-            const struct { unsigned size, abi, generation, flags, language, support, robios;
-                           int (*run)(const void *, void *, int, char **); }
-                eyesim_program = { sizeof eyesim_program, 1, 6, 0, 1, 0, 0, run };
-            "#,
-        )],
+        shim: vec![("shim.c", SHIM), ("abi.h", abi_header.text)],
         shim_flags: &["-g", "-O1", "-fPIC"],
     }
 }
@@ -358,7 +360,10 @@ fn addresses_lead_to_source_lines() {
     let line = program.own_source_line(&[in_shim, address_in("deeper") + 1]).expect("a line");
     assert!(["line.c:3", "line.c:4"].contains(&line.to_string().as_str()), "{line:?}");
     assert_eq!(line.function.as_deref(), Some("deeper"));
-    assert_eq!(program.source_line(1), None);
+    for address in [0, 1, usize::MAX] {
+        assert_eq!(program.source_line(address), None);
+        assert_eq!(program.own_source_line(&[address, address]), None);
+    }
 }
 
 #[test]
@@ -366,7 +371,7 @@ fn libraries_that_do_not_fit_are_told_why() {
     let classic = "extern int VWDriveStraight(void); int main(void) { return VWDriveStraight(); }\n";
     let number = "const struct { unsigned size, abi, rest[8]; } eyesim_program = { 40, 99, { 6 } };\n";
     let short = "const struct { unsigned size, abi, rest[8]; } eyesim_program = { 8, 1 };\n";
-    let missing = "extern int Plan(void); const struct { unsigned size, abi, rest[3]; int (*f)(void); } eyesim_program = { 40, 1, { 6, 0, 1 }, Plan };\n";
+    let missing = "extern int Plan(void); const struct { unsigned size, abi, rest[3]; int (*f)(void); char room[80]; } eyesim_program = { 96, 1, { 6, 0, 1 }, Plan, {0} };\n";
     let files = [("classic.c", classic), ("number.c", number), ("short.c", short), ("missing.c", missing)];
     let Some(bench) = Bench::with(&files) else { return };
     let message = |name: &str| {
