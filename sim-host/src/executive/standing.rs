@@ -64,6 +64,7 @@ fn wait_in_words(robot: &mut Robot, waiting: &Waiting, program: &LoadedProgram) 
     let advice = match waits_for {
         Waits::Key(key) => {
             let seconds = since.seconds().ceil();
+            let key = key.split(' ').find(|word| word.starts_with("KEY")).unwrap_or("KEY1");
             format!(" (try --keys \"{}:{seconds}:{key}\")", robot.id.0)
         }
         Waits::Drive if robot.motion.is_stalled(robot.now.max(*since)) => {

@@ -176,7 +176,8 @@ impl Caller {
         self.pass_until(robot, end, true)
     }
 
-    /// Lets virtual time pass until `end`, running the timer callbacks that fall due.
+    /// Lets virtual time pass until `end`, running the timer callbacks that fall due, and computing what sensors have
+    /// measured that end to measure on the way.
     ///
     /// Where the time is the call's own work (`is_work`), callbacks push its end by what they take. Otherwise the robot waits:
     /// it comes back early after each callback, and when the slot loop has changed what it waits for.
@@ -187,8 +188,8 @@ impl Caller {
         is_work: bool,
     ) -> Result<MutexGuard<'a, Robot>, Stop> {
         loop {
-            let tick = robot.timers.next_due();
-            let target = end.min(tick).max(robot.now);
+            let (tick, measured) = (robot.timers.next_due(), robot.devices.due());
+            let target = end.min(tick).min(measured).max(robot.now);
             if target >= self.run.slot_end() {
                 drop(robot);
                 self.run.suspend(self.id, target)?;
@@ -200,6 +201,11 @@ impl Caller {
                 }
             }
             robot.now = target;
+            if target >= measured {
+                let world = self.run.world.read();
+                super::settle(&mut robot, &world);
+                continue;
+            }
             if tick > end {
                 return Ok(robot);
             }

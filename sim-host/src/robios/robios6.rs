@@ -5,38 +5,15 @@ use robios_sys::robios6::{
     RadioIOParameters, RadioStatus, SpeedType, VEHICLE,
 };
 use robios_sys::{Callback, Out, OutBytes, Robios6, Robios6Call as Call, Stop};
-use sim_core::world::World;
 
 use super::caller::{Caller, Poll};
-use super::robot::Robot;
-use super::{
-    audio, bump, compass, display, hdt, image, ir, irtv, key, latch, motor, os, psd, serial, servo, settle, vw,
-};
+use super::{audio, bump, compass, display, hdt, image, ir, irtv, key, latch, motor, os, psd, serial, servo, vw};
 
 impl Caller {
-    /// A call that acts at its end.
-    fn act<R>(&self, call: Call, act: impl FnOnce(&mut Robot, &World) -> R) -> Result<R, Stop> {
-        self.call(call, |robot, world| {
-            settle(robot, world);
-            act(robot, world)
-        })
-    }
-
-    /// A call that waits; sensors that end to measure meanwhile are looked at in time.
-    fn await_with<R>(&self, call: Call, mut poll: impl FnMut(&mut Robot, &World) -> Poll<R>) -> Result<R, Stop> {
-        self.wait(call, |robot, world| {
-            settle(robot, world);
-            match poll(robot, world) {
-                Poll::Until { at, waits_for } => Poll::Until { at: at.min(robot.devices.due()), waits_for },
-                ready => ready,
-            }
-        })
-    }
-
     /// `OSWait`, `OSSleep`
     fn wait_hundredths(&self, call: Call, n: i32) -> Result<i32, Stop> {
         let mut end = None;
-        self.await_with(call, |robot, _| {
+        self.wait(call, |robot, _| {
             let end = *end.get_or_insert(robot.now + os::span_of_hundredths(n));
             os::wait_until(robot, end)
         })
@@ -47,7 +24,7 @@ impl Caller {
 macro_rules! act {
     ($(fn $name:ident($($argument:ident: $kind:ty),*) -> $result:ty = $act:expr;)*) => {$(
         fn $name(&self, $($argument: $kind),*) -> Result<$result, Stop> {
-            self.act(Call::$name, $act)
+            self.call(Call::$name, $act)
         }
     )*};
 }
@@ -56,7 +33,7 @@ macro_rules! act {
 macro_rules! wait {
     ($(fn $name:ident($($argument:ident: $kind:ty),*) -> $result:ty = $poll:expr;)*) => {$(
         fn $name(&self, $($argument: $kind),*) -> Result<$result, Stop> {
-            self.await_with(Call::$name, $poll)
+            self.wait(Call::$name, $poll)
         }
     )*};
 }
@@ -66,7 +43,7 @@ macro_rules! fail {
     ($(fn $name:ident($($argument:ident: $kind:ty),*) -> $result:ty = $failure:expr;)*) => {$(
         fn $name(&self, $($argument: $kind),*) -> Result<$result, Stop> {
             $(let _ = $argument;)*
-            self.act(Call::$name, |robot, _| robot.unavailable(Call::$name, $failure))
+            self.call(Call::$name, |robot, _| robot.unavailable(Call::$name, $failure))
         }
     )*};
 }
@@ -93,7 +70,7 @@ impl Robios6 for Caller {
 
     fn OSError(&self, message: Text<'_>, number: i32, dead: i32) -> Result<i32, Stop> {
         let mut is_shown = false;
-        self.await_with(Call::OSError, |robot, _| {
+        self.wait(Call::OSError, |robot, _| {
             if !std::mem::replace(&mut is_shown, true) {
                 os::error(robot, message, number, dead != FALSE);
             }
@@ -104,12 +81,12 @@ impl Robios6 for Caller {
     }
 
     fn OSPanic(&self, message: Text<'_>) -> Result<i32, Stop> {
-        self.act(Call::OSPanic, |robot, _| os::panic(robot, message))?;
+        self.call(Call::OSPanic, |robot, _| os::panic(robot, message))?;
         Err(Stop)
     }
 
     fn OSExit(&self, code: i32) -> Result<i32, Stop> {
-        self.act(Call::OSExit, |robot, _| os::exit(robot, code))?;
+        self.call(Call::OSExit, |robot, _| os::exit(robot, code))?;
         Err(Stop)
     }
 

@@ -500,8 +500,8 @@ impl Storm {
 #[test]
 fn no_argument_does_harm() {
     let (mut bench, mut storm) = (Bench::rover(), Storm(1));
-    for step in 0..8_000 {
-        bench.robot.now += Time(storm.next(11_000) as i64);
+    for step in 0..4_000 {
+        bench.robot.now += Time(storm.next(22_000) as i64);
         settle(&mut bench.robot, &bench.world);
         let Bench { robot, world } = &mut bench;
         let ints: [i32; 7] = std::array::from_fn(|_| storm.int());
