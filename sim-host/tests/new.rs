@@ -1,0 +1,72 @@
+//! What `eyesim new` writes: it is read without a complaint, builds without a warning, and loads.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Arc;
+
+use sim_core::format::load_sim;
+use sim_host::files::DiskFiles;
+use sim_host::program::{Builder, Cache, Loader, Prepared, SearchPath, ShimKit, Tools, find_program, prepare};
+
+/// A folder that stays from one test run to the next, so that cargo need not build `robios-api` each time.
+fn place(name: &str) -> PathBuf {
+    let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(place.join("programs"));
+    fs::create_dir_all(place.join("programs")).expect("a folder");
+    place
+}
+
+/// Writes a new program with the real command, reads its scene and builds the program that the scene names.
+fn new(place: &Path, name: &str, language: &str) -> Arc<Prepared> {
+    let folder = place.join("programs");
+    let eyesim = Command::new(env!("CARGO_BIN_EXE_eyesim"))
+        .args(["new", name, "--lang", language, "--path"])
+        .arg(&folder)
+        .output()
+        .expect("eyesim runs");
+    assert!(eyesim.status.success(), "{}", String::from_utf8_lossy(&eyesim.stderr));
+    let sim = folder.join(name).join(format!("{name}.sim"));
+    let loaded = load_sim(&sim.display().to_string(), &DiskFiles::default());
+    assert!(loaded.diagnostics.is_empty(), "{:?}", loaded.diagnostics);
+    let search = SearchPath { sim_folder: sim.parent().map(Path::to_owned), ..SearchPath::default() };
+    let found = find_program(&loaded.scene.robots[0].program.text, &search).unwrap_or_else(|error| panic!("{error}"));
+    let cache = Cache::open(&place.join("cache")).expect("a cache");
+    let builder = Builder::new(cache, ShimKit::robios6(), Tools::of_environment());
+    let prepared = prepare(&builder, &[found]).pop().expect("a result").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(prepared.output, "", "the compiler warns");
+    assert_eq!(prepared.warnings, Vec::<String>::new());
+    prepared
+}
+
+fn is_there(tool: &str) -> bool {
+    let there = Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success());
+    if !there {
+        println!("skipped: `{tool}` is not installed");
+    }
+    there
+}
+
+#[test]
+fn a_new_c_program_builds_and_loads() {
+    if !is_there("cc") {
+        return;
+    }
+    let prepared = new(&place("new-c"), "maze", "c");
+    assert_eq!(prepared.name, "maze");
+    Loader::new().expect("a run folder").load(&prepared, &[]).unwrap_or_else(|error| panic!("{error}"));
+}
+
+#[test]
+fn a_new_rust_program_builds_and_loads() {
+    if !is_there("cargo") {
+        return;
+    }
+    let place = place("new-rust");
+    let prepared = new(&place, "wall", "rust");
+    assert_eq!(prepared.name, "wall");
+    let mut loader = Loader::new().expect("a run folder");
+    for _ in 0..12 {
+        loader.load(&prepared, &[]).unwrap_or_else(|error| panic!("{error}"));
+    }
+}
