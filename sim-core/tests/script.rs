@@ -141,10 +141,16 @@ proptest! {
     }
 
     #[test]
-    fn alone_every_slot_length_gives_the_same_bits(model in model(), script in script(), room in 0_u64..1000) {
+    fn alone_every_slot_length_gives_the_same_bits(
+        model in model(),
+        script in script(),
+        room in 0_u64..1000,
+        controlled in any::<bool>(),
+    ) {
         let walls = room_with_boxes(room, DVec2::ZERO, 3.0, 3);
+        let gains = controlled.then_some(Gains { vv: 3.0, tv: 0.3, vw: 3.0, tw: 0.1 });
         let run = |slot: i64| {
-            let (_, mut motions) = scene(&model, &walls, Time(slot), None);
+            let (_, mut motions) = scene(&model, &walls, Time(slot), gains);
             motions.truncate(1);
             let mut world = World::new(Arc::new(Walls::new(walls.clone())), Time(slot), &mut motions);
             let mut at = Time::ZERO;

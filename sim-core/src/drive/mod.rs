@@ -3,15 +3,16 @@
 //! Everything is a function of virtual time in whole microseconds: no step, no slot length. Contact with static walls
 //! belongs to the plan of a motion; contact with other robots is the world's business ([`crate::world`]).
 
+mod command;
 mod control;
 mod model;
 mod motion;
 mod piece;
-mod plan;
+mod stage;
 
+pub use command::{Command, CommandError};
 pub use control::Gains;
 pub use model::{DriveKind, Model, ModelError, Wheels};
 pub(crate) use motion::Leg;
 pub use motion::{HISTORY, Impact, Motion};
 pub use piece::{Cause, Piece, Rates, State};
-pub use plan::{Command, CommandError};

@@ -5,10 +5,11 @@ use std::{collections::VecDeque, sync::Arc};
 use glam::DVec2;
 
 use super::{
+    command::{Command, CommandError, Orders, Pending},
     control::{Actuation, Gains},
     model::{Model, Wheels},
     piece::{Cause, State},
-    plan::{Command, CommandError, Orders, Pending, Stage, centre_of},
+    stage::{Stage, centre_of},
 };
 use crate::{
     RobotId,

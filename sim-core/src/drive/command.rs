@@ -1,0 +1,191 @@
+//! What a robot is told to do, and what it makes of it.
+
+use super::{
+    control::{Gains, Target},
+    model::{DriveKind, Model, Wheels},
+};
+use crate::{math, pose::Twist, unit};
+
+/// What a robot's program tells its drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Command {
+    /// Rates of the motors in the order of the [`DriveKind`], rad/s, each cut to the limit of the wheels.
+    Wheels(Wheels),
+    /// Steering angle of an Ackermann drive, rad, left positive, cut to its limit.
+    Steer(f64),
+    /// Speed and turning speed until the next command, within the limits of the robi and the wheels.
+    Twist(Twist),
+    /// A straight line, an arc or a turn on the spot: `displacement` in `duration` seconds, or as fast as the limits allow.
+    Drive {
+        /// Arc length (m) and angle (rad) to cover; the drive ends exactly there.
+        displacement: Twist,
+        /// Seconds to take, from 0 to 10^12.
+        duration: f64,
+    },
+    /// All wheels to rest.
+    Halt,
+}
+
+/// Why a command was refused; the robot goes on as before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CommandError {
+    /// A number is NaN, infinite, negative where it may not be, or beyond 10^12.
+    #[error("a value of the command is not a number that can be driven, accepted: finite values up to 1e12")]
+    NotFinite,
+    /// An Ackermann drive cannot turn without driving.
+    #[error("an Ackermann drive cannot turn on the spot, accepted: curves with a length")]
+    TurnOnSpot,
+    /// The curve is tighter than the steering allows.
+    #[error("the curve is too tight for the steering, accepted: a radius of at least {min_radius_mm} mm")]
+    TooTight {
+        /// Radius of the tightest curve of the rear axle, mm.
+        min_radius_mm: u32,
+    },
+    /// Only an Ackermann drive steers.
+    #[error("this drive has no steering, accepted: Ackermann drives")]
+    NoSteering,
+    /// Only an omni drive moves to the side.
+    #[error("this drive cannot move sideways, accepted: omni drives")]
+    Sideways,
+}
+
+/// The command in force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Pending {
+    Idle,
+    Wheels(Wheels),
+    Twist(Twist),
+    Drive {
+        /// The displacement commanded, as far as it counts as progress.
+        whole: Twist,
+        /// What the robot believes to be left of it.
+        remaining: Twist,
+        rate: Twist,
+    },
+}
+
+impl Pending {
+    /// Arc length of a displacement along `whole`, m, or its angle, rad, for a turn on the spot.
+    pub fn progress(whole: Twist, covered: Twist) -> f64 {
+        let length = whole.speed();
+        if length > 0.0 {
+            whole.vx / length * covered.vx + whole.vy / length * covered.vy
+        } else if whole.omega != 0.0 {
+            whole.omega.signum() * covered.omega
+        } else {
+            0.0
+        }
+    }
+
+    /// What the wheels are to follow.
+    pub fn target(&self) -> Target {
+        match *self {
+            Self::Idle => Target::Wheels([0.0; 4]),
+            Self::Wheels(rates) => Target::Wheels(rates),
+            Self::Twist(twist) | Self::Drive { rate: twist, .. } => Target::Twist(twist),
+        }
+    }
+}
+
+/// What a robot's motion obeys from some instant on, besides its state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Orders {
+    pub pending: Pending,
+    /// Steering angle of an Ackermann drive.
+    pub steering: f64,
+    pub gains: Option<Gains>,
+}
+
+impl Orders {
+    /// These orders with `command` in force.
+    pub fn with(self, model: &Model, command: Command) -> Result<Self, CommandError> {
+        match command {
+            Command::Halt => Ok(Self { pending: Pending::Idle, ..self }),
+            Command::Wheels(rates) => {
+                if !rates.iter().all(|rate| rate.is_finite()) {
+                    return Err(CommandError::NotFinite);
+                }
+                let mut rates = model.clamp_wheels(&rates);
+                rates[model.wheel_count()..].fill(0.0);
+                Ok(Self { pending: Pending::Wheels(rates), ..self })
+            }
+            Command::Steer(angle) => self.steered(model, angle),
+            Command::Twist(twist) => self.with_twist(model, twist),
+            Command::Drive { displacement, duration } => self.with_drive(model, displacement, duration),
+        }
+    }
+
+    fn steered(self, model: &Model, angle: f64) -> Result<Self, CommandError> {
+        if model.kind != DriveKind::Ackermann {
+            return Err(CommandError::NoSteering);
+        }
+        if !angle.is_finite() {
+            return Err(CommandError::NotFinite);
+        }
+        let steering = angle.clamp(-model.max_steering, model.max_steering);
+        let pending = match self.pending {
+            // The speed stays; the servo now has the last word about the curve.
+            Pending::Twist(twist) => Pending::Wheels(model.wheels_from_twist(twist)),
+            // A drive keeps its curve to its end.
+            Pending::Drive { .. } => return Ok(self),
+            other => other,
+        };
+        Ok(Self { pending, steering, ..self })
+    }
+
+    fn with_twist(self, model: &Model, twist: Twist) -> Result<Self, CommandError> {
+        check_drivable(model, twist)?;
+        let mut twist = model.clamp_twist(twist);
+        let mut steering = self.steering;
+        if model.kind == DriveKind::Ackermann && !twist.is_zero() {
+            let wanted = model.steering(twist).ok_or(CommandError::TurnOnSpot)?;
+            steering = wanted.clamp(-model.max_steering, model.max_steering);
+            if steering != wanted {
+                twist = model.twist_from_wheels(&model.wheels_from_twist(twist), steering);
+            }
+        }
+        Ok(Self { pending: Pending::Twist(twist), steering, ..self })
+    }
+
+    fn with_drive(self, model: &Model, displacement: Twist, duration: f64) -> Result<Self, CommandError> {
+        check_drivable(model, displacement)?;
+        if !(0.0..=1e12).contains(&duration) {
+            return Err(CommandError::NotFinite);
+        }
+        let mut steering = self.steering;
+        if model.kind == DriveKind::Ackermann && !displacement.is_zero() {
+            steering = model.steering(displacement).ok_or(CommandError::TurnOnSpot)?;
+            // Some rounding beyond the limit is let pass, so that the tightest curve itself can be driven.
+            if steering.abs() > model.max_steering + 1e-6 {
+                let min_radius = model.wheelbase / math::tan(model.max_steering);
+                return Err(CommandError::TooTight {
+                    min_radius_mm: (unit::mm_from_metres(min_radius) - 1e-6).ceil() as u32,
+                });
+            }
+        }
+        let duration = duration.max(model.shortest_duration(displacement));
+        let rate = if duration > 0.0 { displacement.scaled(1.0 / duration) } else { Twist::ZERO };
+        let rate = if rate.is_finite() { rate } else { Twist::ZERO };
+        // Progress is not counted by what is so slow that it has lost its digits; without any, the drive is done at once.
+        let counts = |rate: f64, value: f64| if rate >= 1e-290 { value } else { 0.0 };
+        let speed = rate.speed();
+        let whole = Twist {
+            vx: counts(speed, displacement.vx),
+            vy: counts(speed, displacement.vy),
+            omega: counts(rate.omega.abs(), displacement.omega),
+        };
+        let pending = Pending::Drive { whole, remaining: displacement, rate };
+        Ok(Self { pending, steering, ..self })
+    }
+}
+
+fn check_drivable(model: &Model, twist: Twist) -> Result<(), CommandError> {
+    // Negated, so that NaN is refused as well.
+    if !(twist.vx.abs().max(twist.vy.abs()).max(twist.omega.abs()) <= 1e12 && twist.is_finite()) {
+        Err(CommandError::NotFinite)
+    } else if twist.vy != 0.0 && model.kind != DriveKind::Omni {
+        Err(CommandError::Sideways)
+    } else {
+        Ok(())
+    }
+}
