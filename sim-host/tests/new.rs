@@ -1,4 +1,4 @@
-//! What `eyesim new` writes: it is read without a complaint, builds without a warning, and loads.
+//! What `eyesim new` writes: it is read without a complaint, builds without a warning, and drives to four walls.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -39,6 +39,26 @@ fn new(place: &Path, name: &str, language: &str) -> Arc<Prepared> {
     prepared
 }
 
+/// Runs the scene: the program has seen its four walls and ended, without touching one.
+fn check_run(place: &Path, name: &str) {
+    let folder = place.join("programs").join(name);
+    let report = folder.join("report.json");
+    let eyesim = Command::new(env!("CARGO_BIN_EXE_eyesim"))
+        .arg("run")
+        .arg(folder.join(format!("{name}.sim")))
+        .arg("--report")
+        .arg(&report)
+        .env("EYESIM_CACHE", place.join("cache"))
+        .output()
+        .expect("eyesim runs");
+    assert!(eyesim.status.success(), "{}", String::from_utf8_lossy(&eyesim.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&fs::read(report).expect("a report")).expect("JSON");
+    let robot = &report["robots"][0];
+    assert_eq!((robot["outcome"].as_str(), robot["contacts"].as_u64()), (Some("finished"), Some(0)), "{robot}");
+    assert!(robot["path_m"].as_f64().is_some_and(|path| path > 4.0), "{robot}");
+    assert!(robot["lcd"].to_string().contains("wall 4"), "{robot}");
+}
+
 fn is_there(tool: &str) -> bool {
     let there = Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success());
     if !there {
@@ -48,17 +68,18 @@ fn is_there(tool: &str) -> bool {
 }
 
 #[test]
-fn a_new_c_program_builds_and_loads() {
+fn a_new_c_program_builds_and_runs() {
     if !is_there("cc") {
         return;
     }
-    let prepared = new(&place("new-c"), "maze", "c");
+    let place = place("new-c");
+    let prepared = new(&place, "maze", "c");
     assert_eq!(prepared.name, "maze");
-    Loader::new().expect("a run folder").load(&prepared, &[]).unwrap_or_else(|error| panic!("{error}"));
+    check_run(&place, "maze");
 }
 
 #[test]
-fn a_new_rust_program_builds_and_loads() {
+fn a_new_rust_program_builds_and_runs() {
     if !is_there("cargo") {
         return;
     }
@@ -69,4 +90,5 @@ fn a_new_rust_program_builds_and_loads() {
     for _ in 0..12 {
         loader.load(&prepared, &[]).unwrap_or_else(|error| panic!("{error}"));
     }
+    check_run(&place, "wall");
 }

@@ -22,6 +22,7 @@ fn main(robot: &Robot) -> Result {
     }
 
     let position = drive.position();
-    writeln!(robot.lcd(), "x {:.2} y {:.2}", position.x, position.y);
+    let (x_mm, y_mm) = (position.x.as_millimetres(), position.y.as_millimetres());
+    writeln!(robot.lcd(), "x {x_mm:.0} y {y_mm:.0} mm");
     Ok(())
 }
