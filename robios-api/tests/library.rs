@@ -99,3 +99,10 @@ fn a_program_without_end_is_left() {
     }
     assert!(matches!(mischief("wait").end(), End::TimeUp { during } if during == "KEYWait(8)"));
 }
+
+#[test]
+fn the_first_program_of_the_documentation_is_the_one_that_is_tested() {
+    let page = include_str!("../../docs/rust-programs.md");
+    let program = include_str!("../examples/first.rs");
+    assert!(page.contains(&format!("```rust\n{program}```")), "copy examples/first.rs to docs/rust-programs.md");
+}
