@@ -1,39 +1,44 @@
-//! Follows the wall at its left at a distance of 0.2 m, for ever: turns away from walls ahead and around corners.
+//! Follows the wall at its left, for ever: turns away from walls ahead and around corners.
+//!
+//! The sensor that looks diagonally ahead sees the wall a little before the robot is beside it. Turning towards the wall
+//! makes its distance shorter, so it tells the heading too, and one factor is enough to steer.
 
 use robios_api::prelude::*;
 
 robios_api::program!(main);
 
-/// The distance that it keeps to the wall.
-const KEPT: Length = Length::metres(0.2);
+/// The distance that the diagonal sensor keeps.
+const KEPT: Length = Length::metres(0.3);
+/// What is farther is not the wall that it follows.
+const LOST: Length = Length::metres(0.5);
+/// The least distance to a wall ahead.
+const AHEAD: Length = Length::metres(0.25);
 const CRUISE: Speed = Speed::metres_per_second(0.2);
-/// The fastest turn.
-const TURN: TurnRate = TurnRate::radians_per_second(1.2);
+/// The fastest turn; also what half of `KEPT` too far or too near asks for.
+const TURN: TurnRate = TurnRate::radians_per_second(1.0);
+/// Around a corner: with `CRUISE` a circle of 0.36 m.
+const CORNER: TurnRate = TurnRate::radians_per_second(0.55);
 
 fn main(robot: &Robot) -> Result {
     let drive = robot.drive()?;
-    let [left, front] = robot.psds([PsdAt::Left, PsdAt::Front])?;
+    let [diagonal, front] = robot.psds([PsdAt::LeftDiagonal, PsdAt::Front])?;
     let ticker = robot.ticker(50.millis());
-    let mut last = None;
     loop {
-        let (forward, turn) = steer(left.distance(), front.distance(), last);
+        let (forward, turn) = steer(diagonal.distance(), front.distance());
         drive.set_speed(forward, turn)?;
-        last = left.distance();
         ticker.wait();
     }
 }
 
-/// Speed and rate of turn for what the sensors see now, and the left one saw a period before.
-fn steer(left: Option<Length>, front: Option<Length>, last: Option<Length>) -> (Speed, TurnRate) {
-    if front.is_some_and(|front| front < KEPT * 1.25) {
+/// Speed and rate of turn for what the sensors see.
+fn steer(diagonal: Option<Length>, front: Option<Length>) -> (Speed, TurnRate) {
+    if front.is_some_and(|front| front < AHEAD) {
         return (Speed::ZERO, -TURN);
     }
-    // Nothing at the left: the wall has ended, or it is an outer corner. Around it.
-    let Some(left) = left.filter(|left| *left < KEPT * 2.5) else { return (CRUISE, TURN * 0.5) };
-    // Towards the wall if it is too far, and against the change of the distance.
-    let change = last.map_or(Length::ZERO, |last| left - last);
-    let push = (left - KEPT) / KEPT + 25.0 * (change / KEPT);
-    (CRUISE, TURN * push.clamp(-1.0, 1.0))
+    match diagonal.filter(|wall| *wall < LOST) {
+        Some(wall) => (CRUISE, TURN * ((wall - KEPT) / (KEPT * 0.5)).clamp(-1.0, 1.0)),
+        None => (CRUISE, CORNER),
+    }
 }
 
 #[cfg(test)]
@@ -42,31 +47,32 @@ mod tests {
     use robios_api::fake::Fake;
 
     #[test]
-    fn comes_to_the_distance_along_a_straight_wall() {
-        // The wall is at y = 0.3 m; the sensor looks along the robot's y axis.
+    fn comes_to_its_distance_along_a_straight_wall() {
+        // The wall is at y = 0.4 m; the sensor looks from the robot's middle.
         let run = Fake::new()
-            .psd(PsdAt::Left, |now| {
-                let slope = now.position.phi.cos();
-                (slope > 0.1).then(|| (0.3.metres() - now.position.y) / slope).filter(|left| *left < 1.metres())
+            .psd(PsdAt::LeftDiagonal, |now| {
+                let slope = (now.position.phi + 45.degrees()).sin();
+                (slope > 0.1).then(|| (0.4.metres() - now.position.y) / slope).filter(|wall| *wall < 1.metres())
             })
             .psd(PsdAt::Front, |_| None)
             .until(30.seconds())
             .run(main)
             .expect_time_up();
         let end = run.position();
-        assert!((end.y - 0.1.metres()).abs() < 10.millimetres(), "{end:?}");
-        assert!(end.phi.abs() < 5.degrees() && end.x > 5.metres(), "{end:?}");
+        let kept = 0.4.metres() - KEPT * 45.degrees().sin();
+        assert!((end.y - kept).abs() < 5.millimetres(), "{end:?}");
+        assert!(end.phi.abs() < 2.degrees() && end.x > 5.metres(), "{end:?}");
     }
 
     #[test]
     fn turns_right_in_front_of_a_wall_and_left_where_the_wall_ends() {
-        assert_eq!(steer(Some(KEPT), Some(0.1.metres()), None), (Speed::ZERO, -TURN));
-        let (forward, turn) = steer(None, None, None);
-        assert!(forward > Speed::ZERO && turn > TurnRate::ZERO);
+        assert_eq!(steer(Some(KEPT), Some(0.1.metres())), (Speed::ZERO, -TURN));
+        assert_eq!(steer(Some(0.6.metres()), None), (CRUISE, CORNER));
+        assert_eq!(steer(None, None), (CRUISE, CORNER));
     }
 
     #[test]
-    fn drives_straight_at_the_right_distance() {
-        assert_eq!(steer(Some(KEPT), None, Some(KEPT)), (CRUISE, TurnRate::ZERO));
+    fn drives_straight_at_its_distance() {
+        assert_eq!(steer(Some(KEPT), None), (CRUISE, TurnRate::ZERO));
     }
 }
