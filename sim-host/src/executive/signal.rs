@@ -12,7 +12,6 @@ use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU16, AtomicU64, AtomicUsize
 use super::bell;
 
 /// What a signal handler may read and write of one robot's thread; lives until the process ends.
-#[derive(Default)]
 pub struct ThreadBlock {
     /// Kernel's id of the thread, 0 before it runs.
     pub tid: AtomicI32,
@@ -61,6 +60,25 @@ thread_local! {
 
 static BELL: AtomicI32 = AtomicI32::new(-1);
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+impl Default for ThreadBlock {
+    /// A block whose thread does not run yet.
+    fn default() -> Self {
+        Self {
+            tid: AtomicI32::new(0),
+            stack: Default::default(),
+            releases: AtomicU64::new(0),
+            last_call: AtomicU16::new(u16::MAX),
+            in_host: AtomicBool::new(false),
+            overdue: AtomicBool::new(false),
+            fault_signal: AtomicI32::new(0),
+            fault_address: AtomicUsize::new(0),
+            fault_pc: AtomicUsize::new(0),
+            fault_sp: AtomicUsize::new(0),
+            faulted: AtomicBool::new(false),
+        }
+    }
+}
 
 impl ThreadBlock {
     /// The fault that parked this thread.

@@ -116,7 +116,11 @@ impl ProgramImage {
         }
         let parts = parts_of(&bytes).map_err(|what| ImageError::Broken { path: path.to_owned(), what })?;
         let Parts { loaded_len, span, mappings, read_only, description, undefined } = parts;
-        let source_folder = source_folder.map(|folder| fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned()));
+        let source_folder = source_folder.map(|folder| {
+            // The folder of a source named without one is the working folder.
+            let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+            fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned())
+        });
         let path = path.to_owned();
         let lines = OnceLock::new();
         Ok(Self { path, source_folder, bytes, loaded_len, span, mappings, read_only, description, undefined, lines })
