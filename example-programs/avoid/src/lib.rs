@@ -6,16 +6,16 @@ robios_api::program!(main);
 
 /// How often it looks.
 const PERIOD: Duration = Duration::from_millis(50);
-/// The sensors, all around, 45 degrees apart: clockwise from the front.
+/// The sensors, from the left over the front to the right, then the back.
 const SENSORS: [PsdAt; 8] = [
+    PsdAt::Left,
+    PsdAt::LeftDiagonal,
+    PsdAt::FrontLeft,
     PsdAt::Front,
     PsdAt::FrontRight,
+    PsdAt::RightDiagonal,
     PsdAt::Right,
-    PsdAt::BackRight,
     PsdAt::Back,
-    PsdAt::BackLeft,
-    PsdAt::Left,
-    PsdAt::FrontLeft,
 ];
 /// How far it looks: what the sensors see beyond counts as free.
 const RANGE: Length = Length::metres(2.0);
@@ -71,15 +71,15 @@ impl Mood {
 
 /// The way that is free ahead.
 fn ahead(distances: &[Length; 8]) -> Length {
-    let [front, front_right, .., front_left] = *distances;
-    // Diagonally there may be less room: 1.4 is a little less than the diagonal of a square.
-    front.min(front_left * 1.4).min(front_right * 1.4)
+    let [_, left_diagonal, front_left, front, front_right, right_diagonal, _, _] = *distances;
+    // Diagonally there may be less room.
+    front.min(front_left).min(front_right).min(left_diagonal * 1.4).min(right_diagonal * 1.4)
 }
 
 /// To the side with more room; at random if it is the same.
 fn away(distances: &[Length; 8], robot: &Robot) -> TurnRate {
-    let [_, front_right, right, _, _, _, left, front_left] = *distances;
-    let (left, right) = (left + front_left, right + front_right);
+    let room = |side: &[Length]| side.iter().fold(Length::ZERO, |sum, distance| sum + *distance);
+    let (left, right) = (room(&distances[..3]), room(&distances[4..7]));
     let is_left = if left == right { robot.random().flip() } else { left > right };
     if is_left { TURN } else { -TURN }
 }
@@ -89,13 +89,15 @@ mod tests {
     use super::*;
     use robios_api::fake::{Fake, Run};
 
+    /// Where the sensors of the robot `ring` look, in the order of [`SENSORS`].
+    const DIRECTIONS_DEG: [i32; 8] = [90, 45, 20, 0, -20, -45, -90, 180];
+
     /// A robot in a free plane but for a wall at x = 1 m.
     fn drive_at_a_wall(seed: u64) -> Run {
         let mut fake = Fake::new().seed(seed).until(20.seconds());
-        for (index, at) in SENSORS.into_iter().enumerate() {
-            let direction = -45.degrees() * index as f64;
+        for (at, direction_deg) in SENSORS.into_iter().zip(DIRECTIONS_DEG) {
             fake = fake.psd(at, move |now| {
-                let slope = (now.position.phi + direction).cos();
+                let slope = (now.position.phi + direction_deg.degrees()).cos();
                 (slope > 0.01).then(|| (1.metres() - now.position.x) / slope).filter(|distance| *distance < RANGE)
             });
         }
