@@ -2,6 +2,7 @@
 
 use std::cell::{Cell, RefCell};
 use std::ffi::c_void;
+use std::panic::Location;
 use std::rc::Rc;
 
 use robios_sys::{Host, Robios6Table, Status, SupportTable};
@@ -25,7 +26,8 @@ pub(crate) struct Inner {
     /// `None` once the program has ended: a device that outlives it (in a thread-local, say) does nothing any more.
     tables: Cell<Option<Tables>>,
     arguments: Vec<String>,
-    pub(crate) call_site: call_site::Reader,
+    call_site: call_site::Reader,
+    is_stopped: Cell<bool>,
     pub(crate) psd: RefCell<PsdState>,
     /// The exit code after a failure that has been reported already, as from within a timer's function.
     pub(crate) failure: Cell<Option<i32>>,
@@ -60,6 +62,7 @@ impl Robot {
             tables: Cell::new(Some(Tables { support: host.support, robios: host.robios6, context })),
             arguments,
             call_site,
+            is_stopped: Cell::new(false),
             psd: RefCell::default(),
             failure: Cell::new(None),
         }))
@@ -79,8 +82,19 @@ impl Robot {
     /// While unwinding already (a call in a `drop`), a second unwinding would abort the host: the call then just
     /// returns a result of 0.
     pub(crate) fn obey(&self, status: Status) {
-        if status != Status::OK && !std::thread::panicking() {
-            std::panic::resume_unwind(Box::new(Stopped));
+        if status != Status::OK {
+            self.0.is_stopped.set(true);
+            if !std::thread::panicking() {
+                std::panic::resume_unwind(Box::new(Stopped));
+            }
+        }
+    }
+
+    /// Notes where a call is made. The place of the first call that was answered with [`Status::STOP`] stays: what the
+    /// program calls while it is left is not where it was.
+    pub(crate) fn note_call_site(&self, place: &'static Location<'static>) {
+        if !self.0.is_stopped.get() {
+            self.0.call_site.note(place);
         }
     }
 
@@ -147,7 +161,7 @@ pub(crate) use support;
 macro_rules! call {
     ($robot:expr, $table:ident, $name:ident($($argument:expr),*)) => {{
         let robot: &$crate::Robot = $robot;
-        robot.0.call_site.note(std::panic::Location::caller());
+        robot.note_call_site(std::panic::Location::caller());
         let mut result = Default::default();
         if let Some(tables) = robot.tables() {
             // SAFETY: table and context are valid as long as the robot is not closed; pointers among the arguments
