@@ -170,8 +170,8 @@ impl Conductor {
     /// Simulated time, once the run is over: the end of the last slot, or the limit that the user set.
     pub fn time(&self, world: &World) -> Time {
         match self.end {
-            Some(End::Until) => world.slot_end().max(self.until),
-            _ => world.slot_end(),
+            Some(End::Until) => world.slot_start().max(self.until),
+            _ => world.slot_start(),
         }
     }
 
@@ -276,7 +276,8 @@ impl Conductor {
                 self.moving.push(robot.id);
             }
             if robot.waiting.as_ref().is_some_and(|waiting| waiting.waits_for == Waits::Drive) {
-                let wake = robot.motion.drive_end().unwrap_or(Time::NEVER).max(slot_end).min(robot.timers.next_due());
+                let drive_end = robot.motion.drive_end().unwrap_or(Time::NEVER).max(slot_end);
+                let wake = drive_end.min(robot.timers.next_due()).min(robot.devices.due());
                 self.sleep_until(robot.id, wake);
             }
             self.recorder.collect(&mut robot.journal);
@@ -286,14 +287,15 @@ impl Conductor {
 
     /// The start of the next slot in which a body moves or a robot is due; none when that never happens.
     fn next_start(&mut self, world: &World) -> Option<Time> {
-        let slot_end = world.slot_end();
+        // The world has gone on to the slot after the one that was finished.
+        let following = world.slot_start();
         if !self.moving.is_empty() {
             // A drive that nobody waits for may go on for ever once all programs have ended: that is no reason to run on.
-            return (self.alive > 0).then_some(slot_end);
+            return (self.alive > 0).then_some(following);
         }
         while let Some(Reverse(wake)) = self.wakes.peek() {
             if self.wake_numbers[wake.robot.index()] == wake.number {
-                return Some(wake.at.floor_to(world.slot()).max(slot_end));
+                return Some(wake.at.floor_to(world.slot()).max(following));
             }
             self.wakes.pop();
         }
