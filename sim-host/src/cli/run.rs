@@ -1,6 +1,6 @@
 //! `eyesim run`: a sim file from its first line to the last line of its report.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -294,13 +294,11 @@ fn counts(run: &Run) -> Counts {
 fn inputs(scene: &[InputFile], costs: Option<&InputFile>, programs: &Programs) -> Vec<Input> {
     let mut inputs: Vec<Input> =
         scene.iter().chain(costs).map(|file| Input::new(Path::new(&file.path), &file.bytes)).collect();
-    for path in programs.of_robots.iter().flat_map(|program| program.inputs()) {
+    let paths: BTreeSet<PathBuf> = programs.of_robots.iter().flat_map(|program| program.inputs()).collect();
+    for path in paths {
         // A source that has vanished since it was compiled cannot be hashed any more.
         if let Ok(bytes) = std::fs::read(&path) {
-            let input = Input::new(&path, &bytes);
-            if !inputs.contains(&input) {
-                inputs.push(input);
-            }
+            inputs.push(Input::new(&path, &bytes));
         }
     }
     inputs
