@@ -23,7 +23,7 @@ pub struct Bumpers {
 /// `BUMPInit`
 pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
     let Some(index) = robot.devices.table.find(HDT_BUMP, semantics).map(|device| device.index) else {
-        return robot.failed(Call::BUMPInit, 0);
+        return robot.has_no(Call::BUMPInit, 0, HDT_BUMP, semantics);
     };
     let bumpers = &mut robot.devices.bumpers;
     if !bumpers.handles.is_open(index) {

@@ -82,7 +82,7 @@ impl Compass {
 /// `COMPASSInit`
 pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
     if robot.devices.table.find(HDT_COMPASS, semantics).is_none() {
-        return robot.failed(Call::COMPASSInit, 1);
+        return robot.has_no(Call::COMPASSInit, 1, HDT_COMPASS, semantics);
     }
     robot.devices.compass.is_open = true;
     0

@@ -20,8 +20,6 @@ pub enum Mistake {
     LongDrive,
     /// A turn of many turns.
     LongTurn,
-    /// A command that the drive cannot obey.
-    Refused,
     /// A PSD sensor is read that was never opened.
     PsdNotOpen,
     /// `PSDStart` while the sensors measure already.
@@ -74,7 +72,6 @@ impl Mistake {
         match self {
             Self::LongDrive => "a drive of more than 100 m: RoBIOS 6 takes metres, not millimetres",
             Self::LongTurn => "a turn of more than 40 radians: RoBIOS 6 takes radians, not degrees",
-            Self::Refused => "the drive cannot obey the command",
             Self::PsdNotOpen => {
                 "`PSDGet` with a handle that `PSDInit` did not give: is the sensor's name in the robi file, and was the \
                  result of `PSDInit` kept?"

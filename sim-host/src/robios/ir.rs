@@ -14,7 +14,7 @@ use crate::record::Event;
 pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
     match robot.devices.table.find(HDT_IR, semantics).map(|device| device.index) {
         Some(index) => robot.devices.infrareds.open(index),
-        None => robot.failed(Call::IRInit, 0),
+        None => robot.has_no(Call::IRInit, 0, HDT_IR, semantics),
     }
 }
 

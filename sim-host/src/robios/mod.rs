@@ -36,6 +36,7 @@ pub mod vw;
 use std::borrow::Cow;
 
 use robios_sys::Robios6Call;
+use robios_sys::robios6::semantics::SEMANTICS;
 use sim_core::drive::{Command, CommandError};
 use sim_core::format::RobiSpec;
 use sim_core::time::Time;
@@ -120,6 +121,26 @@ impl Robot {
             self.hint(&text);
         }
         answer
+    }
+
+    /// The answer of a call that has failed for a reason that the program cannot see: the user is told once a function.
+    fn refused(&mut self, call: Robios6Call, answer: i32, reason: impl FnOnce(&Self) -> String) -> i32 {
+        if self.devices.hints.is_first_failure(call) {
+            let text = format!("`{}` returned {answer}: {}", call.name(), reason(self));
+            self.hint(&text);
+        }
+        self.failed(call, answer)
+    }
+
+    /// The answer of a call that asks for a device that the robot does not have.
+    fn has_no(&mut self, call: Robios6Call, answer: i32, kind: i32, semantics: i32) -> i32 {
+        self.refused(call, answer, |robot| {
+            let wanted = SEMANTICS.iter().find(|constant| constant.value == i64::from(semantics));
+            let wanted = wanted.map_or_else(|| semantics.to_string(), |constant| constant.name.to_owned());
+            let known: Vec<&str> = robot.devices.table.of_kind(kind).map(|device| device.name.as_str()).collect();
+            let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+            format!("`{}` has no `{wanted}`; of this kind it has: {known}", robot.spec.file)
+        })
     }
 
     /// The answer of a call whose device is not simulated: the user is told once a function.

@@ -42,10 +42,12 @@ pub struct Quads {
 
 /// `MOTORInit`
 pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
-    let device = robot.devices.table.find(HDT_MOTOR, semantics).map(|device| device.index);
-    match device {
-        Some(index) if !robot.devices.vw.is_open => robot.devices.motors.handles.open(index),
-        _ => robot.failed(Call::MOTORInit, 0),
+    if robot.devices.vw.is_open {
+        return robot.refused(Call::MOTORInit, 0, |_| "`VWInit` holds the motors until `VWRelease`".to_owned());
+    }
+    match robot.devices.table.find(HDT_MOTOR, semantics).map(|device| device.index) {
+        Some(index) => robot.devices.motors.handles.open(index),
+        None => robot.has_no(Call::MOTORInit, 0, HDT_MOTOR, semantics),
     }
 }
 
@@ -83,7 +85,7 @@ fn set(robot: &mut Robot, world: &World, motors: impl Iterator<Item = usize>, pe
 /// `QUADInit`
 pub fn quad_init(robot: &mut Robot, semantics: i32) -> i32 {
     let Some(index) = robot.devices.table.find(HDT_QUAD, semantics).map(|device| device.index) else {
-        return robot.failed(Call::QUADInit, 0);
+        return robot.has_no(Call::QUADInit, 0, HDT_QUAD, semantics);
     };
     if !robot.devices.quads.handles.is_open(index) {
         let angle = robot.motion.wheel_angles(robot.now)[index];

@@ -194,7 +194,7 @@ pub fn raw_from_distance(metres: Option<f64>) -> i32 {
 pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
     match robot.devices.table.find(HDT_PSD, semantics).map(|device| device.index) {
         Some(index) => robot.devices.psds.open(index),
-        None => robot.failed(Call::PSDInit, 0),
+        None => robot.has_no(Call::PSDInit, 0, HDT_PSD, semantics),
     }
 }
 

@@ -33,7 +33,7 @@ impl Servos {
 pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
     match robot.devices.table.find(HDT_SERVO, semantics).map(|device| device.index) {
         Some(index) => robot.devices.servos.handles.open(index),
-        None => robot.failed(Call::SERVOInit, 0),
+        None => robot.has_no(Call::SERVOInit, 0, HDT_SERVO, semantics),
     }
 }
 

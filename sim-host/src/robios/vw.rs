@@ -27,9 +27,8 @@ pub struct Vw {
 
 /// `VWInit`
 pub fn init(robot: &mut Robot, world: &World, semantics: i32, timescale: i32) -> i32 {
-    let is_known = robot.devices.table.find(HDT_VW, semantics).is_some();
-    if !is_known || timescale < 1 || robot.devices.vw.is_open || robot.devices.motors.is_open() {
-        return robot.failed(Call::VWInit, 0);
+    if let Some(obstacle) = obstacle(robot, semantics, timescale) {
+        return robot.refused(Call::VWInit, 0, |_| obstacle.to_owned());
     }
     robot.devices.vw.is_open = true;
     robot.halt(world);
@@ -187,6 +186,21 @@ pub fn stalled(robot: &mut Robot, handle: i32) -> i32 {
     i32::from(robot.motion.is_stalled(robot.now))
 }
 
+/// Why `VWInit` fails.
+fn obstacle(robot: &Robot, semantics: i32, timescale: i32) -> Option<&'static str> {
+    if robot.devices.table.find(HDT_VW, semantics).is_none() {
+        Some("the first argument must be `VW_DRIVE`")
+    } else if timescale < 1 {
+        Some("the second argument must be at least 1")
+    } else if robot.devices.vw.is_open {
+        Some("it is in use: there is one handle until `VWRelease`")
+    } else if robot.devices.motors.is_open() {
+        Some("the program holds motors of `MOTORInit`: release them first")
+    } else {
+        None
+    }
+}
+
 fn is_handle(robot: &Robot, handle: i32) -> bool {
     robot.devices.vw.is_open && handle == HANDLE
 }
@@ -203,7 +217,11 @@ fn start_drive(
     if !is_handle(robot, handle) {
         return robot.failed(call, -1);
     }
-    // A speed of 0 gives an infinite time, or NaN for a distance of 0: both are refused.
+    // A speed of 0 gives an infinite time, or NaN for a distance of 0.
+    if !seconds.is_finite() {
+        let reason = "it takes a length or angle that is a number, a speed other than 0, and a length for a curve";
+        return robot.refused(call, -1, |_| reason.to_owned());
+    }
     let accepted = robot.command(world, Command::Drive { displacement, duration: seconds.abs() });
     answer(robot, call, accepted, event)
 }
@@ -215,9 +233,6 @@ fn answer(robot: &mut Robot, call: Call, accepted: Result<(), CommandError>, eve
             robot.record(event);
             0
         }
-        Err(error) => {
-            robot.hint_once(Mistake::Refused, &format!("`{}` refused: {error}", call.name()));
-            robot.failed(call, -1)
-        }
+        Err(error) => robot.refused(call, -1, |_| error.to_string()),
     }
 }
