@@ -137,6 +137,21 @@ fn a_resting_robot_stops_one_that_pushes_and_does_not_move() {
 }
 
 #[test]
+fn a_contact_with_a_robot_is_known_from_the_end_of_its_slot_on() {
+    let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(1.0, 0.0, 0.0)]);
+    // 0.8 m at 0.51 m/s: within the slot from 1.55 s to 1.6 s.
+    scene.twist(0, 0.5, 0.0);
+    scene.twist(1, -0.01, 0.0);
+    scene.run(1.6);
+    let [impact] = scene.motions[0].impacts(Time::ZERO, Time::from_millis(1_600))[..] else { panic!("one impact") };
+    assert!((impact.time.seconds() - 0.8 / 0.51).abs() < 1e-5, "{impact:?}");
+    assert_eq!(impact.known, Time::from_millis(1_600));
+    // Who has asked until after the impact, before the end of its slot, still learns of it.
+    assert_eq!(scene.motions[0].impacts(Time::from_millis(1_590), Time::from_millis(1_600)), [impact]);
+    assert_eq!(scene.motions[0].impacts(Time::from_millis(1_601), Time::from_millis(1_650)), []);
+}
+
+#[test]
 fn a_blocked_drive_goes_on_to_its_mark_when_the_way_is_free() {
     let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(0.5, 0.0, PI / 2.0)]);
     let drive = Command::Drive { displacement: Twist::new(1.0, 0.0), duration: 2.0 };

@@ -34,6 +34,9 @@ const LOOK_AHEAD: usize = 100_000;
 pub struct Impact {
     /// The first microsecond not before it.
     pub time: Time,
+    /// From when on the robot's program can know of it: `time`, or for an impact with a robot the end of its slot, at
+    /// which it was found.
+    pub known: Time,
     /// What was met.
     pub thing: Thing,
     /// The touched point, in the world.
@@ -266,11 +269,11 @@ impl Motion {
         self.contacts + self.uncommitted(at).iter().filter(|impact| impact.fresh).count() as u32
     }
 
-    /// The impacts from `since` until `until`, both included, in the order of time: of the last 32 before the present
-    /// slot, and all within it.
+    /// The impacts that became known from `since` until `until`, both included, in the order of time: of the last 32
+    /// before the present slot, and all within it.
     pub fn impacts(&mut self, since: Time, until: Time) -> Vec<Impact> {
         let recent = self.uncommitted(until);
-        let is_asked = |impact: &Impact| impact.time >= since && impact.time <= until;
+        let is_asked = |impact: &Impact| impact.known >= since && impact.known <= until;
         self.log.iter().copied().chain(recent).filter(is_asked).collect()
     }
 
@@ -359,13 +362,16 @@ impl Motion {
     /// Ends the present slot at `end`: what has happened in it stands.
     /// Returns the impacts.
     pub(crate) fn commit(&mut self, end: Time) -> Vec<Impact> {
-        let impacts = self.uncommitted(end);
-        for &impact in &impacts {
+        let mut impacts = self.uncommitted(end);
+        for impact in &mut impacts {
+            if matches!(impact.thing, Thing::Robot(_)) {
+                impact.known = end;
+            }
             self.contacts += u32::from(impact.fresh);
             if self.log.len() == IMPACTS {
                 self.log.pop_front();
             }
-            self.log.push_back(impact);
+            self.log.push_back(*impact);
         }
         self.journal.clear();
         self.committed = end;
@@ -497,6 +503,7 @@ fn impact_of(model: &Model, stage: &Stage) -> Option<Impact> {
     let towards = world_from_robot.inverse_transform_point(with.point);
     Some(Impact {
         time: stage.piece.end(),
+        known: stage.piece.end(),
         thing: with.thing,
         point: with.point,
         bearing: math::atan2(towards.y, towards.x),

@@ -16,7 +16,7 @@ use crate::record::Event;
 #[derive(Clone, Debug, Default)]
 pub struct Bumpers {
     handles: Handles,
-    /// By bumper: contacts before this have been reported.
+    /// By bumper: contacts known before this have been reported.
     since: Vec<Time>,
 }
 

@@ -1,0 +1,37 @@
+/* A metronome: a timer beats, the keys make it slower and faster, the display shows the beats. */
+#include "eyebot.h"
+
+static volatile int beats;
+
+/* Called by the timer, within whatever call the program makes: it has to be short and must not wait. */
+static void beat(void)
+{
+  beats++;
+  AUTone(beats % 4 == 1 ? 880 : 440, 50);
+}
+
+int main(void)
+{
+  int period = 50;  /* hundredths of a second */
+  TimerHandle timer = OSAttachTimer(period, beat);
+
+  LCDMenu("SLOW", "FAST", "", "END");
+  for (;;) {
+    int key = KEYRead();
+
+    if (key == KEY4)
+      break;
+    if (key == KEY1 || key == KEY2) {
+      period = key == KEY1 ? period * 2 : period / 2;
+      OSDetachTimer(timer);
+      timer = OSAttachTimer(period, beat);
+    }
+    LCDSetPrintf(0, 0, "every %d ms ", period * 10);
+    LCDSetPrintf(1, 0, "%d beats", beats);
+    OSWait(2);
+  }
+  OSDetachTimer(timer);
+  AUBeep();
+  LCDSetPrintf(2, 0, "end");
+  return 0;
+}
