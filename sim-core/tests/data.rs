@@ -110,7 +110,7 @@ fn our_own_files_have_no_mistakes() {
 
 #[test]
 fn our_worlds_are_closed_around_their_starts() {
-    for file in ["empty.wld", "obstacles.wld", "corridor.wld", "small.maz", "micromouse.maz"] {
+    for file in ["empty.wld", "obstacles.wld", "corridor.wld", "parking.wld", "small.maz", "micromouse.maz"] {
         let world = world(file);
         let walls = walls(&world);
         assert!(!world.starts.is_empty(), "{file}");
@@ -131,9 +131,14 @@ fn our_worlds_are_closed_around_their_starts() {
 
 #[test]
 fn starts_of_our_worlds_hold_the_largest_robot_that_they_are_made_for() {
-    for (file, radius) in
-        [("empty.wld", 0.2), ("obstacles.wld", 0.2), ("corridor.wld", 0.2), ("small.maz", 0.1), ("micromouse.maz", 0.1)]
-    {
+    for (file, radius) in [
+        ("empty.wld", 0.2),
+        ("obstacles.wld", 0.2),
+        ("corridor.wld", 0.2),
+        ("parking.wld", 0.15),
+        ("small.maz", 0.1),
+        ("micromouse.maz", 0.1),
+    ] {
         let world = world(file);
         for start in &world.starts {
             let centre = start.pose.position;
