@@ -7,5 +7,6 @@ use std::process::ExitCode;
 static HEAP: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
+    sim_host::executive::save_memory();
     sim_host::cli::main()
 }

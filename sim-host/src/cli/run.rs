@@ -218,7 +218,7 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
     let parts = Parts {
         world,
         programs: loaded_programs,
-        executor: Box::new(ThreadExecutor::new(robots.len())),
+        executor: Box::new(ThreadExecutor::new(robots.len(), limits.lanes)),
         robots,
         costs: options.costs.clone(),
         recorder: Recorder::new(args.seed, args.slot, sinks),

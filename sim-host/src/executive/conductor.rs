@@ -2,7 +2,8 @@
 //!
 //! There is no thread of its own: whoever suspends last advances the world and releases the next robots, so one robot alone
 //! needs no hand-over at all. At most `lanes` robots run at one time; which of them does so when changes nothing, since
-//! robots meet only at the slots' ends.
+//! robots meet only at the slots' ends. A lane hands over within itself as long as it can, since waking a thread on another
+//! processor costs several times as much; it takes work of another lane only when it would be idle otherwise.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
@@ -21,10 +22,9 @@ use crate::robios::robot::{Robot, Waits};
 
 /// Who runs, who waits until when, and where the run's record goes.
 pub struct Conductor {
-    /// Due in the present slot, not yet released; in order of their ids.
-    ready: VecDeque<RobotId>,
-    /// Released and not yet back.
-    running: Vec<RobotId>,
+    lanes: Vec<Lane>,
+    /// For each robot the lane that it ran in last.
+    homes: Vec<u32>,
     /// Suspended or ended in the present slot.
     ran: Vec<RobotId>,
     /// Bodies in motion, or blocked by another body, at the present slot's start.
@@ -36,12 +36,23 @@ pub struct Conductor {
     departed: Vec<bool>,
     /// Robots whose program has not ended.
     alive: usize,
-    lanes: usize,
     until: Time,
     pace: Option<Pace>,
     recorder: Recorder<'static>,
     end: Option<End>,
 }
+
+/// A place in which one robot runs at a time.
+#[derive(Default)]
+struct Lane {
+    /// Due in the present slot, not yet released; in order of their ids.
+    ready: VecDeque<RobotId>,
+    /// Released and not yet back.
+    running: Option<RobotId>,
+}
+
+/// So many robots must be ready in a lane before another one takes some of them.
+const WORTH_TAKING: usize = 4;
 
 /// An entry of the list of wakes; valid while `number` is the robot's present one.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
@@ -77,8 +88,8 @@ pub enum End {
 /// Whom to resume after a robot has come back, and whether that robot itself goes on at once.
 #[derive(Debug, Default)]
 pub struct HandOver {
-    /// Robots to resume.
-    pub resume: Vec<RobotId>,
+    /// Robots to resume, each with the lane that it runs in.
+    pub resume: Vec<(RobotId, u32)>,
     /// The robot that came back is due again.
     pub goes_on: bool,
 }
@@ -98,22 +109,23 @@ pub struct Plan {
 impl Conductor {
     /// The slot loop before the first slot: all robots are due at 0.
     pub fn new(plan: &Plan, recorder: Recorder<'static>) -> Self {
-        let all = || (0..plan.robots).map(RobotId::from_index);
-        Self {
-            ready: all().collect(),
-            running: Vec::new(),
+        let lanes = plan.lanes.clamp(1, plan.robots.max(1));
+        let mut conductor = Self {
+            lanes: (0..lanes).map(|_| Lane::default()).collect(),
+            homes: (0..plan.robots).map(|index| (index % lanes) as u32).collect(),
             ran: Vec::new(),
             moving: Vec::new(),
             wakes: BinaryHeap::new(),
             wake_numbers: vec![0; plan.robots],
             departed: vec![false; plan.robots],
             alive: plan.robots,
-            lanes: plan.lanes.max(1),
             until: plan.until,
             pace: plan.speed.map(|factor| Pace { factor, start: Instant::now() }),
             recorder,
             end: None,
-        }
+        };
+        (0..plan.robots).for_each(|index| conductor.make_ready(RobotId::from_index(index)));
+        conductor
     }
 
     /// Why the run has ended, once it has.
@@ -127,8 +139,8 @@ impl Conductor {
     }
 
     /// The robots that have been released and have not come back.
-    pub fn running(&self) -> &[RobotId] {
-        &self.running
+    pub fn running(&self) -> impl Iterator<Item = RobotId> {
+        self.lanes.iter().filter_map(|lane| lane.running)
     }
 
     /// Where events go.
@@ -181,8 +193,28 @@ impl Conductor {
     }
 
     fn retire(&mut self, robot: RobotId) {
-        self.running.retain(|running| *running != robot);
+        let lane = &mut self.lanes[self.homes[robot.index()] as usize];
+        debug_assert_eq!(lane.running, Some(robot), "only a robot that runs comes back");
+        lane.running = None;
         self.ran.push(robot);
+    }
+
+    fn make_ready(&mut self, robot: RobotId) {
+        self.lanes[self.homes[robot.index()] as usize].ready.push_back(robot);
+    }
+
+    /// The next robot for the free lane `lane`: its own, or one of the lane that has the most to do.
+    fn next_for(&mut self, lane: usize) -> Option<RobotId> {
+        if let Some(robot) = self.lanes[lane].ready.pop_front() {
+            return Some(robot);
+        }
+        let busiest = self.lanes.iter_mut().max_by_key(|lane| lane.ready.len())?;
+        if busiest.ready.len() < WORTH_TAKING {
+            return None;
+        }
+        let robot = busiest.ready.pop_back()?;
+        self.homes[robot.index()] = lane as u32;
+        Some(robot)
     }
 
     /// Replaces the robot's wake time; [`Time::NEVER`] leaves it without one.
@@ -198,17 +230,19 @@ impl Conductor {
     fn go_on(&mut self, run: &Run, who_asks: Option<RobotId>) -> HandOver {
         let mut hand_over = HandOver::default();
         loop {
-            while self.running.len() < self.lanes
-                && let Some(robot) = self.ready.pop_front()
-            {
-                self.running.push(robot);
-                if Some(robot) == who_asks {
-                    hand_over.goes_on = true;
-                } else {
-                    hand_over.resume.push(robot);
+            for lane in 0..self.lanes.len() {
+                if self.lanes[lane].running.is_some() {
+                    continue;
+                }
+                let next = self.next_for(lane);
+                self.lanes[lane].running = next;
+                match next {
+                    Some(robot) if Some(robot) == who_asks => hand_over.goes_on = true,
+                    Some(robot) => hand_over.resume.push((robot, lane as u32)),
+                    None => {}
                 }
             }
-            if !self.running.is_empty() || self.is_over() {
+            if self.running().next().is_some() || self.is_over() {
                 return hand_over;
             }
             if let Err(error) = self.finish_slot(run) {
@@ -222,7 +256,8 @@ impl Conductor {
 
     /// True when the present slot is complete and no other follows.
     pub fn is_over(&self) -> bool {
-        self.end.is_some() && self.running.is_empty() && self.ran.is_empty() && self.ready.is_empty()
+        let is_idle = |lane: &Lane| lane.running.is_none() && lane.ready.is_empty();
+        self.end.is_some() && self.ran.is_empty() && self.lanes.iter().all(is_idle)
     }
 
     /// Completes the present slot and, unless the run ends with it, begins the next one in which anything happens.
@@ -304,15 +339,16 @@ impl Conductor {
 
     /// Moves the robots that are due before `slot_end` to the ready list.
     fn take_due(&mut self, slot_end: Time) {
-        while let Some(Reverse(wake)) = self.wakes.peek()
-            && wake.at < slot_end
+        while self.wakes.peek().is_some_and(|Reverse(wake)| wake.at < slot_end)
+            && let Some(Reverse(Wake { robot, number, .. })) = self.wakes.pop()
         {
-            if self.wake_numbers[wake.robot.index()] == wake.number {
-                self.ready.push_back(wake.robot);
+            if self.wake_numbers[robot.index()] == number {
+                self.make_ready(robot);
             }
-            self.wakes.pop();
         }
-        self.ready.make_contiguous().sort_unstable();
+        for lane in &mut self.lanes {
+            lane.ready.make_contiguous().sort_unstable();
+        }
     }
 }
 

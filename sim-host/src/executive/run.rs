@@ -216,8 +216,8 @@ impl Run {
     }
 
     fn resume(&self, hand_over: &HandOver) {
-        for robot in &hand_over.resume {
-            self.executor.resume(*robot);
+        for (robot, lane) in &hand_over.resume {
+            self.executor.resume(*robot, *lane);
         }
     }
 
@@ -262,7 +262,7 @@ impl Run {
             }
             let (running, is_over) = {
                 let conductor = self.conductor.lock();
-                (conductor.running().to_vec(), conductor.is_over())
+                (conductor.running().collect::<Vec<_>>(), conductor.is_over())
             };
             if is_over {
                 return all_broken;
@@ -285,7 +285,7 @@ impl Run {
             if self.conductor.lock().has_departed(id) || broken.iter().any(|(other, _)| *other == id) {
                 continue;
             }
-            self.executor.resume(id);
+            self.executor.resume(id, 0);
             let deadline = Instant::now() + LEAVE;
             while !self.conductor.lock().has_departed(id) && Instant::now() < deadline {
                 self.bell.wait(deadline.saturating_duration_since(Instant::now()));

@@ -53,6 +53,9 @@ pub fn is_debugged() -> bool {
 
 /// Processor time that the thread has used so far.
 fn processor_time(tid: i32) -> Option<Duration> {
+    if tid <= 0 {
+        return None;
+    }
     // The kernel's encoding of a thread's clock: ~tid << 3, per thread (4), all time (2).
     let clock = (!tid << 3) | 6;
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
