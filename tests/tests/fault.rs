@@ -67,7 +67,8 @@ fn a_stack_overflow_is_told_from_other_faults() {
 
 #[test]
 fn a_division_by_zero_and_a_wild_pointer_are_told() {
-    let (report, ..) = run("#include \"eyebot.h\"\nint main(void) { volatile int zero = 0; return 100 / zero; }\n", &[]);
+    let (report, ..) =
+        run("#include \"eyebot.h\"\nint main(void) { volatile int zero = 0; return 100 / zero; }\n", &[]);
     assert!(reason(&report).contains("arithmetic"), "{}", reason(&report));
     let (report, ..) = run(
         "#include \"eyebot.h\"\nint main(void) {\n VWHandle vw = VWInit(VW_DRIVE, 1);\n\

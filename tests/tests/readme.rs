@@ -1,0 +1,42 @@
+//! The README's programs are what they say.
+
+use std::fs;
+
+use tests::{Scratch, number, root};
+
+/// The first block of the README in `language`.
+fn block(language: &str) -> String {
+    let readme = fs::read_to_string(root().join("README.md")).expect("a README");
+    let start = format!("\n```{language}\n");
+    let (_, rest) = readme.split_once(&start).unwrap_or_else(|| panic!("no block in `{language}`"));
+    rest.split_once("\n```").expect("a block ends").0.to_owned() + "\n"
+}
+
+/// What robot 1 has done at the end of the README's scene with this program.
+fn check(report: &serde_json::Value) {
+    let robot = &report["robots"][0];
+    assert!((number(robot, "pose.x_m") - 3.3).abs() < 1e-6, "drove half a metre: {robot:#}");
+    assert_eq!(robot["contacts"], 0);
+    let line = robot["lcd"][0].as_str().expect("a line of text").trim();
+    assert!(line.starts_with("wall in ") && line.ends_with(" mm"), "`{line}`");
+    let millimetres: f64 = line[8..line.len() - 3].parse().expect("a number");
+    assert!((550.0..700.0).contains(&millimetres), "the sensor sits ahead of the centre: `{line}`");
+}
+
+#[test]
+fn the_first_program_in_c_runs() {
+    let scratch = Scratch::new();
+    scratch.write("hello.c", &block("c"));
+    scratch.write("hello.sim", &block("text"));
+    check(&scratch.report("hello.sim", &[], 0));
+}
+
+#[test]
+fn the_first_program_in_rust_runs() {
+    let scratch = Scratch::new();
+    let ran = scratch.eyesim(&["new", "hello", "--lang", "rust"]);
+    assert_eq!(ran.code, Some(0), "{ran:#?}");
+    scratch.write("hello/src/lib.rs", &block("rust"));
+    scratch.write("hello.sim", &block("text").replace("hello.c", "hello"));
+    check(&scratch.report("hello.sim", &[], 0));
+}
