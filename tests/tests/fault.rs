@@ -38,7 +38,7 @@ fn a_null_write_is_reported_at_once_with_its_line() {
     let said = ran.stdout + &ran.stderr;
     assert!(said.contains("broken.c") && said.contains("r2"), "{said}");
     // The others' poses are recorded up to the slot of the fault, 1.0 s.
-    let last = trace.iter().filter(|line| line["event"] == "pose").filter_map(|line| line["t_s"].as_f64()).last();
+    let last = trace.iter().filter(|line| line["event"] == "pose").filter_map(|line| line["t_s"].as_f64()).next_back();
     assert!(last >= Some(1.0), "{last:?}");
 }
 
@@ -51,7 +51,7 @@ fn an_endless_loop_is_stopped_with_its_line() {
     assert_eq!(report["robots"][1]["outcome"], "timeout");
     assert!(reason(&report).contains("broken.c:4") || reason(&report).contains("broken.c:5"), "{}", reason(&report));
     assert!((ran.stdout + &ran.stderr).contains("broken.c"));
-    let last = trace.iter().filter(|line| line["event"] == "pose").filter_map(|line| line["t_s"].as_f64()).last();
+    let last = trace.iter().filter(|line| line["event"] == "pose").filter_map(|line| line["t_s"].as_f64()).next_back();
     assert!(last >= Some(0.5), "{last:?}");
 }
 

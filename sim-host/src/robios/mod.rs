@@ -1,6 +1,6 @@
 //! What each RoBIOS call does: one file a family of functions, over models of the devices.
 //!
-//! [`robios6`] says which function of a family answers which call; the families change a [`robot::Robot`] at the call's end
+//! `robios6` says which function of a family answers which call; the families change a [`robot::Robot`] at the call's end
 //! and know nothing of threads and slots. What they answer to whom is in `docs/robios6.md`.
 #![forbid(unsafe_code)]
 
