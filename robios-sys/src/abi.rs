@@ -233,7 +233,7 @@ mod tests {
 
     #[test]
     fn a_program_is_refused_for_what_does_not_fit() {
-        let good = || Program::robios6(language::RUST, run);
+        let good = || Program::robios6(language::RUST, run, std::ptr::null());
         assert_eq!(good().check(), Ok(()));
         let older = Program { robios_size: good().robios_size - 8, ..good() };
         assert_eq!(older.check(), Ok(()), "a table is only appended to");

@@ -1,7 +1,7 @@
 //! The simulation as a pure library: no files, threads, clock or `unsafe`, and no knowledge of RoBIOS.
 //!
 //! SI units and `f64` throughout; the frames and signs are those of `docs/conventions.md`. Millimetres and degrees exist
-//! only in [`format`], which turns the texts of EyeSim files into specs through [`unit`].
+//! only in [`mod@format`], which turns the texts of EyeSim files into specs through [`mod@unit`].
 #![forbid(unsafe_code)]
 
 pub mod build;
