@@ -204,7 +204,7 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
 
     let until = args.until.unwrap_or(Time::from_seconds_ceil(DEFAULT_UNTIL));
     let mut progress = if args.verbose { Progress::hidden() } else { Progress::new(until) };
-    let (sinks, trails) = sinks(args, options, scene, &progress)?;
+    let Sinks { all, trails } = sinks(args, options, scene, &progress)?;
     let limits = Limits {
         lanes: args.threads.map_or_else(processors, NonZeroUsize::get),
         until,
@@ -221,7 +221,7 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
         executor: Box::new(ThreadExecutor::new(robots.len(), limits.lanes)),
         robots,
         costs: options.costs.clone(),
-        recorder: Recorder::new(args.seed, args.slot, sinks),
+        recorder: Recorder::new(args.seed, args.slot, all),
     };
     let ended = Run::execute(parts, &limits, |run| progress.update(run.slot_start(), || counts(run)))
         .context("cannot start the robots")?;
@@ -244,18 +244,22 @@ fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, NonZeroUsize::get)
 }
 
-/// The trails of a run's robots, which the plot shows at its end.
-type SharedTrails = Arc<Mutex<Trails>>;
+/// Whoever wants to see the records of a run.
+struct Sinks {
+    all: Vec<Box<dyn Sink>>,
+    /// The one of them that the plot shows at the end.
+    trails: Option<Arc<Mutex<Trails>>>,
+}
 
-/// Whoever wants to see the records of the run.
+/// The sinks that the arguments ask for.
 fn sinks(
     args: &RunArgs,
     options: &Options,
     scene: &SceneSpec,
     progress: &Progress,
-) -> anyhow::Result<(Vec<Box<dyn Sink>>, Option<SharedTrails>)> {
+) -> anyhow::Result<Sinks> {
     let log = Log::new(options.filter.clone(), progress.stdout(), progress.stderr());
-    let mut sinks: Vec<Box<dyn Sink>> = vec![Box::new(log)];
+    let mut all: Vec<Box<dyn Sink>> = vec![Box::new(log)];
     if let Some(path) = &args.trace {
         let robot = |robot: &sim_core::format::RobotSpec| TraceRobot {
             id: robot.id.0,
@@ -264,14 +268,14 @@ fn sinks(
         };
         let robots = scene.robots.iter().map(robot).collect();
         let header = TraceHeader { seed: args.seed, slot_us: args.slot.0, robots };
-        sinks.push(Box::new(Trace::create(path, &header)?));
+        all.push(Box::new(Trace::create(path, &header)?));
     }
     let trails = args.plot.is_some().then(|| {
         let starts: Vec<Pose> = scene.robots.iter().map(|robot| robot.start).collect();
         Arc::new(Mutex::new(Trails::new(&starts)))
     });
-    sinks.extend(trails.iter().map(|trails| Box::new(Arc::clone(trails)) as Box<dyn Sink>));
-    Ok((sinks, trails))
+    all.extend(trails.iter().map(|trails| Box::new(Arc::clone(trails)) as Box<dyn Sink>));
+    Ok(Sinks { all, trails })
 }
 
 /// How the robots stand while the run goes on.
@@ -385,7 +389,7 @@ fn exit_code(ended: &Ended) -> ExitCode {
 }
 
 fn parse_slot(text: &str) -> Result<Time, String> {
-    let millis: f64 = text.parse().map_err(|_| "expected a number of milliseconds, such as 50 or 0.5".to_owned())?;
+    let millis: f64 = text.parse().unwrap_or(f64::NAN);
     let slot = Time((millis * 1000.0).round() as i64);
     // An hour is longer than any slot that still makes sense; beyond it the answer is surely a mistake.
     if !millis.is_finite() || slot < Time(1) || slot > Time::from_millis(3_600_000) {
