@@ -3,48 +3,60 @@
 #include <stdlib.h>
 #include "eyebot.h"
 
-#define NEAR_MM   200
-#define SPEED     0.3  /* m/s */
-#define RATE      2.0  /* rad/s */
-#define SECONDS   60
+#define SENSORS 5
+#define NEAR_MM 200
+#define SPEED   0.3  /* m/s */
+#define RATE    2.0  /* rad/s */
+#define SECONDS 60
 
-static PSDHandle front, left, right;
+static const DeviceSemantics places[SENSORS] = {  /* from left to right */
+  PSD_LEFTDIAG, PSD_FRONTLEFT, PSD_FRONT, PSD_FRONTRIGHT, PSD_RIGHTDIAG
+};
+static PSDHandle psd[SENSORS];
 
-static int is_near(PSDHandle psd)
+static int is_free(void)
 {
-  return PSDGet(psd) < NEAR_MM;
+  int i;
+
+  for (i = 0; i < SENSORS; i++)
+    if (PSDGet(psd[i]) < NEAR_MM)
+      return FALSE;
+  return TRUE;
 }
 
-/* An angle between a quarter and half a turn, to the side with more room. */
+/* An angle between an eighth and half a turn, to the side with more room. */
 static double angle_away(void)
 {
   double angle = M_PI / 4 * (1.0 + 3.0 * rand() / RAND_MAX);
-  return PSDGet(left) < PSDGet(right) ? -angle : angle;
+
+  return PSDGet(psd[0]) < PSDGet(psd[SENSORS - 1]) ? -angle : angle;
 }
 
 int main(void)
 {
   VWHandle vw = VWInit(VW_DRIVE, 1);
-  int turns = 0;
+  PSDHandle all = 0;
+  int i, turns = 0;
 
-  front = PSDInit(PSD_FRONT);
-  left = PSDInit(PSD_FRONTLEFT);
-  right = PSDInit(PSD_FRONTRIGHT);
-  if (!vw || !front || !left || !right)
-    return OSError("device missing", 1, TRUE);
-  PSDStart(front | left | right, TRUE);
+  for (i = 0; i < SENSORS; i++) {
+    psd[i] = PSDInit(places[i]);
+    if (!vw || !psd[i])
+      return OSError("device missing", i, TRUE);
+    all |= psd[i];
+  }
+  PSDStart(all, TRUE);
   while (!PSDCheck())  /* the first values take 60 ms */
     OSWait(1);
 
   while (OSGetCount() < SECONDS * 100) {
-    if (is_near(front) || is_near(left) || is_near(right)) {
-      VWDriveTurn(vw, angle_away(), RATE);
-      VWDriveWait(vw);
-      OSWait(6);  /* what the sensors show now is seen from here */
-      LCDSetPrintf(0, 0, "%d turns", ++turns);
-    } else {
+    if (is_free()) {
       VWSetSpeed(vw, SPEED, 0);
       OSWait(5);
+    } else {
+      VWDriveTurn(vw, angle_away(), RATE);
+      VWDriveWait(vw);
+      OSWait(6);  /* until the sensors have seen what is ahead now */
+      LCDSetPrintf(0, 0, "%d turns", ++turns);
     }
   }
   PSDRelease();

@@ -153,3 +153,24 @@ pub fn write_scene(scratch: &Scratch, programs: &[&str]) -> PathBuf {
     }
     scratch.write("scene.sim", &sim)
 }
+
+/// `robots` robots of type `%sim%/robis/ring.robi`, one a square metre in a room of walls alone, that all run `program`.
+pub fn write_crowd(scratch: &Scratch, robots: usize, program: &str) -> PathBuf {
+    let columns = robots.isqrt().max(1);
+    let (width, height) = (1000 * columns, 1000 * robots.div_ceil(columns));
+    scratch.write(
+        "crowd.wld",
+        &format!(
+            "floor {width} {height}\n0 0 {width} 0\n{width} 0 {width} {height}\n{width} {height} 0 {height}\n\
+             0 {height} 0 0\n"
+        ),
+    );
+    let mut sim = String::from("world crowd.wld\n");
+    for index in 0..robots {
+        let (x, y) = (1000 * (index % columns) + 500, 1000 * (index / columns) + 500);
+        // Headings all around: 137.5 degrees apart is the golden angle.
+        let phi = (index as f64 * 137.5) % 360.0;
+        sim += &format!("robi %sim%/robis/ring.robi {program} {x} {y} {phi}\n");
+    }
+    scratch.write("crowd.sim", &sim)
+}
