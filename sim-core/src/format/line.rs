@@ -274,28 +274,10 @@ pub(super) fn nearest<'k>(word: &str, keywords: impl IntoIterator<Item = &'k str
     }
     keywords
         .into_iter()
-        .map(|keyword| (edit_distance(&word, &keyword.to_lowercase()), keyword))
+        .map(|keyword| (strsim::osa_distance(&word, &keyword.to_lowercase()), keyword))
         .filter(|(distance, keyword)| *distance <= 1 + keyword.len() / 5 && *distance < keyword.len().min(word.len()))
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, keyword)| keyword)
-}
-
-/// Insertions, deletions, substitutions and swaps of neighbours between two words.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let mut rows = vec![(0..=b.len()).collect::<Vec<usize>>()];
-    for i in 1..=a.len() {
-        let mut row = vec![i; b.len() + 1];
-        for j in 1..=b.len() {
-            let substitution = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
-            row[j] = substitution.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                row[j] = row[j].min(rows[i - 2][j - 2] + 1);
-            }
-        }
-        rows.push(row);
-    }
-    rows[a.len()][b.len()]
 }
 
 #[cfg(test)]

@@ -252,12 +252,7 @@ struct Sinks {
 }
 
 /// The sinks that the arguments ask for.
-fn sinks(
-    args: &RunArgs,
-    options: &Options,
-    scene: &SceneSpec,
-    progress: &Progress,
-) -> anyhow::Result<Sinks> {
+fn sinks(args: &RunArgs, options: &Options, scene: &SceneSpec, progress: &Progress) -> anyhow::Result<Sinks> {
     let log = Log::new(options.filter.clone(), progress.stdout(), progress.stderr());
     let mut all: Vec<Box<dyn Sink>> = vec![Box::new(log)];
     if let Some(path) = &args.trace {

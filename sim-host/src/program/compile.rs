@@ -8,7 +8,6 @@ use std::process::Command;
 use robios_sys::{Robios6Call, c};
 
 use super::compiler::Compiler;
-use super::find::edit_distance;
 
 /// The texts that every C program is built with: the headers it may include, and the shim that is linked to it.
 #[derive(Clone, Debug)]
@@ -192,7 +191,7 @@ const ROBIOS_7: &[&str] = &[
 
 /// The RoBIOS 6 function whose name is nearest to `name`, if one is near: up to a slip in four letters.
 fn near_robios_function(name: &str) -> Option<&'static str> {
-    let distance = |call: &Robios6Call| edit_distance(&call.name().to_lowercase(), &name.to_lowercase());
+    let distance = |call: &Robios6Call| strsim::osa_distance(&call.name().to_lowercase(), &name.to_lowercase());
     let nearest = Robios6Call::ALL.iter().min_by_key(|call| distance(call))?;
     (distance(nearest) <= name.len() / 4).then(|| nearest.name())
 }

@@ -278,7 +278,7 @@ impl Finder<'_> {
             for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
                 let path = entry.path();
                 let Some(stem) = path.file_stem().and_then(|stem| stem.to_str()) else { continue };
-                let distance = edit_distance(&stem.to_lowercase(), &wanted.to_lowercase());
+                let distance = strsim::osa_distance(&stem.to_lowercase(), &wanted.to_lowercase());
                 if distance <= (wanted.chars().count() / 3).max(1) && looks_like_program(&path) {
                     near.push((distance, path.display().to_string()));
                 }
@@ -360,30 +360,6 @@ fn strip_prefix_ignoring_case<'a>(text: &'a str, prefix: &str) -> Option<&'a str
 fn tidy(path: &Path) -> PathBuf {
     let tidied: PathBuf = path.components().filter(|component| *component != Component::CurDir).collect();
     if tidied.as_os_str().is_empty() { PathBuf::from(".") } else { tidied }
-}
-
-/// Number of characters to insert, remove, replace or swap with the next to make `a` into `b`.
-///
-/// Source: optimal string alignment, Damerau (1964), Levenshtein (1966).
-pub fn edit_distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];
-    for i in 0..=a.len() {
-        for j in 0..=b.len() {
-            rows[i][j] = if i == 0 || j == 0 {
-                i + j
-            } else {
-                let replaced = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
-                let swapped = if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                    rows[i - 2][j - 2] + 1
-                } else {
-                    usize::MAX
-                };
-                replaced.min(swapped).min(rows[i - 1][j] + 1).min(rows[i][j - 1] + 1)
-            };
-        }
-    }
-    rows[a.len()][b.len()]
 }
 
 #[cfg(test)]
@@ -521,14 +497,5 @@ mod tests {
         assert!(place.check_missing("b.rs").contains("name the folder of its Cargo package"));
         assert!(place.check_missing("c.cpp").contains("a C++ source"));
         assert!(place.check_missing("d").contains("a folder without `Cargo.toml` or `.c` files"));
-    }
-
-    #[test]
-    fn edit_distance_counts_single_slips() {
-        for (a, b, distance) in
-            [("maze", "maze", 0), ("maze", "mazes", 1), ("maze", "mzae", 1), ("", "abc", 3), ("ab", "ca", 2)]
-        {
-            assert_eq!(edit_distance(a, b), distance, "{a} {b}");
-        }
     }
 }

@@ -139,23 +139,8 @@ fn fits(name: &str, function: &str) -> bool {
 /// The function whose name is at most a third of its letters away from `name`.
 fn most_similar(name: &str) -> Option<&'static str> {
     let name = name.to_lowercase();
-    let similar = Call::ALL.iter().map(|call| (edits(&name, &call.name().to_lowercase()), call.name()));
+    let similar = Call::ALL.iter().map(|call| (strsim::osa_distance(&name, &call.name().to_lowercase()), call.name()));
     similar.min_by_key(|(edits, _)| *edits).filter(|(edits, call)| *edits * 3 <= call.len()).map(|(_, call)| call)
-}
-
-/// How many letters must be inserted, removed or replaced to make `b` of `a` (Levenshtein).
-fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, a) in a.chars().enumerate() {
-        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
-        for (j, b) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(a != *b);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }
 
 #[cfg(test)]
