@@ -41,7 +41,7 @@ fn lcd_number(robot: &Value, row: usize) -> f64 {
 }
 
 fn distance(a: [f64; 3], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
+    ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)).sqrt()
 }
 
 #[test]
