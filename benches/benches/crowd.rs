@@ -1,0 +1,124 @@
+//! Whole runs of the real binary: crowds of robots that avoid each other, and robots that wait.
+//!
+//! A harness of its own: criterion would run each scene a hundred times, and knows nothing of memory.
+#![forbid(unsafe_code)]
+
+use std::fs;
+use std::process::{Child, Stdio};
+use std::thread;
+use std::time::Duration;
+
+use serde_json::Value;
+use tests::{Scratch, number, write_crowd};
+
+/// The program of the crowds: reads eight PSDs, sets its speed, waits for the next 50 ms.
+const AVOID: &str = "%sim%/example-programs/avoid";
+/// How often each run is repeated: the fastest counts, since other work on the machine can only slow it down.
+const REPEATS: usize = 3;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let is_smoke_test = arguments.iter().any(|argument| argument == "--test");
+    let filter = arguments.iter().find(|argument| !argument.starts_with('-'));
+    let is_wanted = |name: &str| filter.is_none_or(|filter| name.contains(filter.as_str()));
+
+    let mut alone = None;
+    for (robots, seconds) in [(1, 6000.0), (10, 600.0), (100, 60.0), (1000, 20.0)] {
+        let name = format!("crowd/{robots}");
+        if is_wanted(&name) {
+            let seconds = if is_smoke_test { 0.5 } else { seconds };
+            let repeats = if is_smoke_test { 1 } else { REPEATS };
+            crowd(&name, robots, seconds, repeats, &mut alone);
+        }
+    }
+    if is_wanted("crowd/waiting") {
+        waiting(is_smoke_test);
+    }
+}
+
+/// What a run took.
+#[derive(Clone, Copy)]
+struct Run {
+    simulated: f64,
+    real: f64,
+    /// Greatest resident memory in KiB, where the system tells.
+    peak: Option<u64>,
+}
+
+fn crowd(name: &str, robots: usize, seconds: f64, repeats: usize, alone: &mut Option<u64>) {
+    let scratch = Scratch::new();
+    write_crowd(&scratch, robots, AVOID);
+    let best = fastest(&scratch, seconds, repeats);
+    if repeats == 1 {
+        println!("{name:<14} runs");
+        return;
+    }
+    let steps = best.simulated / 0.05 * robots as f64;
+    let times = best.simulated / best.real;
+    let mut line = format!("{name:<14} {:>9.0} robot-steps/s {times:>9.1} times real time", steps / best.real);
+    if let Some(peak) = best.peak {
+        line += &format!(" {:>7.1} MiB at most", peak as f64 / 1024.0);
+        match *alone {
+            None if robots == 1 => *alone = Some(peak),
+            Some(alone) if robots > 1 => {
+                let each = peak.saturating_sub(alone) as f64 / (robots - 1) as f64;
+                line += &format!(", {each:.0} KiB for each further robot, its program included");
+            }
+            _ => {}
+        }
+    }
+    println!("{line}");
+}
+
+/// A robot that drives among others that wait, and without them: what each waiting robot costs in a slot.
+fn waiting(is_smoke_test: bool) {
+    const WAITING: usize = 1000;
+    let scratch = Scratch::new();
+    let seconds = if is_smoke_test { 0.5 } else { 600.0 };
+    scratch.write("wait.c", "#include \"eyebot.h\"\nint main(void) { OSWait(1000000); KEYGet(); return 0; }\n");
+    scratch.write("drive.c", "#include \"eyebot.h\"\nint main(void) { for (;;) OSWait(5); }\n");
+    let of = |waiting: usize| {
+        write_crowd(&scratch, waiting + 1, "wait.c");
+        let sim = scratch.read("crowd.sim").replacen("wait.c", "drive.c", 1);
+        scratch.write("crowd.sim", &sim);
+        fastest(&scratch, seconds, if is_smoke_test { 1 } else { REPEATS })
+    };
+    let (few, many) = (of(1), of(WAITING));
+    if is_smoke_test {
+        println!("crowd/waiting  runs");
+        return;
+    }
+    let slots = many.simulated / 0.05;
+    let each = (many.real - few.real) / slots / (WAITING - 1) as f64;
+    println!("crowd/waiting  {:>9.1} ns a slot for a robot that waits", each * 1e9);
+}
+
+fn fastest(scratch: &Scratch, seconds: f64, repeats: usize) -> Run {
+    let runs = (0..repeats).map(|_| run(scratch, seconds));
+    runs.min_by(|a, b| a.real.total_cmp(&b.real)).expect("at least one run")
+}
+
+fn run(scratch: &Scratch, seconds: f64) -> Run {
+    let until = seconds.to_string();
+    let mut command = scratch.command(&["run", "crowd.sim", "--until", &until, "--speed", "max", "--report", "r.json"]);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("eyesim starts");
+    let peak = watch(&mut child);
+    let status = child.wait().expect("eyesim ends");
+    assert!(status.success(), "eyesim ends with {status}");
+    let report: Value = serde_json::from_str(&scratch.read("r.json")).expect("a report is JSON");
+    Run { simulated: number(&report, "sim_time_s"), real: number(&report, "real_time_s"), peak }
+}
+
+/// Waits for the end of `child`; its greatest resident memory in KiB, as Linux tells it.
+fn watch(child: &mut Child) -> Option<u64> {
+    let path = format!("/proc/{}/status", child.id());
+    let mut peak = None;
+    while child.try_wait().expect("eyesim can be waited for").is_none() {
+        // Of a process that has ended there is no memory any more: the last answer stands.
+        let status = fs::read_to_string(&path).unwrap_or_default();
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        peak = line.and_then(|line| line.split_whitespace().next()?.parse().ok()).or(peak);
+        thread::sleep(Duration::from_millis(2));
+    }
+    peak
+}
