@@ -1,0 +1,195 @@
+//! What the documentation points at is there.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use tests::root;
+
+/// All Markdown files of the repository, relative to its root.
+fn pages() -> Vec<PathBuf> {
+    fn collect(folder: &Path, pages: &mut Vec<PathBuf>) {
+        for entry in fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            let name = path.file_name().expect("a name").to_string_lossy();
+            if path.is_dir() && !name.starts_with('.') && name != "target" {
+                collect(&path, pages);
+            } else if path.extension().is_some_and(|extension| extension == "md") {
+                pages.push(path);
+            }
+        }
+    }
+    let mut pages = Vec::new();
+    collect(root(), &mut pages);
+    pages.sort();
+    assert!(pages.len() >= 10, "{pages:?}");
+    pages
+}
+
+/// The text without fenced blocks, whose brackets are no links.
+fn prose(text: &str) -> String {
+    let mut inside = false;
+    let lines = text.lines().filter(|line| {
+        let fence = line.trim_start().starts_with("```");
+        inside ^= fence;
+        !inside && !fence
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// The targets of `[text](target)` and `![text](target)`.
+fn links(text: &str) -> Vec<&str> {
+    text.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(target, _)| target).collect()
+}
+
+/// The anchor that a heading gets: lower case, blanks to hyphens, punctuation dropped.
+fn anchor(heading: &str) -> String {
+    let kept = heading.trim().to_lowercase();
+    kept.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).map(|c| if c == ' ' { '-' } else { c }).collect()
+}
+
+/// What is wrong with a link on a page, if anything.
+fn broken(page: &Path, link: &str) -> Option<String> {
+    if link.contains("://") || link.starts_with("mailto:") {
+        return None;
+    }
+    let (file, fragment) = link.split_once('#').unwrap_or((link, ""));
+    let target = if file.is_empty() { page.to_owned() } else { page.parent().expect("a folder").join(file) };
+    if !target.exists() {
+        return Some(format!("{}: `{link}` leads nowhere", page.display()));
+    }
+    if fragment.is_empty() {
+        return None;
+    }
+    let text = prose(&fs::read_to_string(&target).expect("a page"));
+    let found =
+        text.lines().filter(|line| line.starts_with('#')).any(|line| anchor(line.trim_start_matches('#')) == fragment);
+    (!found).then(|| format!("{}: `{link}` names no heading", page.display()))
+}
+
+#[test]
+fn links_lead_to_files_of_the_repository() {
+    let mut checked = 0;
+    let mut wrong = Vec::new();
+    for page in pages() {
+        let text = prose(&fs::read_to_string(&page).expect("a page"));
+        for link in links(&text) {
+            checked += 1;
+            wrong.extend(broken(&page, link));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(checked >= 20, "{checked} links only");
+}
+
+#[test]
+fn a_broken_link_is_found() {
+    let page = root().join("README.md");
+    assert_eq!(links("see [a](docs/a.md), ![b](b.svg)"), ["docs/a.md", "b.svg"]);
+    assert!(broken(&page, "docs/no-such-page.md").is_some());
+    assert!(broken(&page, "docs/robios6.md#no-such-heading").is_some());
+    assert_eq!(broken(&page, "docs/robios6.md#cost-table"), None);
+}
+
+/// The paths of the list of rooms: an indented name belongs to the name above it.
+fn rooms(architecture: &str) -> Vec<String> {
+    let (_, list) = architecture.split_once("```text\n").expect("the list of rooms");
+    let (list, _) = list.split_once("```").expect("its end");
+    let mut parent = "";
+    let mut paths = Vec::new();
+    for line in list.lines() {
+        // Several names stand in one column: two or more blanks begin the description.
+        let (names, _) = line.trim_start().split_once("  ").unwrap_or((line.trim(), ""));
+        let nested = line.starts_with(' ');
+        for name in names.split_whitespace() {
+            paths.push(if nested { format!("{parent}src/{name}") } else { name.to_owned() });
+            if !nested {
+                parent = name;
+            }
+        }
+    }
+    paths
+}
+
+#[test]
+fn the_architecture_names_rooms_that_exist() {
+    let text = fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
+    let rooms = rooms(&text);
+    assert!(rooms.len() >= 15, "{rooms:?}");
+    // A module is a folder, or the file of its name.
+    let missing = |path: &&String| {
+        let path = root().join(path.trim_end_matches('/'));
+        !path.exists() && !path.with_extension("rs").exists()
+    };
+    assert_eq!(rooms.iter().filter(missing).collect::<Vec<_>>(), Vec::<&String>::new());
+}
+
+/// Files that the pages name in backquotes with a folder, such as `sim-host/src/robios/costs.toml`.
+fn named_files(text: &str) -> BTreeSet<&str> {
+    const FOLDERS: &[&str] = &[
+        "sim-core/",
+        "sim-host/",
+        "robios-sys/",
+        "robios-api/",
+        "accuracy/",
+        "sims/",
+        "worlds/",
+        "robis/",
+        "docs/",
+        ".ci/",
+    ];
+    let quoted = text.split('`').skip(1).step_by(2);
+    quoted
+        .filter(|word| FOLDERS.iter().any(|folder| word.starts_with(folder)) && !word.contains([' ', '*', '<']))
+        .collect()
+}
+
+#[test]
+fn files_named_by_the_pages_exist() {
+    let mut wrong = Vec::new();
+    let mut checked = 0;
+    for page in pages() {
+        let text = prose(&fs::read_to_string(&page).expect("a page"));
+        for name in named_files(&text) {
+            checked += 1;
+            if !root().join(name).exists() && !root().join(format!("{name}.rs")).exists() {
+                wrong.push(format!("{}: `{name}`", page.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(checked >= 5, "{checked} files only");
+}
+
+#[test]
+fn scenes_of_the_list_are_the_scenes_of_the_folder() {
+    let text = fs::read_to_string(root().join("sims/README.md")).expect("sims/README.md");
+    let listed: BTreeSet<String> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("| `")?.split_once('`'))
+        .map(|(name, _)| name.to_owned())
+        .collect();
+    let there: BTreeSet<String> = fs::read_dir(root().join("sims"))
+        .expect("sims")
+        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+        .filter(|name| name.ends_with(".sim"))
+        .collect();
+    assert_eq!(listed, there);
+}
+
+#[test]
+fn a_fresh_checkout_has_no_file_that_names_a_machine() {
+    let listed = Command::new("git").args(["ls-files", "-z"]).current_dir(root()).output();
+    let Some(listed) = listed.ok().filter(|listed| listed.status.success()) else {
+        println!("skipped: not a git checkout");
+        return;
+    };
+    let home = concat!("/ho", "me/");
+    let names = String::from_utf8(listed.stdout).expect("names in UTF-8");
+    let pages =
+        names.split('\0').filter(|name| name.ends_with(".md") || name.ends_with(".toml") || name.ends_with(".sim"));
+    let wrong: Vec<_> =
+        pages.filter(|name| fs::read_to_string(root().join(name)).is_ok_and(|text| text.contains(home))).collect();
+    assert_eq!(wrong, Vec::<&str>::new());
+}
