@@ -66,7 +66,6 @@ impl Executor for ThreadExecutor {
         let (adopted, adoption) = mpsc::sync_channel(1);
         let handle = thread::Builder::new().name(robot.to_string()).stack_size(STACK).spawn(move || {
             let result = block.adopt_current_thread();
-            be_uninterrupted_by_wakes();
             let is_adopted = result.is_ok();
             // The receiver waits just below for this one message.
             let _ = adopted.send(result);
@@ -161,16 +160,6 @@ fn processors(lanes: usize) -> Vec<usize> {
     }
     let first = allowed.iter().position(|cpu| i32::try_from(*cpu) == Ok(here)).unwrap_or(0);
     allowed.iter().cycle().skip(first).take(lanes).copied().collect()
-}
-
-/// Lets the calling thread finish its hand-over before the thread that it wakes runs, instead of being interrupted by it.
-fn be_uninterrupted_by_wakes() {
-    // SAFETY: the parameter is a valid one (the batch policy has priority 0 only); where the kernel refuses, the thread keeps
-    // its policy, only slower.
-    unsafe {
-        let parameter: libc::sched_param = std::mem::zeroed();
-        libc::sched_setscheduler(0, libc::SCHED_BATCH, &parameter);
-    }
 }
 
 /// Binds a thread to a processor; where the kernel refuses, the thread runs where it likes, only slower.
