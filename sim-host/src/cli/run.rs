@@ -101,6 +101,7 @@ pub enum Speed {
 /// # Errors
 /// Files or arguments that are wrong.
 pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
+    expect_sim(&args.sim)?;
     let files = DiskFiles::of_environment();
     let loaded = load_sim(&slashed(&args.sim), &files);
     eprint!("{}", check::render(&loaded.diagnostics, &loaded.inputs));
@@ -109,6 +110,20 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     }
     let options = Options::new(args, loaded.scene.robots.len())?;
     simulate(args, &options, &files, &loaded)
+}
+
+/// Refuses what is named in place of a sim file, such as the program itself, before it is read as one.
+fn expect_sim(path: &Path) -> anyhow::Result<()> {
+    let name = path.display();
+    if path.is_dir() {
+        bail!("`{name}` is a folder: name the sim file in it (NAME.sim)");
+    }
+    if path.extension().is_some_and(|extension| !extension.eq_ignore_ascii_case("sim")) {
+        bail!(
+            "`{name}` is no sim file: expected NAME.sim, which names a world and, for each robot, a robi and a program"
+        );
+    }
+    Ok(())
 }
 
 /// What the arguments mean for the robots of the scene.
