@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::drive::{DriveKind, Model};
-use crate::format::{self, RobiSpec, WorldSpec};
+use crate::drive::Model;
+use crate::format::{RobiSpec, WorldSpec};
 use crate::scene::{Segment, Walls};
 
 /// The static walls of a world; a wall with a thickness becomes the four sides of its rectangle.
@@ -21,13 +21,8 @@ pub fn walls(world: &WorldSpec) -> Arc<Walls> {
 
 /// The drive and the body of a robot type.
 pub fn model(robi: &RobiSpec) -> Model {
-    let kind = match robi.drive.kind {
-        format::DriveKind::Differential => DriveKind::Differential,
-        format::DriveKind::Ackermann => DriveKind::Ackermann,
-        format::DriveKind::Omni => DriveKind::Omni,
-    };
     Model {
-        kind,
+        kind: robi.drive.kind,
         wheel_diameter: robi.wheel.diameter,
         max_wheel_rate: robi.wheel.max_rate,
         ticks_per_turn: robi.wheel.ticks_per_turn,

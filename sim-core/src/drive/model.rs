@@ -31,7 +31,7 @@ pub struct Model {
     pub ticks_per_turn: f64,
     /// Distance of the left and right wheels, m.
     pub track: f64,
-    /// Distance of the front and back axles, m (Ackermann and omni). See [`Model::default_wheelbase`].
+    /// Distance of the front and back axles, m (Ackermann and omni).
     pub wheelbase: f64,
     /// From the robot's centre to the axle along x, m; the axle's midpoint is the reference of the drive and of odometry.
     pub axis_offset: f64,
@@ -60,13 +60,6 @@ pub struct ModelError {
 }
 
 impl Model {
-    /// The wheelbase of a robot whose file gives none: the track of an omni drive, else half the body's diameter.
-    ///
-    /// Our choice: with 45 degrees of steering the rear axle then turns on a circle as wide as the body.
-    pub fn default_wheelbase(kind: DriveKind, track: f64, body_radius: f64) -> f64 {
-        if kind == DriveKind::Omni { track } else { body_radius }
-    }
-
     /// Number of wheels with a motor and an encoder.
     pub fn wheel_count(&self) -> usize {
         match self.kind {

@@ -8,6 +8,7 @@ use glam::{DVec2, DVec3};
 
 use super::Span;
 use crate::RobotId;
+pub use crate::drive::DriveKind;
 use crate::pose::Pose;
 
 /// Height of a wall whose line does not say, in metres: what EyeSim VR shows of its walls.
@@ -110,17 +111,6 @@ impl WorldSpec {
         let ends = self.walls.iter().flat_map(|wall| [wall.from, wall.to]);
         ends.fold((DVec2::ZERO, self.floor), |(low, high), end| (low.min(end), high.max(end)))
     }
-}
-
-/// How a robot drives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DriveKind {
-    /// Two wheels on one axle: motors left, right.
-    Differential,
-    /// Driven rear axle, steered front axle: one motor, one servo.
-    Ackermann,
-    /// Four Mecanum wheels: motors front left, front right, back left, back right.
-    Omni,
 }
 
 /// A motor of the drive and what belongs to it.

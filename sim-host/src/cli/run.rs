@@ -1,6 +1,7 @@
 //! `eyesim run`: a sim file from its first line to the last line of its report.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::Write as _;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -53,19 +54,19 @@ pub struct RunArgs {
     #[arg(long, value_name = "NUMBER", default_value_t = 0)]
     pub seed: u64,
     /// Length of a time slot in milliseconds, a multiple of 0.001
-    #[arg(long, value_name = "MS", default_value = "50", value_parser = parse_slot)]
+    #[arg(long, value_name = "MS", default_value = "50", value_parser = parse_slot, allow_hyphen_values = true)]
     pub slot: Time,
     /// Robots that run at one time [default: one for each processor]
     #[arg(long, value_name = "NUMBER")]
     pub threads: Option<NonZeroUsize>,
     /// Simulated seconds at which the run ends [default: 600]
-    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_hyphen_values = true)]
     pub until: Option<Time>,
     /// Simulated seconds for each second of real time, or `max`
-    #[arg(long, value_name = "FACTOR", default_value = "max", value_parser = parse_speed)]
+    #[arg(long, value_name = "FACTOR", default_value = "max", value_parser = parse_speed, allow_hyphen_values = true)]
     pub speed: Speed,
     /// Processor time in seconds that a program may compute within one slot before it is stopped
-    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = parse_timeout)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = parse_timeout, allow_hyphen_values = true)]
     pub timeout: f64,
     /// Keys that are pressed: `2.5:KEY1, 4:KEY4`, for one robot `2:2.5:KEY1`
     #[arg(long, value_name = "KEYS")]
@@ -204,6 +205,8 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
         installation: files.home().map(PathBuf::from),
     };
     let programs = Programs::build(scene, &search)?;
+    let inputs = inputs(&loaded.inputs, options.costs_input.as_ref(), &programs);
+    check_outputs(args, &inputs)?;
     programs.remarks.iter().for_each(|remark| eprintln!("{remark}"));
     let loaded_programs = match programs.load(scene, &options.arguments) {
         Ok(loaded) => loaded,
@@ -242,17 +245,57 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
         .context("cannot start the robots")?;
     progress.clear();
 
-    let inputs = inputs(&loaded.inputs, options.costs_input.as_ref(), &programs);
     let report = report(args, scene, &ended, inputs);
-    print!("{}", table::render(&report, Screen::of_stdout()));
+    let written = [
+        args.report.as_ref().map(|path| report.write(path)),
+        args.plot
+            .as_ref()
+            .zip(trails.as_ref())
+            .map(|(path, trails)| plot(scene, &walls, &trails.lock(), &ended.robots).write(path)),
+    ];
+    print(&table::render(&report, Screen::of_stdout()))?;
     explain(args, &report, &ended);
-    if let Some(path) = &args.report {
-        report.write(path)?;
-    }
-    if let (Some(path), Some(trails)) = (&args.plot, &trails) {
-        plot(scene, &walls, &trails.lock(), &ended.robots).write(path)?;
-    }
+    // One file that cannot be written keeps no other from being written.
+    written.into_iter().flatten().collect::<Result<(), _>>()?;
     Ok(exit_code(&ended))
+}
+
+/// Prints to standard output; a reader who has seen enough (`| head`) is no error.
+fn print(text: &str) -> anyhow::Result<()> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error).context("standard output"),
+        _ => Ok(()),
+    }
+}
+
+/// Checks before the run that what it writes destroys none of its inputs and has a folder to lie in.
+fn check_outputs(args: &RunArgs, inputs: &[Input]) -> anyhow::Result<()> {
+    let outputs = [("--report", &args.report), ("--trace", &args.trace), ("--plot", &args.plot)];
+    let mut known: Vec<(String, PathBuf)> = Vec::new();
+    for input in inputs {
+        if let Ok(path) = std::fs::canonicalize(&input.path) {
+            known.push((format!("the input `{}`", input.path), path));
+        }
+    }
+    for (option, path) in outputs.into_iter().filter_map(|(option, path)| Some((option, path.as_ref()?))) {
+        let shown = path.display();
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = std::fs::canonicalize(folder)
+            .with_context(|| format!("{option} `{shown}`: there is no folder `{}`", folder.display()))?;
+        let place = std::fs::canonicalize(path).unwrap_or_else(|_| folder.join(path.file_name().unwrap_or_default()));
+        if place.is_dir() {
+            bail!("{option} `{shown}` is a folder, expected a file");
+        }
+        // Devices such as /dev/null take any number of outputs.
+        if place.starts_with("/dev") {
+            continue;
+        }
+        if let Some((what, _)) = known.iter().find(|(_, other)| *other == place) {
+            bail!("{option} `{shown}` would overwrite {what}");
+        }
+        known.push((format!("what {option} writes"), place));
+    }
+    Ok(())
 }
 
 fn processors() -> usize {

@@ -179,7 +179,8 @@ impl Conductor {
         self.departed[robot.index()]
     }
 
-    /// Simulated time, once the run is over: the end of the last slot, or the limit that the user set.
+    /// Simulated time, once the run is over: the end of the last slot, where the world stands then, or the limit that the
+    /// user set.
     pub fn time(&self, world: &World) -> Time {
         match self.end {
             Some(End::Until) => world.slot_start().max(self.until),
@@ -278,13 +279,15 @@ impl Conductor {
             self.end_with(if self.alive == 0 { End::Finished } else { End::Until });
             return Ok(());
         }
+        if let Some(pace) = &self.pace
+            && pace.wait_for(start) == Waited::Interrupted
+        {
+            self.end_with(End::Interrupted);
+            return Ok(());
+        }
         world.advance_to(start);
         run.publish_slot(&world);
         self.take_due(world.slot_end());
-        drop(world);
-        if let Some(pace) = &self.pace {
-            pace.wait_for(start);
-        }
         Ok(())
     }
 
@@ -357,14 +360,22 @@ impl Pace {
     const NAP: Duration = Duration::from_millis(20);
 
     /// Sleeps until real time has reached simulated time `start`, or the user interrupts.
-    fn wait_for(&self, start: Time) {
+    fn wait_for(&self, start: Time) -> Waited {
         let due = self.start + Duration::try_from_secs_f64(start.seconds() / self.factor).unwrap_or(Duration::MAX / 4);
         while !signal::is_interrupted() {
             let left = due.saturating_duration_since(Instant::now());
             if left.is_zero() {
-                return;
+                return Waited::Due;
             }
             std::thread::sleep(left.min(Self::NAP));
         }
+        Waited::Interrupted
     }
+}
+
+/// How a wait for real time ended.
+#[derive(PartialEq, Eq)]
+enum Waited {
+    Due,
+    Interrupted,
 }

@@ -111,6 +111,9 @@ const SUPPORT_COST: Time = Time(1);
 /// How often the supervisor looks at the programs and shows progress.
 const LOOK: Duration = Duration::from_millis(50);
 
+/// Processor time in seconds that a program may still compute once the user has interrupted the run.
+const PATIENCE: f64 = 0.5;
+
 /// How long a stopped program may take to leave before it is left behind.
 const LEAVE: Duration = Duration::from_secs(1);
 
@@ -144,7 +147,10 @@ impl Run {
         let hand_over = run.conductor.lock().begin(&run);
         run.resume(&hand_over);
         let broken = run.supervise(limits, &mut watch);
-        run.stop_all(&broken);
+        // Nothing of a broken process runs on: another program may wait for a lock that the broken one holds.
+        if broken.is_empty() {
+            run.stop_all();
+        }
         Ok(run.conclude(&programs, &broken, start))
     }
 
@@ -260,29 +266,34 @@ impl Run {
                     self.bury(id);
                 }
             }
-            let (running, is_over) = {
-                let conductor = self.conductor.lock();
-                (conductor.running().collect::<Vec<_>>(), conductor.is_over())
-            };
-            if is_over {
+            watch(self);
+            // The slot loop keeps the lock while it waits for real time; nobody runs then.
+            let Some(mut conductor) = self.conductor.try_lock() else { continue };
+            if conductor.is_over() {
                 return all_broken;
             }
+            let mut timeout = limits.timeout;
+            if signal::is_interrupted() {
+                conductor.end_with(End::Interrupted);
+                timeout = timeout.min(PATIENCE);
+            }
+            let running: Vec<_> = conductor.running().collect();
+            drop(conductor);
             if !watchdog::is_debugged() {
                 for id in running {
-                    if self.executor.is_overdue(id, limits.timeout) {
+                    if self.executor.is_overdue(id, timeout) {
                         self.executor.break_overdue(id);
                     }
                 }
             }
-            watch(self);
         }
     }
 
     /// Lets every program that has not ended leave, one after the other in the order of ids.
-    fn stop_all(&self, broken: &[(RobotId, Broken)]) {
+    fn stop_all(&self) {
         self.is_stopping.store(true, Ordering::Release);
         for id in (0..self.robots.len()).map(RobotId::from_index) {
-            if self.conductor.lock().has_departed(id) || broken.iter().any(|(other, _)| *other == id) {
+            if self.conductor.lock().has_departed(id) {
                 continue;
             }
             self.executor.resume(id, 0);
@@ -303,7 +314,7 @@ impl Run {
             let id = RobotId::from_index(index);
             let mut robot = self.robot(id);
             let broken = broken.iter().find(|(other, _)| *other == id).map(|(_, broken)| broken);
-            let standing = standing::judge(&mut robot, &end, broken, program);
+            let standing = standing::judge(&mut robot, &end, broken, program, programs.len() == 1);
             robot.record_standing(&standing);
             conductor.recorder().collect(&mut robot.journal);
             robots.push(RobotEnd {

@@ -181,6 +181,11 @@ pub fn stop_overdue(block: &ThreadBlock) {
 extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
     let block = CURRENT.get();
     if block.is_null() {
+        // SAFETY: neither call takes a pointer, and both always succeed.
+        let is_first_thread = unsafe { libc::gettid() == libc::getpid() };
+        if signal != OVERDUE_SIGNAL && !is_first_thread {
+            end_with_foreign_fault();
+        }
         if signal != OVERDUE_SIGNAL {
             // The host's own fault: let the default action show it when the instruction is tried again.
             // SAFETY: signal and raise are async-signal-safe.
@@ -200,6 +205,19 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
     // SAFETY: `info` and `context` are what the kernel passed to this SA_SIGINFO handler.
     let (address, (pc, sp)) = unsafe { ((*info).si_addr() as usize, registers(context)) };
     block.park_faulted(Fault { signal, address, pc, sp });
+}
+
+/// Ends the process with a message: a thread that a program started itself has faulted. Such threads are outside the guarantee;
+/// what is recorded up to the last slot is in the trace. Async-signal-safe.
+fn end_with_foreign_fault() -> ! {
+    const WORDS: &[u8] =
+        b"error: a thread that a robot program started by itself has faulted: such threads are outside the \
+        guarantee; the run ends here, the trace is complete up to the last slot\n";
+    // SAFETY: write and _exit are async-signal-safe; `WORDS` has as many bytes as are given.
+    unsafe {
+        libc::write(2, WORDS.as_ptr().cast(), WORDS.len());
+        libc::_exit(1)
+    }
 }
 
 extern "C" fn on_interrupt(_: i32) {

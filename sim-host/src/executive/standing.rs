@@ -30,8 +30,14 @@ pub struct Place {
     pub last_call: &'static str,
 }
 
-/// How the program of `robot` stands, given how the run ended and whether its flow broke.
-pub fn judge(robot: &mut Robot, end: &End, broken: Option<&Broken>, program: &LoadedProgram) -> Standing {
+/// How the program of `robot` stands, given how the run ended, whether its flow broke, and whether it was the only robot.
+pub fn judge(
+    robot: &mut Robot,
+    end: &End,
+    broken: Option<&Broken>,
+    program: &LoadedProgram,
+    is_alone: bool,
+) -> Standing {
     let standing = |outcome, reason| Standing { outcome, reason, exit_code: None, fault: None };
     if let Some(broken) = broken {
         let place = place(broken, program);
@@ -46,7 +52,7 @@ pub fn judge(robot: &mut Robot, end: &End, broken: Option<&Broken>, program: &Lo
         }
         (Some(Ending::Failed { reason }), _) => standing(Outcome::Failed, Some(reason.clone())),
         (_, Some(waiting)) if matches!(end, End::Stuck) => {
-            standing(Outcome::Waiting, Some(wait_in_words(robot, waiting, program)))
+            standing(Outcome::Waiting, Some(wait_in_words(robot, waiting, program, is_alone)))
         }
         _ => match end {
             End::Interrupted => standing(Outcome::Interrupted, None),
@@ -58,14 +64,15 @@ pub fn judge(robot: &mut Robot, end: &End, broken: Option<&Broken>, program: &Lo
 }
 
 /// `waits for KEY4 since 2.310 s at maze.c:88 (try --keys "3:KEY4")`.
-fn wait_in_words(robot: &mut Robot, waiting: &Waiting, program: &LoadedProgram) -> String {
+fn wait_in_words(robot: &mut Robot, waiting: &Waiting, program: &LoadedProgram, is_alone: bool) -> String {
     let Waiting { waits_for, since, .. } = waiting;
     let place = program.call_site().map(|site| format!(" at {site}")).unwrap_or_default();
     let advice = match waits_for {
         Waits::Key(key) => {
             let seconds = since.seconds().ceil();
             let key = key.split(' ').find(|word| word.starts_with("KEY")).unwrap_or("KEY1");
-            format!(" (try --keys \"{}:{seconds}:{key}\")", robot.id.0)
+            let robot = if is_alone { String::new() } else { format!("{}:", robot.id.0) };
+            format!(" (try --keys \"{robot}{seconds}:{key}\")")
         }
         Waits::Drive if robot.motion.is_stalled(robot.now.max(*since)) => {
             " (its wheels stall: something is in its way)".into()
