@@ -15,6 +15,7 @@ use super::Executor;
 use super::bell::Bell;
 use super::conductor::{Conductor, End, HandOver, Plan};
 use super::fault::Broken;
+use super::standing::Finish;
 use super::{signal, standing, watchdog};
 use crate::program::load::LoadedProgram;
 use crate::record::{Digest, Outcome, Recorder};
@@ -247,6 +248,9 @@ impl Run {
     fn bury(&self, id: RobotId) {
         {
             let mut robot = self.robot(id);
+            if matches!(robot.ending, Some(Ending::Exited { .. })) {
+                robot.hint_at_pending_drive();
+            }
             robot.halt(&self.world.read());
         }
         let hand_over = self.conductor.lock().depart(self, id);
@@ -309,12 +313,13 @@ impl Run {
         let mut conductor = self.conductor.lock();
         let time = conductor.time(&self.world.read());
         let end = conductor.take_end();
+        let finish = Finish { end: &end, time, robots: programs.len() };
         let mut robots = Vec::with_capacity(self.robots.len());
         for (index, program) in programs.iter().enumerate() {
             let id = RobotId::from_index(index);
             let mut robot = self.robot(id);
             let broken = broken.iter().find(|(other, _)| *other == id).map(|(_, broken)| broken);
-            let standing = standing::judge(&mut robot, &end, broken, program, programs.len() == 1);
+            let standing = standing::judge(&mut robot, &finish, broken, program);
             robot.record_standing(&standing);
             conductor.recorder().collect(&mut robot.journal);
             robots.push(RobotEnd {

@@ -1,6 +1,7 @@
 //! How a robot's program stands at the end of a run, and the words in which the user is told.
 
 use robios_sys::Robios6Call;
+use sim_core::time::Time;
 
 use super::conductor::End;
 use super::fault::Broken;
@@ -30,14 +31,18 @@ pub struct Place {
     pub last_call: &'static str,
 }
 
-/// How the program of `robot` stands, given how the run ended, whether its flow broke, and whether it was the only robot.
-pub fn judge(
-    robot: &mut Robot,
-    end: &End,
-    broken: Option<&Broken>,
-    program: &LoadedProgram,
-    is_alone: bool,
-) -> Standing {
+/// What the end of a run is to all its robots.
+pub struct Finish<'a> {
+    /// Why the run ended.
+    pub end: &'a End,
+    /// Simulated time at its end.
+    pub time: Time,
+    /// Number of robots.
+    pub robots: usize,
+}
+
+/// How the program of `robot` stands, given how the run finished and whether its flow broke.
+pub fn judge(robot: &mut Robot, finish: &Finish<'_>, broken: Option<&Broken>, program: &LoadedProgram) -> Standing {
     let standing = |outcome, reason| Standing { outcome, reason, exit_code: None, fault: None };
     if let Some(broken) = broken {
         let place = place(broken, program);
@@ -51,10 +56,10 @@ pub fn judge(
             Standing { exit_code: Some(*code), ..standing(Outcome::Failed, Some(format!("exit code {code}"))) }
         }
         (Some(Ending::Failed { reason }), _) => standing(Outcome::Failed, Some(reason.clone())),
-        (_, Some(waiting)) if matches!(end, End::Stuck) => {
-            standing(Outcome::Waiting, Some(wait_in_words(robot, waiting, program, is_alone)))
+        (_, Some(waiting)) if matches!(finish.end, End::Stuck) => {
+            standing(Outcome::Waiting, Some(wait_in_words(robot, waiting, program, finish)))
         }
-        _ => match end {
+        _ => match finish.end {
             End::Interrupted => standing(Outcome::Interrupted, None),
             End::Broken => standing(Outcome::Interrupted, Some("another robot's program broke".into())),
             End::Record(_) => standing(Outcome::Interrupted, Some("the record could not be written".into())),
@@ -64,19 +69,17 @@ pub fn judge(
 }
 
 /// `waits for KEY4 since 2.310 s at maze.c:88 (try --keys "3:KEY4")`.
-fn wait_in_words(robot: &mut Robot, waiting: &Waiting, program: &LoadedProgram, is_alone: bool) -> String {
+fn wait_in_words(robot: &mut Robot, waiting: &Waiting, program: &LoadedProgram, finish: &Finish<'_>) -> String {
     let Waiting { waits_for, since, .. } = waiting;
     let place = program.call_site().map(|site| format!(" at {site}")).unwrap_or_default();
     let advice = match waits_for {
         Waits::Key(key) => {
             let seconds = since.seconds().ceil();
             let key = key.split(' ').find(|word| word.starts_with("KEY")).unwrap_or("KEY1");
-            let robot = if is_alone { String::new() } else { format!("{}:", robot.id.0) };
+            let robot = if finish.robots == 1 { String::new() } else { format!("{}:", robot.id.0) };
             format!(" (try --keys \"{robot}{seconds}:{key}\")")
         }
-        Waits::Drive if robot.motion.is_stalled(robot.now.max(*since)) => {
-            " (its wheels stall: something is in its way)".into()
-        }
+        Waits::Drive if robot.motion.is_stalled(finish.time) => " (its wheels stall: something is in its way)".into(),
         _ => String::new(),
     };
     format!("waits for {waits_for} since {since}{place}{advice}")

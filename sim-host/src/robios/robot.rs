@@ -129,6 +129,15 @@ impl Robot {
         }
     }
 
+    /// Tells the user when the program has ended before a drive that it commanded.
+    pub fn hint_at_pending_drive(&mut self) {
+        if self.motion.drive_end().is_some_and(|end| end > self.now) {
+            self.hint(
+                "the program ended while it drove, which stops the motors: `VWDriveWait` waits for the end of a drive",
+            );
+        }
+    }
+
     /// Stops its motors, at the end of its program.
     pub fn halt(&mut self, world: &World) {
         let touching = world.touching(&mut self.motion, self.now);
