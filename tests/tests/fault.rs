@@ -93,3 +93,32 @@ fn a_wait_for_a_key_that_never_comes_names_key_time_and_line() {
     let ran = scratch.eyesim(&["run", "scene.sim", "--keys", "3:KEY4"]);
     assert_eq!(ran.code, Some(0), "{ran:#?}");
 }
+
+#[test]
+fn a_fault_in_a_thread_of_the_programs_own_ends_the_run_with_a_message() {
+    let scratch = Scratch::new();
+    scratch.write(
+        "prog.c",
+        "#include <pthread.h>\n#include \"eyebot.h\"\nstatic void *bad(void *p) { *(volatile int *)p = 1; return p; }\n\
+         int main(void) { pthread_t t; pthread_create(&t, 0, bad, 0); for (;;) OSWait(10); }\n",
+    );
+    write_scene(&scratch, &["prog.c"]);
+    let ran = scratch.eyesim(&["run", "scene.sim", "--until", "1e9"]);
+    assert_eq!(ran.code, Some(1), "{ran:#?}");
+    assert!(ran.stderr.contains("a thread that a robot program started"), "{ran:#?}");
+}
+
+#[test]
+fn a_library_that_cannot_be_loaded_fails_the_robot_by_name() {
+    let scratch = Scratch::new();
+    let source = scratch.write("classic.c", "int VWInit(int, int); int main(void) { return VWInit(1, 1); }\n");
+    let library = scratch.path().join("prog.so");
+    let built = std::process::Command::new("cc").args(["-shared", "-fPIC", "-o"]).arg(&library).arg(&source).status();
+    assert!(built.expect("a C compiler").success());
+    write_scene(&scratch, &["prog.so"]);
+    let ran = scratch.eyesim(&["run", "scene.sim"]);
+    assert_eq!(ran.code, Some(1), "{ran:#?}");
+    for word in ["r1", "prog.so", "VWInit", "eyesim cc"] {
+        assert!(ran.stderr.contains(word), "`{word}`: {ran:#?}");
+    }
+}
