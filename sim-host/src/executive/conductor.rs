@@ -128,11 +128,6 @@ impl Conductor {
         conductor
     }
 
-    /// Why the run has ended, once it has.
-    pub fn end(&self) -> Option<&End> {
-        self.end.as_ref()
-    }
-
     /// Ends the run after the present slot; an end that was found before stands.
     pub fn end_with(&mut self, end: End) {
         self.end.get_or_insert(end);

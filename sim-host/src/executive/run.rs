@@ -272,7 +272,7 @@ impl Run {
             }
             watch(self);
             // The slot loop keeps the lock while it waits for real time; nobody runs then.
-            let Some(mut conductor) = self.conductor.try_lock() else { continue };
+            let Some(mut conductor) = self.conductor.try_lock_for(LOOK) else { continue };
             if conductor.is_over() {
                 return all_broken;
             }

@@ -135,13 +135,21 @@ impl Caller {
     /// # Errors
     /// [`Stop`] when the program is to end instead.
     pub(crate) fn sleep(&self, span: Time) -> Result<(), Stop> {
-        let end = {
-            let robot = self.robot();
-            robot.now + span
-        };
+        let end = self.at_once(SupportCall::sleep_us, |robot| robot.now + span);
         self.wait(SupportCall::sleep_us, |robot, _| {
             if robot.now >= end { Poll::Ready(()) } else { Poll::Until { at: end, waits_for: Waits::Time(end) } }
         })
+    }
+
+    /// Acts at once: no virtual time passes, and a program that is told to stop may still do it. The thread counts as at work for
+    /// the program meanwhile, so that the watchdog does not park it while it holds the robot's lock.
+    pub(crate) fn at_once<R>(&self, call: SupportCall, act: impl FnOnce(&mut Robot) -> R) -> R {
+        let executor = self.run.executor();
+        // These few lines need next to no stack: they serve a program that has none left, too.
+        executor.enter(self.id, call.into());
+        let result = act(&mut self.robot());
+        executor.leave(self.id);
+        result
     }
 
     /// Ends the robot's program as failed, for a reason that is shown to the user.
@@ -242,19 +250,24 @@ impl CallContext for Caller {
     }
 
     fn log_call(&self, record: &CallRecord<'_>) {
-        let mut robot = self.robot();
         let arguments = record.arguments.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
         let result = record.result.map_or_else(|| "stopped".to_owned(), ToString::to_string);
-        let now = robot.now;
-        robot.journal.record(now, &Event::Call { function: record.name, arguments: &arguments, result: &result });
+        self.at_once(SupportCall::console, |robot| {
+            let event = Event::Call { function: record.name, arguments: &arguments, result: &result };
+            robot.journal.record(robot.now, &event);
+        });
     }
 
     fn unavailable(&self, name: &'static str) {
-        self.robot().hint(&format!("`{name}` is not simulated: it answers as a robot without that device does"));
+        let text = format!("`{name}` is not simulated: it answers as a robot without that device does");
+        self.at_once(SupportCall::console, |robot| robot.hint(&text));
     }
 
     fn panicked(&self, name: &'static str, _: Box<dyn Any + Send>) {
-        self.fail(self.robot(), format!("internal error of eyesim in `{name}`"));
+        let reason = format!("internal error of eyesim in `{name}`");
+        self.at_once(SupportCall::failed, |robot| {
+            robot.ending.get_or_insert(Ending::Failed { reason });
+        });
     }
 }
 

@@ -44,7 +44,7 @@ impl Support for Caller {
         let text = String::from_utf8_lossy(bytes.unwrap_or_default());
         // A program that is told to stop still leaves what it has printed; it pays no time for it any more.
         let result = if self.run().is_stopping() { Ok(()) } else { self.call(SupportCall::console, |_, _| ()) };
-        print_lines(&mut self.robot(), stream, &text);
+        self.at_once(SupportCall::console, |robot| print_lines(robot, stream, &text));
         result.map(|()| 0)
     }
 
@@ -76,14 +76,18 @@ impl Support for Caller {
             failure::STACK => "the program wrote over the end of a local array (stack smashed)".to_owned(),
             _ => text.into_owned(),
         };
-        self.robot().ending.get_or_insert(Ending::Failed { reason });
+        self.at_once(SupportCall::failed, |robot| {
+            robot.ending.get_or_insert(Ending::Failed { reason });
+        });
         Ok(0)
     }
 
     fn program_name(&self, name: &mut OutBytes) -> Result<i32, Stop> {
-        let robot = self.robot();
-        name.set(robot.program.as_bytes());
-        Ok(i32::try_from(robot.program.len()).unwrap_or(i32::MAX))
+        let length = self.at_once(SupportCall::program_name, |robot| {
+            name.set(robot.program.as_bytes());
+            robot.program.len()
+        });
+        Ok(i32::try_from(length).unwrap_or(i32::MAX))
     }
 }
 
