@@ -24,6 +24,19 @@ fn check(report: &serde_json::Value) {
 }
 
 #[test]
+fn the_picture_is_the_one_that_the_first_command_draws() {
+    let readme = fs::read_to_string(root().join("README.md")).expect("a README");
+    assert!(readme.contains("run sims/demo.sim --until 45 --plot"), "the command that this test runs");
+    let scratch = Scratch::new();
+    let plot = scratch.path().join("demo.svg");
+    let mut command = scratch.command(&["run", "sims/demo.sim", "--until", "45", "--plot"]);
+    let output = command.arg(&plot).current_dir(root()).output().expect("eyesim starts");
+    assert!(output.status.success(), "{output:?}");
+    let committed = fs::read_to_string(root().join("docs/demo.svg")).expect("the README's picture");
+    assert!(scratch.read("demo.svg") == committed, "draw docs/demo.svg anew with the README's first command");
+}
+
+#[test]
 fn the_first_program_in_c_runs() {
     let scratch = Scratch::new();
     scratch.write("hello.c", &block("c"));
