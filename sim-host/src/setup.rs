@@ -41,9 +41,13 @@ impl Programs {
         let mut found = Vec::with_capacity(scene.robots.len());
         let mut mistakes = Vec::new();
         for robot in &scene.robots {
-            match find_program(&robot.program.text, search) {
+            let Some(program) = &robot.program else {
+                push_new(&mut mistakes, format!("{}:{}: this robot has no program", scene.file, robot.span.line));
+                continue;
+            };
+            match find_program(&program.text, search) {
                 Ok(program) => found.push(program),
-                Err(error) => push_new(&mut mistakes, format!("{}:{}: {error}", scene.file, robot.program.span.line)),
+                Err(error) => push_new(&mut mistakes, format!("{}:{}: {error}", scene.file, program.span.line)),
             }
         }
         fail_with(&mistakes)?;
@@ -61,7 +65,7 @@ impl Programs {
                     program.warnings.iter().for_each(|warning| push_new(&mut remarks, warning.clone()));
                     of_robots.push(program);
                 }
-                Err(error) => push_new(&mut mistakes, format!("program `{}`: {error}", robot.program.text)),
+                Err(error) => push_new(&mut mistakes, format!("program `{}`: {error}", robot.program_name())),
             }
         }
         fail_with(&mistakes)?;
@@ -81,7 +85,7 @@ impl Programs {
         let mut loader = Loader::new().context("no folder to load programs from")?;
         let mut load = |(robot, program): (&sim_core::format::RobotSpec, &Arc<Prepared>)| {
             let words = arguments.get(&robot.id).map_or(&[][..], Vec::as_slice);
-            let named = |error: LoadError| anyhow!("{} (`{}`): {error}", robot.id, robot.program.text);
+            let named = |error: LoadError| anyhow!("{} (`{}`): {error}", robot.id, robot.program_name());
             loader.load(program, words).map_err(named)
         };
         scene.robots.iter().zip(&self.of_robots).map(&mut load).collect()

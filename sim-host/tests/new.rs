@@ -30,7 +30,7 @@ fn new(place: &Path, name: &str, language: &str) -> Arc<Prepared> {
     let loaded = load_sim(&sim.display().to_string(), &DiskFiles::default());
     assert!(loaded.diagnostics.is_empty(), "{:?}", loaded.diagnostics);
     let search = SearchPath { sim_folder: sim.parent().map(Path::to_owned), ..SearchPath::default() };
-    let found = find_program(&loaded.scene.robots[0].program.text, &search).unwrap_or_else(|error| panic!("{error}"));
+    let found = find_program(loaded.scene.robots[0].program_name(), &search).unwrap_or_else(|error| panic!("{error}"));
     let cache = Cache::open(&place.join("cache")).expect("a cache");
     let builder = Builder::new(cache, ShimKit::robios6(), Tools::of_environment());
     let prepared = prepare(&builder, &[found]).pop().expect("a result").unwrap_or_else(|error| panic!("{error}"));

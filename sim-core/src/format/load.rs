@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::diagnostic::{Diagnostic, Severity, Sink};
-use super::spec::{PathRef, RobiSpec, RobotLine, RobotSpec, SceneSpec, SimSpec, WorldKind, WorldSpec};
+use super::spec::{PathRef, RobiSpec, RobotLine, RobotSpec, SceneSpec, SimSpec, StartRef, WorldKind, WorldSpec};
 use super::{Span, clearance, path, read_companion, read_maze, read_robi, read_sim, read_world};
 use crate::RobotId;
 
@@ -78,8 +78,9 @@ pub fn load_sim(path: &str, files: &dyn Files) -> Loaded {
     let robots = loader.robots(&sim, &folder, world.as_ref());
     let world = world.unwrap_or_default();
     loader.diagnostics.extend(clearance::check(path, &world, &robots));
-    let objects = world.objects.iter().chain(&sim.objects).cloned().collect();
-    loader.finish(SceneSpec { file: path.to_owned(), folder, world, robots, objects })
+    let markers = sim.markers.clone();
+    let settings = sim.settings;
+    loader.finish(SceneSpec { file: path.to_owned(), folder, world, robots, objects: Vec::new(), markers, settings })
 }
 
 /// Reads a world file alone; the scene has no robots.
@@ -98,7 +99,6 @@ fn load_alone(path: &str, files: &dyn Files, read: fn(&str, &str) -> (WorldSpec,
     if let Some(text) = loader.root(path) {
         let (world, diagnostics) = read(path, &text);
         loader.diagnostics.extend(diagnostics);
-        scene.objects.clone_from(&world.objects);
         scene.world = world;
     }
     loader.finish(scene)
@@ -281,7 +281,10 @@ impl<'a> Loader<'a> {
         }
         for (index, line) in sim.robots.iter().enumerate() {
             let robi = self.robi(sim, folder, line);
-            let start = line.start.or_else(|| starts.next().map(|start| start.pose));
+            let start = match line.start {
+                StartRef::Pose(pose) => Some(pose),
+                StartRef::Next | StartRef::Letter { .. } => starts.next().map(|start| start.pose),
+            };
             // Where the world is missing, that is what has to be mended.
             if let (None, Some(world)) = (start, world) {
                 let message = format!("no start is left for this robot: the world has {}", world.starts.len());
@@ -290,18 +293,19 @@ impl<'a> Loader<'a> {
             }
             if let (Some(robi), Some(start)) = (robi, start) {
                 let id = RobotId::from_index(index);
-                robots.push(RobotSpec { id, robi, start, program: line.program.clone(), span: line.span });
+                let (program, arguments) = (line.program.clone(), line.arguments.clone());
+                robots.push(RobotSpec { id, robi, start, program, arguments, span: line.span });
             }
         }
         robots
     }
 
     fn robi(&mut self, sim: &SimSpec, folder: &str, line: &RobotLine) -> Option<Arc<RobiSpec>> {
-        if let Some(known) = self.referenced.get(&line.robi.text) {
+        if let Some(known) = self.referenced.get(&line.kind.written().text) {
             return known.clone();
         }
-        let robi = self.find(&sim.file, folder, &line.robi).map(|(path, bytes)| self.robi_at(path, bytes));
-        self.referenced.insert(line.robi.text.clone(), robi.clone());
+        let robi = self.find(&sim.file, folder, line.kind.written()).map(|(path, bytes)| self.robi_at(path, bytes));
+        self.referenced.insert(line.kind.written().text.clone(), robi.clone());
         robi
     }
 

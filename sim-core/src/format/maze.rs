@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::diagnostic::{Diagnostic, Sink};
 use super::line::{self, Line, Quantity, Word};
 use super::spec::{
-    DEFAULT_CELL, DEFAULT_WALL_HEIGHT, MAX_LENGTH, ObjectKind, ObjectSpec, StartSpec, WallSpec, WorldSpec,
+    DEFAULT_CELL, DEFAULT_WALL_HEIGHT, MAX_LENGTH, ObjectLine, PathRef, StartSpec, TypeRef, WallSpec, WorldSpec,
 };
 use super::{Severity, Span};
 use crate::pose::Pose;
@@ -189,16 +189,20 @@ impl Drawing {
                 'l' => start(180.0),
                 'd' => start(270.0),
                 'r' => start(0.0),
-                'o' => world.objects.push(object(ObjectKind::Ball, pose(0.0), span)),
-                _ => world.objects.push(object(ObjectKind::Box, pose(0.0), span)),
+                'o' => world.objects.push(object(BALL, pose(0.0), span)),
+                _ => world.objects.push(object(BOX, pose(0.0), span)),
             }
         }
         world
     }
 }
 
-fn object(kind: ObjectKind, pose: Pose, span: Span) -> ObjectSpec {
-    ObjectSpec { kind, pose, friction: 0.0, span }
+/// Built-in types of the letters `o` and `x`.
+const BALL: &str = "Soccer";
+const BOX: &str = "Crate";
+
+fn object(name: &str, pose: Pose, span: Span) -> ObjectLine {
+    ObjectLine { kind: TypeRef::Name(PathRef { text: name.to_owned(), span }), pose, friction: None, span }
 }
 
 /// Neighbouring pieces (line, place along it, where) of a sorted list taken together: (line, first place, place after the

@@ -5,7 +5,8 @@ use glam::DVec3;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::line::{self, Line, Quantity, Word};
 use super::spec::{
-    CameraSpec, DEFAULT_PSD_RANGE, DriveKind, DriveSpec, InputSpec, JointSpec, MotorSpec, PsdSpec, RobiSpec, WheelSpec,
+    CameraSpec, DEFAULT_PSD_RANGE, DEFAULT_ROBOT_MASS, DEFAULT_TRACTION, DriveKind, DriveSpec, InputSpec, JointSpec,
+    ModelSpec, MotorSpec, PsdSpec, RobiSpec, WheelSpec,
 };
 use super::{Span, path};
 use crate::unit;
@@ -52,6 +53,11 @@ impl RobiSpec {
             },
             psds: Vec::new(),
             camera: None,
+            lidar: None,
+            colliders: Vec::new(),
+            mass: DEFAULT_ROBOT_MASS,
+            centre_of_mass: DVec3::ZERO,
+            traction: DEFAULT_TRACTION,
             model: None,
             infrareds: Vec::new(),
             bumpers: Vec::new(),
@@ -147,7 +153,8 @@ impl Reader {
         // EyeSim VR puts the mesh's position and turn behind its name.
         let name = if rest.len() == 7 { &rest[..1] } else { rest };
         let form = "`model FILE`: a mesh file";
-        self.robi.model = path::reference(&mut self.sink, Severity::Warning, keyword, name, form);
+        let path = path::reference(&mut self.sink, Severity::Warning, keyword, name, form);
+        self.robi.model = path.map(|path| ModelSpec { path, offset: DVec3::ZERO, turns: DVec3::ZERO });
     }
 
     fn psd(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
@@ -209,7 +216,8 @@ impl Reader {
                 .map(|size| Some(size.map(|pixels| pixels as u32))),
         };
         if let (Some([x, y, z]), [Some(pan), Some(tilt)], Some(image)) = (position, joints, image) {
-            self.robi.camera = Some(CameraSpec { position: DVec3::new(x, y, z), pan, tilt, image, span });
+            self.robi.camera =
+                Some(CameraSpec { position: DVec3::new(x, y, z), pan, tilt, image, fisheye: None, span });
         }
     }
 

@@ -3,7 +3,7 @@
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::line::{self, Quantity, Word};
 use super::path;
-use super::spec::{ObjectKind, ObjectSpec, RobotLine, SimSpec, WorldKind, WorldLine};
+use super::spec::{ObjectLine, RobotLine, SimSpec, StartRef, TypeRef, WorldKind, WorldLine};
 use crate::pose::Pose;
 
 const KEYWORDS: [&str; 4] = ["world", "maze", "robi", "object"];
@@ -85,11 +85,14 @@ impl Reader {
         let start = line::numbers(&mut self.sink, Severity::Error, pose, &POSE).map(|[x, y, phi]| Pose::new(x, y, phi));
         let robi = path::named(&mut self.sink, Severity::Error, robi, ROBI_FORM);
         let program = path::named(&mut self.sink, Severity::Error, program, ROBI_FORM);
-        if start.is_none() && !pose.is_empty() {
-            return;
-        }
+        let start = match start {
+            Some(pose) => StartRef::Pose(pose),
+            None if pose.is_empty() => StartRef::Next,
+            None => return,
+        };
         if let (Some(robi), Some(program)) = (robi, program) {
-            self.sim.robots.push(RobotLine { robi, program, start, span });
+            let kind = TypeRef::File(robi);
+            self.sim.robots.push(RobotLine { kind, program: Some(program), arguments: Vec::new(), start, span });
         }
     }
 
@@ -107,10 +110,10 @@ impl Reader {
         let values = line::numbers(&mut self.sink, Severity::Warning, pose, &OBJECT);
         let mesh = path::named(&mut self.sink, Severity::Warning, mesh, OBJECT_FORM);
         if let (Some([x, y, phi, friction]), Some(mesh)) = (values, mesh) {
-            self.sim.objects.push(ObjectSpec {
-                kind: ObjectKind::Mesh(mesh),
+            self.sim.objects.push(ObjectLine {
+                kind: TypeRef::File(mesh),
                 pose: Pose::new(x, y, phi),
-                friction,
+                friction: Some(friction),
                 span,
             });
         }

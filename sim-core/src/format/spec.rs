@@ -20,6 +20,12 @@ pub const DEFAULT_CELL: f64 = 0.36;
 /// Greatest distance of a PSD sensor without a companion file, in metres: the Sharp GP2D02 of the EyeBot robots.
 pub const DEFAULT_PSD_RANGE: f64 = 0.8;
 
+/// Mass of a robot type that does not say, in kg. Source: our choice.
+pub const DEFAULT_ROBOT_MASS: f64 = 1.0;
+
+/// Friction between wheels and floor of a robot type that does not say: rubber on a hard floor. Source: our choice.
+pub const DEFAULT_TRACTION: f64 = 0.6;
+
 /// Largest coordinate or size that a file may have, in metres.
 pub const MAX_LENGTH: f64 = 1e6;
 
@@ -60,29 +66,151 @@ pub struct StartSpec {
     pub span: Span,
 }
 
-/// What a passive object is.
+/// A mesh file and how it is put into the frame of the body that it shows.
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum ObjectKind {
-    /// A ball (maze letter `o`).
-    Ball,
-    /// A box (maze letter `x`).
-    Box,
-    /// A body given by a mesh file (`object` line).
-    Mesh(PathRef),
+pub struct ModelSpec {
+    /// The mesh file.
+    pub path: PathRef,
+    /// Place of the mesh's origin in the body's frame (x forward, y left, z up), in metres.
+    pub offset: DVec3,
+    /// Turns about the axes of the mesh file (X right, Y up, Z forward), in radians, as the line gives them.
+    pub turns: DVec3,
 }
 
-/// A passive object of the scene.
+/// An axis of a body's frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// Forward.
+    X,
+    /// To the left.
+    Y,
+    /// Upwards.
+    Z,
+}
+
+/// A part of a body's shape, in the body's frame (x forward, y left, z up), in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Collider {
+    /// A box along the axes.
+    Box {
+        /// Its centre.
+        centre: DVec3,
+        /// Its full sizes; all positive.
+        size: DVec3,
+    },
+    /// A sphere.
+    Sphere {
+        /// Its centre.
+        centre: DVec3,
+        /// Its radius; positive.
+        radius: f64,
+    },
+    /// A cylinder with half spheres at its ends.
+    Capsule {
+        /// Its centre.
+        centre: DVec3,
+        /// Its radius; positive.
+        radius: f64,
+        /// Its full length with the half spheres; at least twice the radius.
+        height: f64,
+        /// Along which it lies.
+        axis: Axis,
+    },
+    /// An upright cylinder.
+    Cylinder {
+        /// Its centre.
+        centre: DVec3,
+        /// Its radius; positive.
+        radius: f64,
+        /// Its full height; positive.
+        height: f64,
+    },
+}
+
+/// A type of passive object: built in, or an `.esObj` file, or a mesh alone.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ObjectSpec {
-    /// What it is.
-    pub kind: ObjectKind,
+pub struct ObjectType {
+    /// Name of the file; of a built-in type, its name.
+    pub file: String,
+    /// Name under which scenes place it.
+    pub name: String,
+    /// Its looks.
+    pub model: Option<ModelSpec>,
+    /// Factor on the lengths of the mesh, in metres per unit of the mesh file; positive.
+    pub scale: f64,
+    /// Its shape; where the file gives none, a default.
+    pub colliders: Vec<Collider>,
+    /// Mass in kg; positive.
+    pub mass: f64,
+    /// Centre of mass in the object's frame, in metres.
+    pub centre_of_mass: DVec3,
+    /// True for what nothing can move.
+    pub is_fixed: bool,
+    /// Coefficient of sliding friction on the floor; not negative.
+    pub friction: f64,
+    /// Coefficient of rolling resistance: deceleration over gravity; `None` for what slides.
+    pub rolling: Option<f64>,
+    /// Coefficient of restitution, 0 to 1.
+    pub restitution: f64,
+    /// Red, green, blue where no mesh shows it.
+    pub colour: Option<[u8; 3]>,
+    /// Volume in cubic metres by which it floats; 0 for none. Without meaning on dry land.
+    pub buoyancy: f64,
+}
+
+/// A passive object as a line places it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjectLine {
+    /// Its type.
+    pub kind: TypeRef,
     /// Pose in the world frame.
     pub pose: Pose,
-    /// Friction as the `object` line gives it, 0 otherwise.
+    /// Friction where the line gives one (classic `object` lines), else that of the type.
+    pub friction: Option<f64>,
+    /// Where it is written.
+    pub span: Span,
+}
+
+/// A passive object of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjectSpec {
+    /// Its type; objects of one type share it.
+    pub kind: Arc<ObjectType>,
+    /// Pose in the world frame.
+    pub pose: Pose,
+    /// Coefficient of sliding friction on the floor.
     pub friction: f64,
     /// Where it is written.
     pub span: Span,
+}
+
+/// A flat spot of colour on the floor, which nothing touches and no distance sensor sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MarkerSpec {
+    /// Its middle in the world frame, in metres.
+    pub position: DVec2,
+    /// Red, green, blue and opacity.
+    pub colour: [u8; 4],
+    /// Its line.
+    pub span: Span,
+}
+
+/// How a line names the type of a robot or an object.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum TypeRef {
+    /// By its file.
+    File(PathRef),
+    /// By its name: a built-in type or one that the scene has loaded.
+    Name(PathRef),
+}
+
+impl TypeRef {
+    /// The file's or the type's name as written.
+    pub fn written(&self) -> &PathRef {
+        match self {
+            TypeRef::File(reference) | TypeRef::Name(reference) => reference,
+        }
+    }
 }
 
 /// A world (`.wld`) or a maze (`.maz`).
@@ -102,7 +230,7 @@ pub struct WorldSpec {
     /// Start places in the order of the file.
     pub starts: Vec<StartSpec>,
     /// Objects in the order of the file.
-    pub objects: Vec<ObjectSpec>,
+    pub objects: Vec<ObjectLine>,
 }
 
 impl WorldSpec {
@@ -196,6 +324,19 @@ pub struct CameraSpec {
     pub tilt: JointSpec,
     /// Largest image: width and height in pixels; `None` where the line does not say.
     pub image: Option<[u32; 2]>,
+    /// Field of view of a fisheye lens, in radians; `None` for an ordinary lens.
+    pub fisheye: Option<f64>,
+    /// Its line.
+    pub span: Span,
+}
+
+/// A laser scanner: distances all around, at equal angles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LidarSpec {
+    /// Number of points of a scan.
+    pub points: u32,
+    /// Angle of the scanning plane above the floor plane, in radians.
+    pub tilt: f64,
     /// Its line.
     pub span: Span,
 }
@@ -296,8 +437,18 @@ pub struct RobiSpec {
     pub psds: Vec<PsdSpec>,
     /// The camera.
     pub camera: Option<CameraSpec>,
-    /// File of the body's mesh.
-    pub model: Option<PathRef>,
+    /// The laser scanner.
+    pub lidar: Option<LidarSpec>,
+    /// The body's looks.
+    pub model: Option<ModelSpec>,
+    /// The body's shape in space where the file gives it; contacts are those of the disc of `diameter`.
+    pub colliders: Vec<Collider>,
+    /// Mass in kg; positive.
+    pub mass: f64,
+    /// Centre of mass in the robot's frame, in metres.
+    pub centre_of_mass: DVec3,
+    /// Coefficient of friction between wheels and floor: what the robot can push with, over its weight.
+    pub traction: f64,
     /// Infrared switches.
     pub infrareds: Vec<InfraredSpec>,
     /// Bumpers.
@@ -331,17 +482,44 @@ pub struct WorldLine {
     pub path: PathRef,
 }
 
+/// Where a robot of a sim file starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StartRef {
+    /// At the next start of the world that no robot before has taken.
+    Next,
+    /// With its centre at this pose in the world frame.
+    Pose(Pose),
+    /// In the cell of the maze that bears a start letter.
+    Letter {
+        /// The letter, in upper case.
+        letter: char,
+        /// Heading in radians; `None`: that of the letter.
+        heading: Option<f64>,
+    },
+}
+
 /// One robot of a sim file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotLine {
-    /// The robot type's file.
-    pub robi: PathRef,
-    /// The program.
-    pub program: PathRef,
-    /// Start pose in the world frame; `None`: the next free start of the world.
-    pub start: Option<Pose>,
+    /// Its type.
+    pub kind: TypeRef,
+    /// Its program; `None` for a robot that only stands there.
+    pub program: Option<PathRef>,
+    /// What the program gets behind its name.
+    pub arguments: Vec<String>,
+    /// Where it starts.
+    pub start: StartRef,
     /// The line.
     pub span: Span,
+}
+
+/// What EyeSim VR's `settings` line asks the window to show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Settings {
+    /// The beams of distance sensors (`VIS`).
+    pub shows_beams: bool,
+    /// The paths of the robots (`TRACE`).
+    pub shows_trace: bool,
 }
 
 /// A sim file.
@@ -351,10 +529,18 @@ pub struct SimSpec {
     pub file: String,
     /// The world; `None` where no usable line names one.
     pub world: Option<WorldLine>,
+    /// What the window shows.
+    pub settings: Settings,
+    /// Files of robot types that robots name, in the order of the file.
+    pub robot_types: Vec<PathRef>,
+    /// Files of object types that objects name, in the order of the file.
+    pub object_types: Vec<PathRef>,
     /// Robots in the order of the file.
     pub robots: Vec<RobotLine>,
     /// Objects in the order of the file.
-    pub objects: Vec<ObjectSpec>,
+    pub objects: Vec<ObjectLine>,
+    /// Markers in the order of the file.
+    pub markers: Vec<MarkerSpec>,
 }
 
 /// A robot of a scene, ready to be built.
@@ -366,10 +552,19 @@ pub struct RobotSpec {
     pub robi: Arc<RobiSpec>,
     /// Where it starts: pose of its centre in the world frame.
     pub start: Pose,
-    /// Its program, not yet looked for.
-    pub program: PathRef,
+    /// Its program, not yet looked for; `None` for a robot that only stands there.
+    pub program: Option<PathRef>,
+    /// What the program gets behind its name.
+    pub arguments: Vec<String>,
     /// Its line in the sim file.
     pub span: Span,
+}
+
+impl RobotSpec {
+    /// The program as the scene names it; empty where it names none.
+    pub fn program_name(&self) -> &str {
+        self.program.as_ref().map_or("", |program| &program.text)
+    }
 }
 
 /// A whole scene: what a sim file and all that it names say.
@@ -383,6 +578,10 @@ pub struct SceneSpec {
     pub world: WorldSpec,
     /// Robots in order of their ids. A robot whose line or robi cannot be used is missing (and there is an error).
     pub robots: Vec<RobotSpec>,
-    /// Objects of the world and of the sim file.
+    /// Objects of the world and of the sim file. One whose type cannot be used is missing (and there is a warning).
     pub objects: Vec<ObjectSpec>,
+    /// Markers of the sim file.
+    pub markers: Vec<MarkerSpec>,
+    /// What the window shows.
+    pub settings: Settings,
 }

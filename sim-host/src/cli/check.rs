@@ -58,7 +58,8 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
             folders: Vec::new(),
             installation: files.home().map(PathBuf::from),
         };
-        find_program(&robot.program.text, &search).map(drop).map_err(|error| error.to_string())
+        let Some(program) = &robot.program else { return Ok(()) };
+        find_program(&program.text, &search).map(drop).map_err(|error| error.to_string())
     };
     let checked = check(&names, &files, &find);
     match args.format {
@@ -148,16 +149,16 @@ fn check_sim(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> L
     let mut told: Vec<&str> = Vec::new();
     for robot in &loaded.scene.robots {
         // Many robots may run the same program.
-        if told.contains(&robot.program.text.as_str()) {
+        let Some(program) = robot.program.as_ref().filter(|program| !told.contains(&program.text.as_str())) else {
             continue;
-        }
-        told.push(&robot.program.text);
+        };
+        told.push(&program.text);
         if let Err(message) = find_program(&loaded.scene, robot) {
             loaded.diagnostics.push(Diagnostic {
                 severity: Severity::Error,
                 code: "program-missing",
                 file: name.to_owned(),
-                span: robot.program.span,
+                span: program.span,
                 message,
                 expected: "a library, a C file or a Cargo package folder".to_owned(),
                 suggestion: None,
@@ -217,7 +218,7 @@ mod tests {
                           0 0 5 5 10 200 255 0 300\n10 10 10 10\npush 0 0 inf\nfloor_texture\nfloor 4000 -1\n";
 
     fn find_nothing(_: &SceneSpec, robot: &RobotSpec) -> Result<(), String> {
-        Err(format!("`{}` is not found", robot.program.text))
+        Err(format!("`{}` is not found", robot.program.as_ref().map_or("", |program| &program.text)))
     }
 
     fn find_all(_: &SceneSpec, _: &RobotSpec) -> Result<(), String> {

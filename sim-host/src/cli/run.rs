@@ -317,7 +317,7 @@ fn sinks(args: &RunArgs, options: &Options, scene: &SceneSpec, progress: &Progre
         let robot = |robot: &sim_core::format::RobotSpec| TraceRobot {
             id: robot.id.0,
             name: robot.robi.name.clone(),
-            program: robot.program.text.clone(),
+            program: robot.program_name().to_owned(),
         };
         let robots = scene.robots.iter().map(robot).collect();
         let header = TraceHeader { seed: args.seed, slot_us: args.slot.0, robots };
@@ -365,7 +365,7 @@ fn report(args: &RunArgs, scene: &SceneSpec, ended: &Ended, inputs: Vec<Input>) 
     let robot = |(spec, end): (&sim_core::format::RobotSpec, &RobotEnd)| RobotReport {
         id: spec.id.0,
         name: spec.robi.name.clone(),
-        program: spec.program.text.clone(),
+        program: spec.program_name().to_owned(),
         outcome: end.outcome,
         reason: end.reason.clone(),
         exit_code: end.exit_code,

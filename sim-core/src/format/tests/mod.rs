@@ -117,10 +117,11 @@ fn maze_letters_give_headings_and_objects() {
     let headings: Vec<f64> = maze.starts.iter().map(|start| start.pose.heading.remainder()).collect();
     assert_eq!(headings, [FRAC_PI_2, 0.0, -FRAC_PI_2, -PI]);
     // X stands on the place of a wall: it belongs to the cell on its left, the fourth.
-    let objects: Vec<_> = maze.objects.iter().map(|object| (&object.kind, object.pose.position)).collect();
+    let objects: Vec<_> =
+        maze.objects.iter().map(|object| (object.kind.written().text.as_str(), object.pose.position)).collect();
     let y = 1.5 * 0.72;
-    assert_eq!(objects[0], (&ObjectKind::Box, DVec2::new(3.5 * 0.72, y)));
-    assert_eq!(objects[1], (&ObjectKind::Ball, DVec2::new(4.5 * 0.72, y)));
+    assert_eq!(objects[0], ("Crate", DVec2::new(3.5 * 0.72, y)));
+    assert_eq!(objects[1], ("Soccer", DVec2::new(4.5 * 0.72, y)));
     assert!(ends(&maze).contains(&[3.0 * 0.72, 0.72, 4.0 * 0.72, 0.72]), "the wall below X: {:?}", ends(&maze));
 }
 
@@ -216,7 +217,7 @@ fn robots_take_the_starts_in_order() {
     assert_eq!(loaded.diagnostics, []);
     let starts: Vec<Pose> = loaded.scene.robots.iter().map(|robot| robot.start).collect();
     assert_eq!(starts, [Pose::new(0.5, 1.5, FRAC_PI_2), Pose::new(0.1, 0.2, -FRAC_PI_2), Pose::new(1.5, 1.5, 0.0)]);
-    assert_eq!(loaded.scene.robots[1].program.text, "b c.so");
+    assert_eq!(loaded.scene.robots[1].program_name(), "b c.so");
     assert_eq!(loaded.scene.robots[1].span.line, 3);
     assert_eq!(loaded.scene.robots[2].robi.psds[0].range, 1.5);
     assert_eq!(loaded.scene.folder, "sims");
