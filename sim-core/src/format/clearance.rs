@@ -1,5 +1,6 @@
 //! Whether robots start where there is room for them: a robot inside a wall or another robot never moves.
 
+use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
 use super::spec::{RobotSpec, WorldSpec};
 use crate::scene::{Bounds, Segment, WallId, Walls};
@@ -26,12 +27,12 @@ pub(super) fn check(file: &str, world: &WorldSpec, robots: &[RobotSpec]) -> Vec<
             let message = format!("{} starts inside the wall in line {line} of `{}`", robot.id, world.file);
             let diameter = robot.robi.diameter * 1000.0;
             let expected = format!("a start with room for a body of {diameter} mm");
-            sink.warn("sim-start-wall", robot.span, message, expected);
+            sink.warn(Code::SimStartWall, robot.span, message, expected);
         }
     }
     for (robot, other) in overlaps(robots) {
         let message = format!("{} starts inside {}", robot.id, other.id);
-        sink.warn("sim-start-overlap", robot.span, message, "starts at least both radii apart");
+        sink.warn(Code::SimStartOverlap, robot.span, message, "starts at least both radii apart");
     }
     sink.finish()
 }

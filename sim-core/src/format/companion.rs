@@ -8,6 +8,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::Span;
+use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
 use super::line::{self, Quantity};
 use super::spec::{BumperSpec, CompassSpec, InfraredSpec, RobiSpec, ServoSpec};
@@ -29,7 +30,7 @@ pub fn read_companion(file: &str, text: &str, robi: &mut RobiSpec) -> Vec<Diagno
     for error in errors {
         let span = reader.span(error.span().unwrap_or(0..0));
         reader.sink.error(
-            "toml-syntax",
+            Code::TomlSyntax,
             span,
             error.message().trim(),
             "TOML: `key = value` lines and `[section]` lines",
@@ -135,7 +136,7 @@ impl Reader<'_> {
                 let message = format!("`{}` is neither a PSD of the robi nor `range_mm`", key.get_ref());
                 let expected = format!("one of {}", names.join(", "));
                 let suggestion = line::nearest(key.get_ref(), names).map(|name| format!("write `{name}`"));
-                self.sink.warn("toml-key", span, message, expected).suggestion = suggestion;
+                self.sink.warn(Code::TomlKey, span, message, expected).suggestion = suggestion;
                 continue;
             };
             if let Some(mut section) = self.as_section("psd", value) {
@@ -222,7 +223,7 @@ impl Reader<'_> {
         for (key, value) in section.table {
             let Some(number) = key.get_ref().parse::<u8>().ok().filter(|number| *number <= highest) else {
                 let message = format!("`{}` is no {what}", key.get_ref());
-                self.sink.error("toml-key", self.span(key.span()), message, format!("a number from 0 to {highest}"));
+                self.sink.error(Code::TomlKey, self.span(key.span()), message, format!("a number from 0 to {highest}"));
                 continue;
             };
             if let Some(value) = self.as_integer(key.get_ref(), value, 0, i64::from(largest)) {
@@ -252,7 +253,7 @@ impl Reader<'_> {
                 |old: &&(&str, &String, Option<i32>)| old.0 == kind && (old.1 == name || id.is_some() && old.2 == id);
             if seen.iter().any(|old| is_same(&old)) {
                 let message = format!("the name or number of {kind} `{name}` was already given");
-                self.sink.warn("robi-device-twice", span, message, "each name and each number once");
+                self.sink.warn(Code::RobiDeviceTwice, span, message, "each name and each number once");
             }
             seen.push((kind, name, id));
         }
@@ -272,7 +273,7 @@ impl Reader<'_> {
 
     fn missing(&mut self, section: &Section<'_, '_>, key: &str) {
         let message = format!("`{}` has no `{key}`", section.name);
-        self.sink.error("toml-missing", section.span, message, format!("a line `{key} = ...`"));
+        self.sink.error(Code::TomlMissing, section.span, message, format!("a line `{key} = ...`"));
     }
 
     fn required(&mut self, section: &mut Section<'_, '_>, key: &'static str, quantity: &Quantity) -> Option<f64> {
@@ -300,7 +301,7 @@ impl Reader<'_> {
         let checked = quantity.check(number);
         if checked.is_none() {
             let message = format!("{} `{number}` is out of range", quantity.name);
-            self.sink.error("number-range", span, message, quantity.expected());
+            self.sink.error(Code::NumberRange, span, message, quantity.expected());
         }
         checked
     }
@@ -320,7 +321,7 @@ impl Reader<'_> {
         let number = number.filter(|number| (low..=high).contains(number));
         if number.is_none() {
             let message = format!("{key} `{digits}` is out of range");
-            self.sink.error("number-range", self.span(value.span()), message, expected);
+            self.sink.error(Code::NumberRange, self.span(value.span()), message, expected);
         }
         number
     }
@@ -363,7 +364,7 @@ impl Reader<'_> {
 
     fn wrong_type(&mut self, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) {
         let message = format!("`{key}` is of type {}", value.get_ref().type_str());
-        self.sink.error("toml-type", self.span(value.span()), message, expected);
+        self.sink.error(Code::TomlType, self.span(value.span()), message, expected);
     }
 
     fn unknown_keys(&mut self, section: &Section<'_, '_>) {
@@ -376,7 +377,7 @@ impl Reader<'_> {
             let message = format!("unknown key `{name}`{place}");
             let expected = format!("one of {}", section.known.join(", "));
             let suggestion = line::nearest(name, section.known.iter().copied()).map(|key| format!("write `{key}`"));
-            self.sink.warn("toml-key", self.span(key.span()), message, expected).suggestion = suggestion;
+            self.sink.warn(Code::TomlKey, self.span(key.span()), message, expected).suggestion = suggestion;
         }
     }
 }

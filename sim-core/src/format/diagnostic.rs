@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::Code;
+
 /// A place in a text: bytes `start..end`, and line and column of its first character.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Span {
@@ -46,8 +48,8 @@ impl std::fmt::Display for Severity {
 pub struct Diagnostic {
     /// Whether the file can still be used.
     pub severity: Severity,
-    /// Stable short name of this kind of mistake, such as `wld-wall-arity`; all are listed in docs/formats.md.
-    pub code: &'static str,
+    /// Which kind of mistake.
+    pub code: Code,
     /// Name of the file as the reader was given it.
     pub file: String,
     /// Where.
@@ -99,7 +101,7 @@ impl Sink {
     pub(super) fn report(
         &mut self,
         severity: Severity,
-        code: &'static str,
+        code: Code,
         span: Span,
         message: impl Into<String>,
         expected: impl Into<String>,
@@ -125,7 +127,7 @@ impl Sink {
 
     pub(super) fn warn(
         &mut self,
-        code: &'static str,
+        code: Code,
         span: Span,
         message: impl Into<String>,
         expected: impl Into<String>,
@@ -135,7 +137,7 @@ impl Sink {
 
     pub(super) fn error(
         &mut self,
-        code: &'static str,
+        code: Code,
         span: Span,
         message: impl Into<String>,
         expected: impl Into<String>,
@@ -147,7 +149,7 @@ impl Sink {
     pub(super) fn finish(mut self) -> Vec<Diagnostic> {
         self.diagnostics.sort_by_key(|diagnostic| diagnostic.span);
         self.diagnostics.extend(self.last_left_out.map(|last| Diagnostic {
-            code: "file-more",
+            code: Code::FileMore,
             message: format!("{} more mistakes in this file are left out", self.left_out),
             expected: "a file of this kind".to_owned(),
             suggestion: None,

@@ -1,6 +1,7 @@
 //! Lines, words and numbers: what the classic formats have in common.
 
 use super::Span;
+use super::code::Code;
 use super::diagnostic::{Severity, Sink};
 use crate::format::MAX_LENGTH;
 use crate::unit;
@@ -222,14 +223,14 @@ pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quant
     let name = quantity.name;
     let Ok(value) = word.text.parse::<f64>() else {
         let message = format!("`{}` is not a number ({name})", word.text);
-        let diagnostic = sink.report(severity, "number-invalid", word.span, message, quantity.expected());
+        let diagnostic = sink.report(severity, Code::NumberInvalid, word.span, message, quantity.expected());
         diagnostic.suggestion = number_within(word.text).map(|text| format!("write `{text}`"));
         return None;
     };
     let checked = quantity.check(value);
     if checked.is_none() {
         let message = format!("{name} `{}` is out of range", word.text);
-        sink.report(quantity.severity(), "number-range", word.span, message, quantity.expected());
+        sink.report(quantity.severity(), Code::NumberRange, word.span, message, quantity.expected());
     }
     checked
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::spec::{PathRef, RobiSpec, RobotLine, RobotSpec, SceneSpec, SimSpec, StartRef, WorldKind, WorldSpec};
 use super::{Span, clearance, path, read_companion, read_maze, read_robi, read_sim, read_world};
@@ -164,7 +165,7 @@ impl<'a> Loader<'a> {
             };
             let mut sink = Sink::new(path);
             sink.warn(
-                "file-encoding",
+                Code::FileEncoding,
                 span,
                 "the file is not UTF-8 from here on; such bytes are replaced",
                 "UTF-8 or ASCII",
@@ -198,20 +199,20 @@ impl<'a> Loader<'a> {
             && let Ok(bytes) = self.files.read(&place)
         {
             let message = format!("`{}` is not found; `{place}` is taken instead", reference.text);
-            sink.warn("file-moved", reference.span, message, "a name relative to this file");
+            sink.warn(Code::FileMoved, reference.span, message, "a name relative to this file");
             found = Some((place, bytes));
         }
         if found.is_none() {
             found = places.iter().find_map(|place| self.in_other_case(place));
             if let Some((place, _)) = &found {
                 let message = format!("`{}` is found only as `{place}`: upper and lower case differ", reference.text);
-                sink.warn("file-case", reference.span, message, "the name as the file has it");
+                sink.warn(Code::FileCase, reference.span, message, "the name as the file has it");
             }
         }
         if found.is_none() {
             let message = format!("`{}` is not found; tried {}", reference.text, tried(&places));
             let expected = "a file relative to this one, to the working folder or to the installation (`%sim%`)";
-            let diagnostic = sink.error("file-missing", reference.span, message, expected);
+            let diagnostic = sink.error(Code::FileMissing, reference.span, message, expected);
             diagnostic.suggestion = self.similar(&places).map(|name| format!("there is `{name}`"));
         }
         self.diagnostics.extend(sink.finish());
@@ -257,7 +258,14 @@ impl<'a> Loader<'a> {
             // A line that could not be read has its own error.
             if !super::has_errors(&self.diagnostics) {
                 let expected = "`world FILE.wld` or `maze FILE.maz`";
-                self.report(sim, Severity::Error, "sim-world-missing", Span::default(), "no world is given", expected);
+                self.report(
+                    sim,
+                    Severity::Error,
+                    Code::SimWorldMissing,
+                    Span::default(),
+                    "no world is given",
+                    expected,
+                );
             }
             return None;
         };
@@ -277,7 +285,7 @@ impl<'a> Loader<'a> {
         if sim.robots.is_empty() && !super::has_errors(&self.diagnostics) {
             let expected = "a line `robi FILE.robi PROGRAM`";
             let message = "the scene has no robot";
-            self.report(sim, Severity::Warning, "sim-robot-missing", Span::default(), message, expected);
+            self.report(sim, Severity::Warning, Code::SimRobotMissing, Span::default(), message, expected);
         }
         for (index, line) in sim.robots.iter().enumerate() {
             let robi = self.robi(sim, folder, line);
@@ -289,7 +297,7 @@ impl<'a> Loader<'a> {
             if let (None, Some(world)) = (start, world) {
                 let message = format!("no start is left for this robot: the world has {}", world.starts.len());
                 let expected = "`X Y PHI` on this line, `position X Y PHI` in the world or a start letter in the maze";
-                self.report(sim, Severity::Error, "sim-start-missing", line.span, message, expected);
+                self.report(sim, Severity::Error, Code::SimStartMissing, line.span, message, expected);
             }
             if let (Some(robi), Some(start)) = (robi, start) {
                 let id = RobotId::from_index(index);
@@ -343,7 +351,7 @@ impl<'a> Loader<'a> {
         &mut self,
         sim: &SimSpec,
         severity: Severity,
-        code: &'static str,
+        code: Code,
         span: Span,
         message: impl Into<String>,
         expected: &str,
@@ -355,10 +363,10 @@ impl<'a> Loader<'a> {
 }
 
 impl FileError {
-    fn code(&self) -> &'static str {
+    fn code(&self) -> Code {
         match self {
-            FileError::Missing => "file-missing",
-            FileError::Unreadable(_) => "file-unreadable",
+            FileError::Missing => Code::FileMissing,
+            FileError::Unreadable(_) => Code::FileUnreadable,
         }
     }
 }

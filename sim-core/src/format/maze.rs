@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
 use super::line::{self, Line, Quantity, Word};
 use super::spec::{
@@ -45,23 +46,23 @@ fn rows_and_cell<'a>(sink: &mut Sink, text: &'a str) -> (Vec<Line<'a>>, f64) {
         } else if line.text.starts_with(['|', ' ', '_', '\t']) {
             if let Some(blank) = blank.take() {
                 let message = "a blank line inside the maze is left out";
-                sink.warn("maz-blank", blank.span(), message, "a row of cells that begins with `|` or a blank");
+                sink.warn(Code::MazBlank, blank.span(), message, "a row of cells that begins with `|` or a blank");
             }
             rows.push(line);
         } else {
             let message = format!("`{}` is neither a row of the maze nor a cell size", line.text.trim());
-            sink.warn("maz-line", line.span(), message, "a row that begins with `|`, `_` or a blank, or one number");
+            sink.warn(Code::MazLine, line.span(), message, "a row that begins with `|`, `_` or a blank, or one number");
         }
     }
     let is_border = |line: &Line<'_>| line.text.chars().all(|c| matches!(c, '_' | ' ' | '\t'));
     match rows.first() {
         None => {
             let message = "the file has no maze";
-            sink.error("maz-empty", Span::default(), message, "a drawing of `|` and `_`, then the cell size in mm");
+            sink.error(Code::MazEmpty, Span::default(), message, "a drawing of `|` and `_`, then the cell size in mm");
         }
         Some(first) if !is_border(first) => {
             let message = "the upper border is missing: the first row has cells";
-            sink.warn("maz-border", first.span(), message, "a first line of blanks and `_` only");
+            sink.warn(Code::MazBorder, first.span(), message, "a first line of blanks and `_` only");
             rows.insert(0, first.before());
         }
         Some(_) => {}
@@ -73,14 +74,14 @@ fn cell_size(sink: &mut Sink, word: &Word<'_>, extra: Option<&Word<'_>>, cell: &
     let form = "the cell size in mm, alone in the last or the first line";
     if let Some(extra) = extra {
         let message = format!("`{}` is left over after the cell size", extra.text);
-        sink.warn("word-extra", extra.span, message, form);
+        sink.warn(Code::WordExtra, extra.span, message, form);
     }
     let size = line::number(sink, Severity::Warning, word, &Quantity::size("cell size"));
     if let (Some(old), Some(new)) = (*cell, size)
         && old != new
     {
         let message = format!("a second cell size `{}`; it replaces {} mm", word.text, unit::mm_from_metres(old));
-        sink.warn("maz-cell-twice", word.span, message, form);
+        sink.warn(Code::MazCellTwice, word.span, message, form);
     }
     *cell = size.or(*cell);
 }
@@ -111,7 +112,7 @@ impl Drawing {
                 '|' if !has_odd_wall => {
                     has_odd_wall = true;
                     let message = "`|` in the middle of a cell is left out, and so are others in this row";
-                    sink.warn("maz-wall-column", span, message, "`|` in the columns 1, 3, 5, ...");
+                    sink.warn(Code::MazWallColumn, span, message, "`|` in the columns 1, 3, 5, ...");
                 }
                 '|' => {}
                 '_' if place % 2 == 1 => self.floor_line(row, place / 2, span),
@@ -134,7 +135,7 @@ impl Drawing {
             let message = format!("`{}` means nothing in a maze", letter.escape_debug());
             let expected =
                 "`|`, `_`, blank, `.`, or one of s u r d l (robot), o (ball), x (box), upper case with a wall below";
-            sink.warn("maz-letter", span, message, expected);
+            sink.warn(Code::MazLetter, span, message, expected);
             return;
         }
         // On a wall's place a letter counts for the cell on its left; no row begins with a letter.
@@ -150,7 +151,7 @@ impl Drawing {
         let last = rows.saturating_sub(1);
         if f64::from(self.columns.max(last)) * cell > MAX_LENGTH {
             let message = "the maze is larger than 1000 km; cells of 360 mm are taken instead";
-            sink.error("number-range", Span::default(), message, "a smaller cell size");
+            sink.error(Code::NumberRange, Span::default(), message, "a smaller cell size");
             cell = DEFAULT_CELL;
         }
         let corner = |column: u32, row: u32| DVec2::new(f64::from(column) * cell, f64::from(last - row) * cell);

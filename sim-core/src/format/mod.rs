@@ -6,6 +6,7 @@
 //! reported. The formats are described in docs/formats.md.
 
 mod clearance;
+mod code;
 mod companion;
 mod diagnostic;
 mod line;
@@ -19,6 +20,7 @@ mod spec;
 mod tests;
 mod world;
 
+pub use code::{Code, UnknownCode};
 pub use companion::read_companion;
 pub use diagnostic::{Diagnostic, Severity, Span, has_errors};
 pub use load::{FileError, Files, InputFile, Loaded, decode, load_maze, load_robi, load_sim, load_world};

@@ -1,5 +1,6 @@
 //! References to other files: how they are written and where they are looked for.
 
+use super::code::Code;
 use super::diagnostic::{Severity, Sink};
 use super::line::Word;
 use super::spec::PathRef;
@@ -127,12 +128,12 @@ pub(super) fn reference(
     form: &str,
 ) -> Option<PathRef> {
     let Some((word, extra)) = rest.split_first() else {
-        sink.report(severity, "file-name-missing", keyword.span, format!("`{}` names no file", keyword.text), form);
+        sink.report(severity, Code::FileNameMissing, keyword.span, format!("`{}` names no file", keyword.text), form);
         return None;
     };
     if let Some(extra) = extra.first() {
         let message = format!("`{}` is left over after the file name", extra.text);
-        let diagnostic = sink.warn("word-extra", extra.span, message, form);
+        let diagnostic = sink.warn(Code::WordExtra, extra.span, message, form);
         diagnostic.suggestion = Some("put a file name with blanks between double quotes".to_owned());
     }
     named(sink, severity, word, form)
@@ -142,14 +143,14 @@ pub(super) fn reference(
 pub(super) fn named(sink: &mut Sink, severity: Severity, word: &Word<'_>, form: &str) -> Option<PathRef> {
     if word.is_unclosed {
         sink.warn(
-            "quote-unclosed",
+            Code::QuoteUnclosed,
             word.span,
             "a quotation mark is not closed",
             "the same mark at the end of the name",
         );
     }
     if word.text.trim().is_empty() {
-        sink.report(severity, "file-name-missing", word.span, "the file name is empty", form);
+        sink.report(severity, Code::FileNameMissing, word.span, "the file name is empty", form);
         return None;
     }
     Some(PathRef { text: word.text.to_owned(), span: word.span })

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::line::{self, Line, Quantity, Word};
 use super::spec::{
@@ -119,7 +120,7 @@ impl Reader {
     fn name(&mut self, line: &Line<'_>, keyword: &Word<'_>) {
         let name = line.rest_after(keyword).trim_matches('"').trim();
         if name.is_empty() {
-            self.sink.warn("robi-name-missing", keyword.span, "`name` gives no name", "`name NAME`");
+            self.sink.warn(Code::RobiNameMissing, keyword.span, "`name` gives no name", "`name NAME`");
         } else {
             self.robi.name = name.to_owned();
         }
@@ -130,7 +131,7 @@ impl Reader {
         let form = format!("`{} NUMBER`: {}", keyword.text, quantity.expected());
         let Some(word) = rest.first() else {
             let message = format!("`{}` gives no number", keyword.text);
-            self.sink.warn("robi-number-missing", keyword.span, message, form);
+            self.sink.warn(Code::RobiNumberMissing, keyword.span, message, form);
             return;
         };
         self.extra(keyword, rest, 1, &form);
@@ -142,7 +143,7 @@ impl Reader {
     fn extra(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], count: usize, form: &str) {
         if let Some(extra) = rest.get(count) {
             let message = format!("`{}` is left over after the {count} values of `{}`", extra.text, keyword.text);
-            self.sink.warn("word-extra", extra.span, message, form);
+            self.sink.warn(Code::WordExtra, extra.span, message, form);
         }
     }
 
@@ -161,7 +162,7 @@ impl Reader {
         let span = rest.last().map_or(keyword.span, |last| keyword.span.to(last.span));
         if rest.len() < 5 {
             let message = format!("`psd` has {} of 6 values", rest.len());
-            self.sink.warn("robi-psd-arity", span, message, PSD_FORM);
+            self.sink.warn(Code::RobiPsdArity, span, message, PSD_FORM);
             return;
         }
         self.extra(keyword, rest, 6, PSD_FORM);
@@ -176,19 +177,19 @@ impl Reader {
             Some((_, Ok(id))) => Some(id),
             Some((word, Err(_))) => {
                 let message = format!("`{}` is not a device number", word.text);
-                self.sink.warn("robi-psd-id", word.span, message, PSD_FORM);
+                self.sink.warn(Code::RobiPsdId, word.span, message, PSD_FORM);
                 return;
             }
         };
         if line::looks_numeric(name.text) {
             let message = format!("`{}` is not the name of a sensor", name.text);
-            self.sink.warn("robi-psd-name", name.span, message, PSD_FORM);
+            self.sink.warn(Code::RobiPsdName, name.span, message, PSD_FORM);
             return;
         }
         if let Some(old) = self.robi.psds.iter().find(|psd| psd.name == name.text || id.is_some() && psd.id == id) {
             let message =
                 format!("the name or number of PSD `{}` was already given in line {}", name.text, old.span.line);
-            self.sink.warn("robi-device-twice", span, message, "each name and each number once");
+            self.sink.warn(Code::RobiDeviceTwice, span, message, "each name and each number once");
             return;
         }
         if let Some([x, y, z, angle]) = line::numbers(&mut self.sink, Severity::Warning, pose, &PSD_POSE) {
@@ -204,7 +205,7 @@ impl Reader {
         let span = rest.last().map_or(keyword.span, |last| keyword.span.to(last.span));
         if rest.len() < 3 || rest.len() == 4 || rest.len() == 6 {
             let message = format!("`camera` has {} of 7 values", rest.len());
-            self.sink.warn("robi-camera-arity", span, message, CAMERA_FORM);
+            self.sink.warn(Code::RobiCameraArity, span, message, CAMERA_FORM);
             return;
         }
         self.extra(keyword, rest, 7, CAMERA_FORM);
@@ -231,7 +232,7 @@ impl Reader {
         let angles = angles.and_then(|(from, to)| Some([degrees(from)?, degrees(to)?]));
         let Some([from, to]) = angles.filter(|_| !name.is_empty()) else {
             let message = format!("`{}` is neither an angle nor a servo with its range", word.text);
-            self.sink.warn("robi-camera-servo", word.span, message, "an angle in degrees or `SERVO1(-90,+90)`");
+            self.sink.warn(Code::RobiCameraServo, word.span, message, "an angle in degrees or `SERVO1(-90,+90)`");
             return None;
         };
         Some(JointSpec::Servo { name: name.to_owned(), from, to })
@@ -246,7 +247,7 @@ impl Reader {
         self.wheel = Some(span);
         if rest.len() < 4 {
             let message = format!("`wheel` has {} of 4 numbers; defaults are taken", rest.len());
-            self.sink.warn("robi-wheel-arity", span, message, WHEEL_FORM);
+            self.sink.warn(Code::RobiWheelArity, span, message, WHEEL_FORM);
             return;
         }
         self.extra(keyword, rest, 4, WHEEL_FORM);
@@ -268,7 +269,7 @@ impl Reader {
             other => {
                 let word = rest.first().unwrap_or(keyword);
                 let message = format!("unknown drive `{}`; a differential drive is taken", other.unwrap_or_default());
-                let diagnostic = self.sink.error("robi-drive-kind", word.span, message, DRIVE_FORM);
+                let diagnostic = self.sink.error(Code::RobiDriveKind, word.span, message, DRIVE_FORM);
                 diagnostic.suggestion =
                     line::nearest(other.unwrap_or_default(), DRIVES).map(|kind| format!("write `{kind}`"));
                 return;
@@ -279,7 +280,7 @@ impl Reader {
             self.vr(keyword, rest);
         } else if names.len() != default.len() {
             let message = format!("`{}` has {} of {} devices", rest[0].text, names.len(), default.len());
-            self.sink.warn("robi-drive-arity", span, message, DRIVE_FORM);
+            self.sink.warn(Code::RobiDriveArity, span, message, DRIVE_FORM);
         }
         let names = if names.len() == default.len() { &names } else { default };
         let (motors, steering) = match kind {
@@ -295,7 +296,7 @@ impl Reader {
         if self.vr.is_none() {
             let message = format!("this `{}` line is of EyeSim VR, whose robot files are not read yet", keyword.text);
             let expected = "a classic robi: name, diameter, speed, turn, model, axis, psd, camera, wheel, drive";
-            self.sink.warn("robi-dialect", span, message, expected);
+            self.sink.warn(Code::RobiDialect, span, message, expected);
         }
         self.vr.get_or_insert(span);
     }
@@ -303,7 +304,7 @@ impl Reader {
     fn unknown(&mut self, word: &Word<'_>) {
         let expected = "one of name, diameter, speed, turn, model, axis, psd, camera, wheel, drive";
         let message = format!("unknown keyword `{}`", word.text);
-        let diagnostic = self.sink.warn("robi-keyword", word.span, message, expected);
+        let diagnostic = self.sink.warn(Code::RobiKeyword, word.span, message, expected);
         diagnostic.suggestion = line::nearest(word.text, KEYWORDS).map(|keyword| format!("write `{keyword}`"));
     }
 
@@ -317,18 +318,18 @@ impl Reader {
                     wheel.ticks_per_turn,
                     unit::mm_from_metres(wheel.track)
                 );
-                self.sink.warn("robi-wheel-missing", Span::default(), message, WHEEL_FORM);
+                self.sink.warn(Code::RobiWheelMissing, Span::default(), message, WHEEL_FORM);
             }
             (Some(span), Some(_)) => {
                 let message =
                     "in files of EyeSim VR the last number is half the distance of the wheels; it is read as all";
-                self.sink.warn("robi-dialect-track", span, message, WHEEL_FORM);
+                self.sink.warn(Code::RobiDialectTrack, span, message, WHEEL_FORM);
             }
             (Some(_), None) => {}
         }
         if self.drive.is_none() {
             let message = "no `drive` line: a differential drive is taken";
-            self.sink.warn("robi-drive-missing", Span::default(), message, DRIVE_FORM);
+            self.sink.warn(Code::RobiDriveMissing, Span::default(), message, DRIVE_FORM);
         }
         let robi = &mut self.robi;
         robi.drive.wheelbase = match robi.drive.kind {

@@ -1,5 +1,6 @@
 //! Scenes: `.sim`, the world and the robots with their programs.
 
+use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::line::{self, Quantity, Word};
 use super::path;
@@ -65,7 +66,7 @@ impl Reader {
         };
         if let Some(old) = &self.sim.world {
             let message = format!("a second world `{}`; it replaces that of line {}", path.text, old.path.span.line);
-            self.sink.warn("sim-world-twice", path.span, message, "one `world` or `maze` line");
+            self.sink.warn(Code::SimWorldTwice, path.span, message, "one `world` or `maze` line");
         }
         self.sim.world = Some(WorldLine { kind, path });
     }
@@ -74,12 +75,12 @@ impl Reader {
         let span = rest.last().map_or(keyword.span, |last| keyword.span.to(last.span));
         let [robi, program, pose @ ..] = rest else {
             let message = "`robi` names neither a robot file nor a program";
-            self.sink.error("sim-robi-arity", span, message, ROBI_FORM);
+            self.sink.error(Code::SimRobiArity, span, message, ROBI_FORM);
             return;
         };
         if !matches!(pose.len(), 0 | 3) {
             let message = format!("the start pose of `{}` has {} of 3 numbers", program.text, pose.len());
-            self.sink.error("sim-robi-arity", span, message, ROBI_FORM);
+            self.sink.error(Code::SimRobiArity, span, message, ROBI_FORM);
             return;
         }
         let start = line::numbers(&mut self.sink, Severity::Error, pose, &POSE).map(|[x, y, phi]| Pose::new(x, y, phi));
@@ -99,12 +100,12 @@ impl Reader {
     fn object(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let span = rest.last().map_or(keyword.span, |last| keyword.span.to(last.span));
         let [pose @ .., mesh] = rest else {
-            self.sink.warn("sim-object-arity", span, "`object` has no values", OBJECT_FORM);
+            self.sink.warn(Code::SimObjectArity, span, "`object` has no values", OBJECT_FORM);
             return;
         };
         if pose.len() != 4 {
             let message = format!("`object` has {} of 5 values", rest.len());
-            self.sink.warn("sim-object-arity", span, message, OBJECT_FORM);
+            self.sink.warn(Code::SimObjectArity, span, message, OBJECT_FORM);
             return;
         }
         let values = line::numbers(&mut self.sink, Severity::Warning, pose, &OBJECT);
@@ -131,7 +132,7 @@ impl Reader {
         let severity = if is_robot { Severity::Error } else { Severity::Warning };
         let message = format!("this `{}` line is of EyeSim VR, whose sim files are not read yet", keyword.text);
         let expected = "a classic line: `robi FILE.robi PROGRAM [X Y PHI]` or `object X Y PHI FRICTION MESH`";
-        self.sink.report(severity, "sim-dialect", span, message, expected);
+        self.sink.report(severity, Code::SimDialect, span, message, expected);
     }
 
     fn unknown(&mut self, word: &Word<'_>) {
@@ -141,7 +142,7 @@ impl Reader {
         let severity = if is_lost { Severity::Error } else { Severity::Warning };
         let message = format!("unknown keyword `{}`", word.text);
         let expected = "one of world, maze, robi, object";
-        let diagnostic = self.sink.report(severity, "sim-keyword", word.span, message, expected);
+        let diagnostic = self.sink.report(severity, Code::SimKeyword, word.span, message, expected);
         diagnostic.suggestion = nearest.map(|keyword| format!("write `{keyword}`"));
     }
 }

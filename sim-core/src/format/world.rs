@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::line::{self, Quantity, Word};
 use super::spec::{DEFAULT_WALL_HEIGHT, MAX_LENGTH, StartSpec, WallSpec, WorldSpec};
@@ -44,8 +45,8 @@ impl Reader {
     fn line(&mut self, words: &[Word<'_>], first: &Word<'_>, rest: &[Word<'_>]) {
         match first.text {
             "floor" => self.floor(first, rest),
-            "width" => self.width = self.side(first, rest, "wld-width-arity").or(self.width),
-            "height" => self.height = self.side(first, rest, "wld-height-arity").or(self.height),
+            "width" => self.width = self.side(first, rest, Code::WldWidthArity).or(self.width),
+            "height" => self.height = self.side(first, rest, Code::WldHeightArity).or(self.height),
             "floor_texture" => self.texture(first, rest),
             "position" => self.position(first, rest),
             "push" => self.push(first, rest),
@@ -61,7 +62,7 @@ impl Reader {
         keyword: &Word<'_>,
         rest: &[Word<'_>],
         quantities: &[Quantity; N],
-        code: &'static str,
+        code: Code,
         form: &str,
     ) -> Option<[f64; N]> {
         if rest.len() < N {
@@ -72,7 +73,7 @@ impl Reader {
         }
         if let Some(extra) = rest.get(N) {
             let message = format!("`{}` is left over after the {N} numbers of `{}`", extra.text, keyword.text);
-            self.sink.warn("word-extra", extra.span, message, form);
+            self.sink.warn(Code::WordExtra, extra.span, message, form);
         }
         line::numbers(&mut self.sink, Severity::Warning, &rest[..N], quantities)
     }
@@ -80,13 +81,13 @@ impl Reader {
     fn floor(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let quantities = [Quantity::size("floor width"), Quantity::size("floor height")];
         let form = "`floor WIDTH HEIGHT` in mm";
-        if let Some([width, height]) = self.arguments(keyword, rest, &quantities, "wld-floor-arity", form) {
+        if let Some([width, height]) = self.arguments(keyword, rest, &quantities, Code::WldFloorArity, form) {
             self.width = Some(width);
             self.height = Some(height);
         }
     }
 
-    fn side(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], code: &'static str) -> Option<f64> {
+    fn side(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], code: Code) -> Option<f64> {
         let form = format!("`{} SIZE` in mm", keyword.text);
         self.arguments(keyword, rest, &[Quantity::size("floor size")], code, &form).map(|[size]| size)
     }
@@ -98,7 +99,7 @@ impl Reader {
 
     fn position(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let form = "`position X Y PHI` in mm and degrees counter-clockwise";
-        if let Some([x, y, phi]) = self.arguments(keyword, rest, &POSE, "wld-position-arity", form) {
+        if let Some([x, y, phi]) = self.arguments(keyword, rest, &POSE, Code::WldPositionArity, form) {
             let pose = self.frame().compose(&Pose::new(x, y, phi));
             self.world.starts.push(StartSpec { pose, letter: None, span: keyword.span });
         }
@@ -106,7 +107,7 @@ impl Reader {
 
     fn push(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let form = "`push X Y PHI` in mm and degrees clockwise";
-        let frame = match self.arguments(keyword, rest, &POSE, "wld-push-arity", form) {
+        let frame = match self.arguments(keyword, rest, &POSE, Code::WldPushArity, form) {
             // Clockwise, unlike every other angle: the data files fit together only so.
             Some([x, y, phi]) => self.frame().compose(&Pose::new(x, y, -phi)),
             // A frame all the same, so that the `pop` that belongs to it closes no other.
@@ -122,12 +123,12 @@ impl Reader {
     fn pop(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         if let Some(extra) = rest.first() {
             let message = format!("`{}` is left over after `pop`", extra.text);
-            self.sink.warn("word-extra", extra.span, message, "`pop` alone");
+            self.sink.warn(Code::WordExtra, extra.span, message, "`pop` alone");
         }
         if self.frames.len() > 1 {
             self.frames.pop();
         } else {
-            self.sink.warn("wld-pop-empty", keyword.span, "`pop` closes no `push`", "a `push X Y PHI` before it");
+            self.sink.warn(Code::WldPopEmpty, keyword.span, "`pop` closes no `push`", "a `push X Y PHI` before it");
         }
     }
 
@@ -139,7 +140,7 @@ impl Reader {
                 Some(word) => format!("a wall of {count} numbers and the word `{}`", word.text),
                 None => format!("a wall of {count} numbers"),
             };
-            self.sink.warn("wld-wall-arity", span, message, WALL_FORM);
+            self.sink.warn(Code::WldWallArity, span, message, WALL_FORM);
             return;
         }
         let quantities = &WALL[..words.len()];
@@ -157,7 +158,7 @@ impl Reader {
             self.too_far(first);
         } else if from == to {
             let expected = "two different ends";
-            self.sink.warn("wld-wall-length", span, "the wall has no length: both its ends are equal", expected);
+            self.sink.warn(Code::WldWallLength, span, "the wall has no length: both its ends are equal", expected);
         } else {
             self.world.walls.push(WallSpec {
                 from,
@@ -174,13 +175,13 @@ impl Reader {
         let expected =
             "a wall of 4, 6 or 9 numbers, or one of floor, width, height, floor_texture, position, push, pop";
         let message = format!("unknown keyword `{}`", word.text);
-        let diagnostic = self.sink.warn("wld-keyword", word.span, message, expected);
+        let diagnostic = self.sink.warn(Code::WldKeyword, word.span, message, expected);
         diagnostic.suggestion = line::nearest(word.text, KEYWORDS).map(|keyword| format!("write `{keyword}`"));
     }
 
     fn too_far(&mut self, word: &Word<'_>) {
         let message = "the open `push` frames carry this beyond 1000 km".to_owned();
-        self.sink.error("number-range", word.span, message, "places within 1e9 mm of the origin");
+        self.sink.error(Code::NumberRange, word.span, message, "places within 1e9 mm of the origin");
     }
 
     fn frame(&self) -> Pose {
@@ -195,7 +196,7 @@ impl Reader {
             let message =
                 format!("the size of the floor is not given; taken from the walls: {width:.0} x {height:.0} mm");
             let expected = "`floor WIDTH HEIGHT`, or `width WIDTH` and `height HEIGHT`, in mm";
-            self.sink.warn("wld-floor-missing", Default::default(), message, expected);
+            self.sink.warn(Code::WldFloorMissing, Default::default(), message, expected);
         }
         (self.world, self.sink.finish())
     }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use sim_core::format::{self, Diagnostic, Files, InputFile, Loaded, RobotSpec, SceneSpec, Severity, Span};
+use sim_core::format::{self, Code, Diagnostic, Files, InputFile, Loaded, RobotSpec, SceneSpec, Severity, Span};
 
 use crate::files::{DiskFiles, slashed};
 use crate::program::find::{SearchPath, find_program};
@@ -135,7 +135,7 @@ fn check_one(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> L
 fn unknown_kind(name: &str) -> Diagnostic {
     Diagnostic {
         severity: Severity::Error,
-        code: "file-kind",
+        code: Code::FileKind,
         file: name.to_owned(),
         span: Span::default(),
         message: "the name does not say which kind of file this is".to_owned(),
@@ -156,7 +156,7 @@ fn check_sim(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> L
         if let Err(message) = find_program(&loaded.scene, robot) {
             loaded.diagnostics.push(Diagnostic {
                 severity: Severity::Error,
-                code: "program-missing",
+                code: Code::ProgramMissing,
                 file: name.to_owned(),
                 span: program.span,
                 message,
@@ -263,7 +263,7 @@ mod tests {
         assert_eq!((checked.summary().as_str(), checked.is_rejected(true)), ("3 files checked: no mistakes", false));
         let checked = check(&names, &files, &find_nothing);
         assert_eq!(checked.diagnostics.len(), 1, "{:?}", checked.diagnostics);
-        assert_eq!((checked.diagnostics[0].code, checked.diagnostics[0].span.column), ("program-missing", 13));
+        assert_eq!((checked.diagnostics[0].code, checked.diagnostics[0].span.column), (Code::ProgramMissing, 13));
     }
 
     #[test]
@@ -278,8 +278,8 @@ mod tests {
         let (folder, _) = folder(&[]);
         let names = ["a.txt".to_owned(), slashed(&folder.path().join("a.maz"))];
         let checked = check(&names, &DiskFiles::with_home(folder.path()), &find_all);
-        let codes: Vec<&str> = checked.diagnostics.iter().map(|diagnostic| diagnostic.code).collect();
-        assert_eq!(codes, ["file-kind", "file-missing"]);
+        let codes: Vec<Code> = checked.diagnostics.iter().map(|diagnostic| diagnostic.code).collect();
+        assert_eq!(codes, [Code::FileKind, Code::FileMissing]);
     }
 
     #[test]

@@ -66,7 +66,7 @@ fn ends(world: &WorldSpec) -> Vec<[f64; 4]> {
 }
 
 fn codes(diagnostics: &[Diagnostic]) -> Vec<&'static str> {
-    diagnostics.iter().map(|diagnostic| diagnostic.code).collect()
+    diagnostics.iter().map(|diagnostic| diagnostic.code.name()).collect()
 }
 
 /// Within a nanometre and a nanoradian.

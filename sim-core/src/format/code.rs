@@ -1,0 +1,160 @@
+//! The registry of diagnostic codes: every kind of mistake has one, and each has a page in docs/formats/codes/.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Serialize, Serializer};
+
+/// Makes the enum of all codes from lines `Variant = "name": "meaning",`.
+macro_rules! codes {
+    ($($variant:ident = $name:literal: $meaning:literal,)+) => {
+        /// Stable short name of a kind of mistake, such as `wld-wall-arity`; written and serialised as that text.
+        ///
+        /// What it means, why it matters and an example stand in docs/formats/codes/CODE.md.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Code {
+            $(#[doc = $meaning] $variant,)+
+        }
+
+        impl Code {
+            /// All codes, in alphabetical order.
+            pub const ALL: &[Code] = &[$(Code::$variant),+];
+
+            /// The code as it is written.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Code::$variant => $name,)+
+                }
+            }
+
+            /// What it means, in one line without a full stop.
+            pub const fn meaning(self) -> &'static str {
+                match self {
+                    $(Code::$variant => $meaning,)+
+                }
+            }
+        }
+    };
+}
+
+// In alphabetical order. A new code needs its page, docs/formats/codes/CODE.md, whose first lines repeat the meaning.
+codes! {
+    FileCase = "file-case": "a file is found only when upper and lower case are not told apart",
+    FileEncoding = "file-encoding": "the file is not UTF-8",
+    FileKind = "file-kind": "the name does not say which kind of file this is",
+    FileMissing = "file-missing": "a file is not found",
+    FileMore = "file-more": "the file has more mistakes than are listed",
+    FileMoved = "file-moved": "an absolute path leads nowhere, but there is such a file beside the one that mentions it",
+    FileNameMissing = "file-name-missing": "a file name is missing or empty",
+    FileUnreadable = "file-unreadable": "a file is there but cannot be read",
+    MazBlank = "maz-blank": "a blank line inside a maze",
+    MazBorder = "maz-border": "the upper border of a maze is missing",
+    MazCellTwice = "maz-cell-twice": "two cell sizes that differ in one maze",
+    MazEmpty = "maz-empty": "a maze file without a maze",
+    MazLetter = "maz-letter": "a character that means nothing in a maze",
+    MazLine = "maz-line": "a line that is no row of a maze",
+    MazWallColumn = "maz-wall-column": "a `|` in the middle of a cell of a maze",
+    NumberInvalid = "number-invalid": "a word where a number is expected",
+    NumberRange = "number-range": "a number out of its range, infinite or NaN",
+    ProgramMissing = "program-missing": "a robot's program is not found",
+    QuoteUnclosed = "quote-unclosed": "a quotation mark is not closed",
+    RobiCameraArity = "robi-camera-arity": "`camera` with a wrong number of values",
+    RobiCameraServo = "robi-camera-servo": "an angle of the camera is neither a number nor a servo with its range",
+    RobiDeviceTwice = "robi-device-twice": "two devices of one kind with the same name or number",
+    RobiDialect = "robi-dialect": "a line of EyeSim VR in a robot file",
+    RobiDialectTrack = "robi-dialect-track": "the last number of `wheel` is half the distance of the wheels in a file of EyeSim VR",
+    RobiDriveArity = "robi-drive-arity": "`drive` with a wrong number of devices",
+    RobiDriveKind = "robi-drive-kind": "an unknown kind of drive",
+    RobiDriveMissing = "robi-drive-missing": "a robot file without a `drive` line",
+    RobiKeyword = "robi-keyword": "an unknown keyword in a robot file",
+    RobiNameMissing = "robi-name-missing": "`name` without a name",
+    RobiNumberMissing = "robi-number-missing": "a keyword of a robot file without its number",
+    RobiPsdArity = "robi-psd-arity": "`psd` with too few values",
+    RobiPsdId = "robi-psd-id": "the number of a PSD is no integer",
+    RobiPsdName = "robi-psd-name": "the name of a PSD is a number",
+    RobiWheelArity = "robi-wheel-arity": "`wheel` with too few values",
+    RobiWheelMissing = "robi-wheel-missing": "a robot file without a `wheel` line",
+    SimDialect = "sim-dialect": "a line of EyeSim VR in a sim file",
+    SimKeyword = "sim-keyword": "an unknown keyword in a sim file",
+    SimObjectArity = "sim-object-arity": "`object` with a wrong number of values",
+    SimRobiArity = "sim-robi-arity": "`robi` with a wrong number of values",
+    SimRobotMissing = "sim-robot-missing": "a scene without a robot",
+    SimStartMissing = "sim-start-missing": "a robot without a start",
+    SimStartOverlap = "sim-start-overlap": "a robot starts inside another",
+    SimStartWall = "sim-start-wall": "a robot starts inside a wall",
+    SimWorldMissing = "sim-world-missing": "a scene without a world",
+    SimWorldTwice = "sim-world-twice": "a second world in one scene",
+    TomlKey = "toml-key": "an unknown key in a TOML file",
+    TomlMissing = "toml-missing": "a required key is missing in a TOML file",
+    TomlSyntax = "toml-syntax": "a file that is not TOML",
+    TomlType = "toml-type": "a value of the wrong type in a TOML file",
+    WldFloorArity = "wld-floor-arity": "`floor` with too few numbers",
+    WldFloorMissing = "wld-floor-missing": "a world without the size of its floor",
+    WldHeightArity = "wld-height-arity": "`height` without its number",
+    WldKeyword = "wld-keyword": "an unknown keyword in a world",
+    WldPopEmpty = "wld-pop-empty": "`pop` without an open `push`",
+    WldPositionArity = "wld-position-arity": "`position` with too few numbers",
+    WldPushArity = "wld-push-arity": "`push` with too few numbers",
+    WldWallArity = "wld-wall-arity": "a wall of neither 4, 6 nor 9 numbers",
+    WldWallLength = "wld-wall-length": "a wall whose ends are equal",
+    WldWidthArity = "wld-width-arity": "`width` without its number",
+    WordExtra = "word-extra": "a word too many in a line",
+}
+
+impl fmt::Display for Code {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl Serialize for Code {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+/// There is no such code.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no code `{name}`{}", .nearest.map(|code| format!(", but there is `{code}`")).unwrap_or_default())]
+pub struct UnknownCode {
+    /// What was asked for.
+    pub name: String,
+    /// The code that was probably meant.
+    pub nearest: Option<Code>,
+}
+
+impl FromStr for Code {
+    type Err = UnknownCode;
+
+    fn from_str(name: &str) -> Result<Self, UnknownCode> {
+        let find = |name: &str| Code::ALL.iter().copied().find(|code| code.name() == name);
+        find(name).ok_or_else(|| {
+            let nearest = super::line::nearest(name, Code::ALL.iter().map(|code| code.name())).and_then(find);
+            UnknownCode { name: name.to_owned(), nearest }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_are_sorted_and_well_formed() {
+        assert!(Code::ALL.windows(2).all(|pair| pair[0].name() < pair[1].name()), "sort the list");
+        for code in Code::ALL {
+            let name = code.name();
+            assert!(name.chars().all(|c| c == '-' || c.is_ascii_lowercase()) && name.contains('-'), "{name}");
+            assert!(!code.meaning().ends_with('.') && !code.meaning().contains('\n'), "{name}");
+            assert_eq!(name.replace('-', ""), format!("{code:?}").to_lowercase(), "the variant says the same");
+        }
+    }
+
+    #[test]
+    fn codes_are_found_by_name() {
+        assert!(Code::ALL.iter().all(|code| code.name().parse() == Ok(*code)));
+        let error = "wld-wall-arty".parse::<Code>().expect_err("misspelt");
+        assert_eq!(error.to_string(), "there is no code `wld-wall-arty`, but there is `wld-wall-arity`");
+        assert_eq!("banana".parse::<Code>().expect_err("no code").to_string(), "there is no code `banana`");
+    }
+}
