@@ -3,7 +3,7 @@
 //! Every reader is a total function: whatever the text, it returns a spec of finite numbers and says what is wrong with the
 //! text, all of it, and never panics. This room does no I/O: [`load_sim`] gets its files through [`Files`]. It looks for no
 //! programs and builds nothing; the classic formats of EyeSim 5 and 6 are read, lines of EyeSim VR are recognised and
-//! reported. The formats are described in docs/formats.md.
+//! reported. The formats are described in docs/formats/.
 
 mod clearance;
 mod code;

@@ -72,7 +72,7 @@ impl RobiSpec {
 
 /// Reads a robi file, without its companion ([`super::read_companion`]).
 ///
-/// What the file leaves out has the defaults of docs/formats.md; a missing `wheel` or `drive` line is warned about. The
+/// What the file leaves out has the defaults of docs/formats/robi.md; a missing `wheel` or `drive` line is warned about. The
 /// wheelbase is that which the geometry suggests: 0.6 of the diameter for Ackermann, the track otherwise.
 pub fn read_robi(file: &str, text: &str) -> (RobiSpec, Vec<Diagnostic>) {
     let mut reader =
