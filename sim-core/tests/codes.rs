@@ -4,14 +4,27 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::PathBuf;
 
-use sim_core::format::{Code, Diagnostic, FileError, Files, Severity, load_maze, load_robi, load_sim, load_world};
+use sim_core::format::{
+    Code, Diagnostic, FileError, Files, MeshReader, Severity, load_maze, load_robi, load_sim, load_world,
+};
 
-/// Codes that a text alone cannot cause: they need bytes that are no text, a folder, thousands of lines or a program.
-const WITHOUT_EXAMPLE: [Code; 5] =
-    [Code::FileEncoding, Code::FileKind, Code::FileMore, Code::FileUnreadable, Code::ProgramMissing];
+/// Codes that a text alone cannot cause: they need bytes that are no text, an image, a folder, thousands of lines or a
+/// program.
+const WITHOUT_EXAMPLE: [Code; 8] = [
+    Code::FileEncoding,
+    Code::FileKind,
+    Code::FileMore,
+    Code::FileUnreadable,
+    Code::MeshSize,
+    Code::ProgramMissing,
+    Code::TextureFormat,
+    Code::TextureSize,
+];
 
 /// Files that examples may name.
-const FOLDER: [(&str, &str); 2] = [
+const FOLDER: [(&str, &str); 4] = [
+    ("wedge.obj", "mtllib wedge.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n"),
+    ("wedge.mtl", "newmtl red\nKd 1 0 0\n"),
     ("field.wld", "floor 2000 2000\n0 0 2000 0\n2000 0 2000 2000\n2000 2000 0 2000\n0 2000 0 0\n"),
     (
         "S4.robi",
@@ -55,7 +68,18 @@ impl Example {
             "sim" => load_sim(&name, &files).diagnostics,
             "wld" => load_world(&name, &files).diagnostics,
             "maz" => load_maze(&name, &files).diagnostics,
-            "robi" => load_robi(&name, &files).1.diagnostics,
+            "robi" => load_robi(&name, &files).1.diagnostics.into_iter().chain(looks(&name, &files)).collect(),
+            "obj" => {
+                let robi = files.0["S4.robi"].clone() + &format!("model {name}\n");
+                files.0.insert("example.robi".to_owned(), robi);
+                looks("example.robi", &files)
+            }
+            "mtl" => {
+                let mesh = files.0["wedge.obj"].replace("wedge.mtl", &name);
+                files.0.insert("example.obj".to_owned(), mesh);
+                files.0.insert("example.robi".to_owned(), files.0["S4.robi"].clone() + "model example.obj\n");
+                looks("example.robi", &files)
+            }
             "toml" => {
                 let robi = files.0["S4.robi"].clone();
                 files.0.insert("example.robi".to_owned(), robi);
@@ -64,6 +88,13 @@ impl Example {
             other => panic!("no reader for examples tagged `{other}`"),
         }
     }
+}
+
+/// What is said about the mesh of a robot type.
+fn looks(robi: &str, files: &dyn Files) -> Vec<Diagnostic> {
+    let mut reader = MeshReader::new(files);
+    load_robi(robi, files).0.and_then(|robi| reader.robot(&robi));
+    reader.finish().0
 }
 
 /// A page: its lines before the examples, and the examples.

@@ -120,17 +120,17 @@ pub fn decode(bytes: &[u8]) -> (String, Option<usize>) {
     }
 }
 
-struct Loader<'a> {
+pub(super) struct Loader<'a> {
     files: &'a dyn Files,
-    diagnostics: Vec<Diagnostic>,
-    inputs: Vec<InputFile>,
+    pub(super) diagnostics: Vec<Diagnostic>,
+    pub(super) inputs: Vec<InputFile>,
     /// Robot types by the text of the reference, and by the path at which they were found; `None` if nowhere.
     referenced: BTreeMap<String, Option<Arc<RobiSpec>>>,
     robis: BTreeMap<String, Arc<RobiSpec>>,
 }
 
 impl<'a> Loader<'a> {
-    fn new(files: &'a dyn Files) -> Self {
+    pub(super) fn new(files: &'a dyn Files) -> Self {
         Self { files, diagnostics: Vec::new(), inputs: Vec::new(), referenced: BTreeMap::new(), robis: BTreeMap::new() }
     }
 
@@ -152,7 +152,7 @@ impl<'a> Loader<'a> {
     }
 
     /// Remembers a file and decodes it.
-    fn take(&mut self, path: &str, bytes: Vec<u8>) -> String {
+    pub(super) fn take(&mut self, path: &str, bytes: Vec<u8>) -> String {
         let (text, invalid) = decode(&bytes);
         if let Some(place) = invalid {
             let before = &text[..place];
@@ -177,7 +177,7 @@ impl<'a> Loader<'a> {
     }
 
     /// The path and bytes of the file that `reference` in `file` names; reports all places tried if it is nowhere.
-    fn find(&mut self, file: &str, folder: &str, reference: &PathRef) -> Option<(String, Vec<u8>)> {
+    pub(super) fn find(&mut self, file: &str, folder: &str, reference: &PathRef) -> Option<(String, Vec<u8>)> {
         let places = path::candidates(&reference.text, folder, self.files.home());
         let mut sink = Sink::new(file);
         let mut found = None;

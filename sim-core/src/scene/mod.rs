@@ -1,16 +1,20 @@
-//! Where things stand: vertical walls with their ray index, and a per-slot index of the bodies that move.
+//! Where things stand: vertical walls with their ray index, a per-slot index of the bodies that move, and meshes.
 //!
-//! Everything here is planar geometry in the world frame, in metres; a wall is its trace on the floor, a line segment.
+//! Walls and bodies are planar geometry in the world frame, in metres; a wall is its trace on the floor, a line segment.
 //! The room knows no robots' shapes, sensors or contacts: it answers which walls a ray meets and which walls or bodies are
-//! near a place.
+//! near a place. Meshes with their materials are looks alone, in the frame of their body.
 
 mod bounds;
 mod grid;
+mod material;
+mod mesh;
 mod moving;
 mod segment;
 mod walls;
 
 pub use bounds::Bounds;
+pub use material::{Material, Texture};
+pub use mesh::{Mesh, Triangle};
 pub use moving::Moving;
 pub use segment::Segment;
 pub use walls::{Hit, WallId, Walls};

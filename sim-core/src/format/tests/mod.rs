@@ -1,5 +1,6 @@
 //! Hand-written values for the readers.
 
+mod mesh;
 mod mistakes;
 mod properties;
 
