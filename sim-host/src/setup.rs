@@ -4,17 +4,14 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
-use sim_core::RobotId;
 use sim_core::build;
 use sim_core::drive::Motion;
-use sim_core::format::SceneSpec;
+use sim_core::format::{PathRef, RobotSpec, SceneSpec, Span};
 use sim_core::time::Time;
 use sim_core::world::World;
 
-use crate::program::build::{Builder, Tools};
-use crate::program::cache::Cache;
-use crate::program::compile::ShimKit;
-use crate::program::find::{SearchPath, find_program};
+use crate::program::build::Builder;
+use crate::program::find::{Found, SearchPath, find_program};
 use crate::program::load::{LoadError, LoadedProgram, Loader, check_mappings};
 use crate::program::prepare::{Prepared, prepare};
 use crate::robios::Devices;
@@ -26,44 +23,52 @@ const MAPPINGS_PER_FLOW: usize = 4;
 
 /// The programs of a scene, built.
 pub struct Programs {
-    /// In the order of the robots; robots with one program share it.
-    pub of_robots: Vec<Arc<Prepared>>,
+    /// In the order of the robots; robots with one program share it, a robot that only stands there has none.
+    pub of_robots: Vec<Option<Arc<Prepared>>>,
     /// What the user should know: how they were found, what the compiler said, what is outside the guarantee.
     pub remarks: Vec<String>,
 }
 
 impl Programs {
-    /// Finds and builds the programs of all robots, each once.
+    /// Finds and builds the programs of all robots, each once; `builder` tells its observer what it compiles.
     ///
     /// # Errors
     /// All programs that cannot be found or built, in one message with the lines of the sim file.
-    pub fn build(scene: &SceneSpec, search: &SearchPath) -> anyhow::Result<Self> {
-        let mut found = Vec::with_capacity(scene.robots.len());
+    pub fn build(scene: &SceneSpec, search: &SearchPath, builder: &Builder) -> anyhow::Result<Self> {
+        // A program that is named on the command line is looked for from where the user stands.
+        let search_from_here = SearchPath { sim_folder: None, ..search.clone() };
+        let mut found: Vec<Option<Found>> = Vec::with_capacity(scene.robots.len());
         let mut mistakes = Vec::new();
         for robot in &scene.robots {
-            let Some(program) = &robot.program else {
-                push_new(&mut mistakes, format!("{}:{}: this robot has no program", scene.file, robot.span.line));
-                continue;
+            let find = |program: &PathRef| {
+                let search = if is_of_command_line(program) { &search_from_here } else { search };
+                find_program(&program.text, search)
             };
-            match find_program(&program.text, search) {
-                Ok(program) => found.push(program),
-                Err(error) => push_new(&mut mistakes, format!("{}:{}: {error}", scene.file, program.span.line)),
-            }
+            found.push(robot.program.as_ref().and_then(|program| match find(program) {
+                Ok(found) => Some(found),
+                Err(error) => {
+                    push_new(&mut mistakes, format!("{}: {error}", place_of(scene, program)));
+                    None
+                }
+            }));
         }
         fail_with(&mistakes)?;
 
-        let cache = Cache::of_user().context("no folder for built programs")?;
-        let builder = Builder::new(cache, ShimKit::robios6(), Tools::of_environment());
+        let mut prepared = prepare(builder, &found.iter().flatten().cloned().collect::<Vec<_>>()).into_iter();
         let mut of_robots = Vec::with_capacity(found.len());
         let mut remarks = Vec::new();
-        for ((robot, found), prepared) in scene.robots.iter().zip(&found).zip(prepare(&builder, &found)) {
+        for (robot, found) in scene.robots.iter().zip(&found) {
+            let Some((found, prepared)) = found.as_ref().and_then(|found| Some((found, prepared.next()?))) else {
+                of_robots.push(None);
+                continue;
+            };
             found.notes.iter().for_each(|note| push_new(&mut remarks, note.clone()));
             match prepared {
                 Ok(program) => {
                     let output = Some(program.output.trim_end()).filter(|output| !output.is_empty());
                     output.iter().for_each(|output| push_new(&mut remarks, (*output).to_owned()));
                     program.warnings.iter().for_each(|warning| push_new(&mut remarks, warning.clone()));
-                    of_robots.push(program);
+                    of_robots.push(Some(program));
                 }
                 Err(error) => push_new(&mut mistakes, format!("program `{}`: {error}", robot.program_name())),
             }
@@ -72,24 +77,38 @@ impl Programs {
         Ok(Self { of_robots, remarks })
     }
 
-    /// Maps a private copy of its program for each robot, with the arguments that its `main` gets.
+    /// The programs, each once for each robot that runs it.
+    pub fn iter(&self) -> impl Iterator<Item = &Arc<Prepared>> {
+        self.of_robots.iter().flatten()
+    }
+
+    /// Maps a private copy of its program for each robot that has one, with the arguments that its `main` gets.
     ///
     /// # Errors
     /// The first program that cannot be loaded, or all of them if the kernel has no room.
-    pub fn load(
-        &self,
-        scene: &SceneSpec,
-        arguments: &BTreeMap<RobotId, Vec<String>>,
-    ) -> anyhow::Result<Vec<LoadedProgram>> {
-        check_mappings(self.of_robots.iter().map(|program| (&program.image, 1)), MAPPINGS_PER_FLOW)?;
+    pub fn load(&self, scene: &SceneSpec) -> anyhow::Result<Vec<Option<LoadedProgram>>> {
+        check_mappings(self.iter().map(|program| (&program.image, 1)), MAPPINGS_PER_FLOW)?;
         let mut loader = Loader::new().context("no folder to load programs from")?;
-        let mut load = |(robot, program): (&sim_core::format::RobotSpec, &Arc<Prepared>)| {
-            let words = arguments.get(&robot.id).map_or(&[][..], Vec::as_slice);
+        let mut load = |(robot, program): (&RobotSpec, &Option<Arc<Prepared>>)| {
             let named = |error: LoadError| anyhow!("{} (`{}`): {error}", robot.id, robot.program_name());
-            loader.load(program, words).map_err(named)
+            program.as_ref().map(|program| loader.load(program, &robot.arguments).map_err(named)).transpose()
         };
         scene.robots.iter().zip(&self.of_robots).map(&mut load).collect()
     }
+}
+
+/// Names a program of a scene from the command line, where a file has no place.
+pub fn program_of_command_line(name: &str) -> PathRef {
+    PathRef { text: name.to_owned(), span: Span::default() }
+}
+
+fn is_of_command_line(program: &PathRef) -> bool {
+    program.span.line == 0
+}
+
+/// Where `program` is named: `line.sim:3`, or the command line's option.
+fn place_of(scene: &SceneSpec, program: &PathRef) -> String {
+    if is_of_command_line(program) { "--program".to_owned() } else { format!("{}:{}", scene.file, program.span.line) }
 }
 
 fn push_new(list: &mut Vec<String>, text: String) {
@@ -132,7 +151,7 @@ pub fn build_world(
         model.check().with_context(|| format!("robot type `{}`", spec.robi.file))?;
         let presses = options.keys.iter().filter(|press| press.robot.is_none_or(|robot| robot == spec.id));
         let mut robot = Robot::new(RobotParts {
-            program: program.name.clone(),
+            program: program.as_ref().map(|program| program.name.clone()).unwrap_or_default(),
             motion: Motion::new(spec.id, Arc::clone(model), Arc::clone(&walls), spec.start),
             spec: Arc::clone(&spec.robi),
             devices: Devices::new(&spec.robi, Keys::scripted(presses.map(|press| (press.at, press.code)))),

@@ -109,3 +109,38 @@ fn a_drive_against_a_wall_ends_as_a_wait_that_nothing_can_end() {
     // A robot of 180 mm in a room of 4 m.
     assert!((tests::number(robot, "pose.x_m") - 3.91).abs() < 2e-6, "{robot:#}");
 }
+
+#[test]
+fn a_program_of_the_command_line_takes_the_place_of_the_scenes() {
+    let scratch = scene("return 3;");
+    let echo = "#include \"eyebot.h\"\nint main(int argc, char **argv) { LCDPrintf(\"%s %s\", argv[0], argv[1]); return 0; }\n";
+    scratch.write("sims/other.c", echo);
+    write_scene(&scratch, &["prog.c", "prog.c"]);
+    let args = ["--program", "2=sims/other.c", "--args", "2:new"];
+    let report = scratch.report("scene.sim", &args, 1);
+    assert_eq!(report["robots"][0]["exit_code"], 3);
+    assert_eq!(report["robots"][1]["program"], "sims/other.c");
+    assert_eq!(report["robots"][1]["lcd"][0].as_str().map(str::trim_end), Some("other new"));
+    let ran = scratch.eyesim(&["run", "scene.sim", "--program", "1=none.c"]);
+    assert_eq!(ran.code, Some(2), "{ran:#?}");
+    assert!(ran.stderr.contains("--program: program `none.c` is not found"), "{ran:#?}");
+    let ran = scratch.eyesim(&["run", "scene.sim", "--program", "sims/other.c"]);
+    assert_eq!(ran.code, Some(2), "{ran:#?}");
+    assert!(ran.stderr.contains("every robot has a program"), "{ran:#?}");
+}
+
+#[test]
+fn programs_of_other_systems_are_named_or_replaced() {
+    let scratch = scene("return 0;");
+    scratch.write("drive.py", "from eye import *\nVWStraight(100, 100)\n");
+    write_scene(&scratch, &["drive.py"]);
+    let ran = scratch.eyesim(&["run", "scene.sim"]);
+    assert_eq!(ran.code, Some(2), "{ran:#?}");
+    assert!(ran.stderr.contains("a Python program, which eyesim cannot run yet"), "{ran:#?}");
+    std::fs::copy(tests::eyesim_path(), scratch.path().join("prog.x")).expect("an executable");
+    write_scene(&scratch, &["prog.x"]);
+    let ran = scratch.eyesim(&["run", "scene.sim"]);
+    assert_eq!(ran.code, Some(0), "{ran:#?}");
+    assert!(ran.stderr.contains("prog.x` is an executable for "), "{ran:#?}");
+    assert!(ran.stderr.contains("prog.c` beside it is used instead"), "{ran:#?}");
+}

@@ -10,6 +10,7 @@ use clap::{Parser, Subcommand};
 pub mod cc;
 pub mod check;
 pub mod new;
+pub mod options;
 pub mod progress;
 pub mod run;
 pub mod table;
@@ -37,7 +38,7 @@ const EXIT_CODES: &str = "Exit codes: 0 ended or reached --until, 1 a robot prog
 #[derive(Subcommand)]
 enum Command {
     /// Run a sim file: build and load its robot programs, run them in lockstep, report what happened
-    Run(run::RunArgs),
+    Run(Box<run::RunArgs>),
     /// Read files and print what is wrong in them
     Check(check::CheckArgs),
     /// Build a robot program from C sources by hand

@@ -1,13 +1,77 @@
-//! The progress bar: simulated time and how the robots stand, on standard error where a terminal is behind it.
+//! Progress on standard error where a terminal is behind it: what is being built, then the bar of the run with simulated time
+//! and how the robots stand.
 
 use std::io::{self, IsTerminal, Write};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use parking_lot::Mutex;
 use sim_core::time::Time;
+
+use crate::program::build::Watch;
+use crate::program::find::ProgramSource;
 
 /// The least time between two pictures of the bar.
 const PERIOD: Duration = Duration::from_millis(100);
+
+/// A line that names the programs that are being built, and since when; it goes when it is dropped.
+#[derive(Debug)]
+pub struct Building {
+    bar: ProgressBar,
+    names: Mutex<Vec<String>>,
+}
+
+impl Building {
+    /// The line on standard error, if that is a terminal.
+    pub fn on_stderr() -> Self {
+        Self::drawn_on(ProgressDrawTarget::stderr_with_hz(10))
+    }
+
+    fn drawn_on(target: ProgressDrawTarget) -> Self {
+        let bar = ProgressBar::with_draw_target(None, target);
+        // The template is well formed; the default style is no worse than a wrong one.
+        let style = ProgressStyle::with_template("{spinner} building {wide_msg}");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+        Self { bar, names: Mutex::default() }
+    }
+
+    fn show(&self, names: &[String]) {
+        self.bar.set_message(names.join(", "));
+    }
+}
+
+impl Watch for Building {
+    fn begins(&self, source: &ProgramSource) {
+        let mut names = self.names.lock();
+        names.push(name(source.path()));
+        self.show(&names);
+        self.bar.enable_steady_tick(PERIOD);
+    }
+
+    fn ends(&self, source: &ProgramSource) {
+        let mut names = self.names.lock();
+        let name = name(source.path());
+        if let Some(place) = names.iter().position(|other| *other == name) {
+            names.remove(place);
+        }
+        // The last name stays until something else is shown.
+        if !names.is_empty() {
+            self.show(&names);
+        }
+    }
+}
+
+impl Drop for Building {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// The name of a source file or of a package's folder.
+fn name(source: &Path) -> String {
+    source.file_name().unwrap_or(source.as_os_str()).to_string_lossy().into_owned()
+}
 
 /// How many robots do what.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -133,7 +197,6 @@ mod tests {
     use std::sync::Arc;
 
     use indicatif::TermLike;
-    use parking_lot::Mutex;
 
     use super::*;
 
@@ -234,6 +297,24 @@ mod tests {
         progress.clear();
         assert!(screen.0.lock().ends_with("<clear>"), "{:?}", screen.0.lock());
         assert!(!progress.is_visible());
+    }
+
+    #[test]
+    fn what_is_being_built_is_named_until_it_is_done() {
+        let screen = Screen::default();
+        let building = Building::drawn_on(ProgressDrawTarget::term_like(Box::new(screen.clone())));
+        assert_eq!(*screen.0.lock(), "", "nothing is shown where everything was built before");
+        let maze = ProgramSource::C(vec!["sims/maze.c".into(), "sims/map.c".into()]);
+        let avoid = ProgramSource::Cargo("example-programs/avoid".into());
+        building.begins(&maze);
+        building.begins(&avoid);
+        assert_eq!(building.bar.message(), "maze.c, avoid");
+        assert!(screen.0.lock().contains("building maze.c"), "{:?}", screen.0.lock());
+        building.ends(&maze);
+        assert_eq!(building.bar.message(), "avoid");
+        building.ends(&avoid);
+        drop(building);
+        assert!(screen.0.lock().ends_with("<clear>"), "{:?}", screen.0.lock());
     }
 
     #[test]

@@ -1,36 +1,32 @@
 //! `eyesim run`: a sim file from its first line to the last line of its report.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::{Context, bail};
 use clap::Args;
 use parking_lot::Mutex;
-use sim_core::RobotId;
 use sim_core::format::{Files, InputFile, Loaded, SceneSpec, load_sim};
 use sim_core::pose::Pose;
 use sim_core::scene::Walls;
 use sim_core::time::Time;
 
-use super::progress::{Counts, Progress};
+use super::options::{Options, ProgramOption};
+use super::progress::{Building, Counts, Progress};
 use super::table::{self, Screen};
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM, EXIT_USAGE, check};
 use crate::executive::conductor::End;
 use crate::executive::run::{Ended, Limits, Parts, RobotEnd, Run};
 use crate::executive::thread::ThreadExecutor;
 use crate::files::{DiskFiles, slashed};
-use crate::program::find::SearchPath;
-use crate::program::words::split_words;
-use crate::record::log::{Filter, Pattern};
+use crate::program::{Builder, Cache, SearchPath, ShimKit, Tools};
 use crate::record::report::{Input, REPORT_SCHEMA, RobotReport};
 use crate::record::trace::{TraceHeader, TraceRobot};
 use crate::record::{Log, Outcome, Plot, PlotRobot, Recorder, Report, Sink, Trace, Trails};
-use crate::robios::cost::Costs;
-use crate::robios::key::{Press, parse_script};
 use crate::setup::{Programs, RobotOptions, build_world};
 
 /// Simulated seconds after which a run ends when the user says nothing and nobody watches.
@@ -68,15 +64,21 @@ pub struct RunArgs {
     /// Processor time in seconds that a program may compute within one slot before it is stopped
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = parse_timeout, allow_hyphen_values = true)]
     pub timeout: f64,
+    /// Program of the robots that have none, or with a number that of one robot: `2=maze.c`
+    #[arg(long = "program", value_name = "[ROBOT=]PROGRAM", value_parser = ProgramOption::parse)]
+    pub programs: Vec<ProgramOption>,
     /// Keys that are pressed: `2.5:KEY1, 4:KEY4`, for one robot `2:2.5:KEY1`
     #[arg(long, value_name = "KEYS")]
     pub keys: Vec<String>,
-    /// Arguments of a robot's program: `1:"--kp 0.5"`, without a number for all robots
+    /// Arguments of a robot's program in place of those of the sim file: `1:"--kp 0.5"`, without a number for all robots
     #[arg(long, value_name = "[ROBOT:]ARGUMENTS", allow_hyphen_values = true)]
     pub args: Vec<String>,
     /// Virtual time that RoBIOS calls take, as TOML
     #[arg(long, value_name = "FILE")]
     pub costs: Option<PathBuf>,
+    /// Show no progress: neither what is being built nor how far the run is
+    #[arg(short, long, conflicts_with = "verbose")]
+    pub quiet: bool,
     /// Show every RoBIOS call with its virtual time
     #[arg(short, long)]
     pub verbose: bool,
@@ -104,12 +106,12 @@ pub enum Speed {
 pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     expect_sim(&args.sim)?;
     let files = DiskFiles::of_environment();
-    let loaded = load_sim(&slashed(&args.sim), &files);
+    let mut loaded = load_sim(&slashed(&args.sim), &files);
     eprint!("{}", check::render(&loaded.diagnostics, &loaded.inputs));
     if loaded.has_errors() {
         return Ok(ExitCode::from(EXIT_USAGE));
     }
-    let options = Options::new(args, loaded.scene.robots.len())?;
+    let options = Options::new(args, &mut loaded.scene)?;
     simulate(args, &options, &files, &loaded)
 }
 
@@ -127,71 +129,6 @@ fn expect_sim(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What the arguments mean for the robots of the scene.
-struct Options {
-    keys: Vec<Press>,
-    arguments: BTreeMap<RobotId, Vec<String>>,
-    costs: Costs,
-    costs_input: Option<InputFile>,
-    filter: Filter,
-}
-
-impl Options {
-    fn new(args: &RunArgs, robots: usize) -> anyhow::Result<Self> {
-        let exists = |robot: u32| {
-            if (1..=robots).contains(&(robot as usize)) {
-                return Ok(RobotId(robot));
-            }
-            Err(anyhow!("there is no robot {robot}: the sim file has robots 1 to {robots}"))
-        };
-        let mut keys = Vec::new();
-        for script in &args.keys {
-            keys.extend(parse_script(script).context("--keys")?);
-        }
-        for press in &keys {
-            press.robot.map_or(Ok(RobotId(1)), |robot| exists(robot.0)).context("--keys")?;
-        }
-        let mut arguments: BTreeMap<RobotId, Vec<String>> = BTreeMap::new();
-        for text in &args.args {
-            let (robot, words) = split_robot(text);
-            let words = split_words(words).with_context(|| format!("--args {text}"))?;
-            let robots: Vec<RobotId> = match robot {
-                Some(robot) => vec![exists(robot).context("--args")?],
-                None => (0..robots).map(RobotId::from_index).collect(),
-            };
-            for robot in robots {
-                arguments.entry(robot).or_default().extend(words.iter().cloned());
-            }
-        }
-        let (costs, costs_input) = read_costs(args.costs.as_deref())?;
-        let filter = Filter {
-            is_verbose: args.verbose,
-            only: args.only.as_deref().map(Pattern::parse_list).unwrap_or_default(),
-            robots: args.robot.map(|robot| exists(robot).context("--robot")).transpose()?.into_iter().collect(),
-        };
-        Ok(Self { keys, arguments, costs, costs_input, filter })
-    }
-}
-
-/// The robot's number before a colon, if there is one, and the rest.
-fn split_robot(text: &str) -> (Option<u32>, &str) {
-    let split = || {
-        let (robot, rest) = text.split_once(':')?;
-        let digits = robot.trim().strip_prefix(['r', 'R']).unwrap_or(robot.trim());
-        Some((digits.parse().ok()?, rest))
-    };
-    split().map_or((None, text), |(robot, rest)| (Some(robot), rest))
-}
-
-fn read_costs(path: Option<&Path>) -> anyhow::Result<(Costs, Option<InputFile>)> {
-    let Some(path) = path else { return Ok((Costs::default(), None)) };
-    let name = || format!("cost table `{}`", path.display());
-    let bytes = std::fs::read(path).with_context(name)?;
-    let text = std::str::from_utf8(&bytes).with_context(name)?;
-    let costs = Costs::with(text).with_context(name)?;
-    Ok((costs, Some(InputFile { path: slashed(path), bytes })))
-}
-
 /// Builds, loads and runs the scene, and writes what was asked for.
 fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loaded) -> anyhow::Result<ExitCode> {
     let scene = &loaded.scene;
@@ -204,11 +141,14 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
         folders: Vec::new(),
         installation: files.home().map(PathBuf::from),
     };
-    let programs = Programs::build(scene, &search)?;
+    let programs = build_programs(args, scene, &search)?;
     let inputs = inputs(&loaded.inputs, options.costs_input.as_ref(), &programs);
     check_outputs(args, &inputs)?;
     programs.remarks.iter().for_each(|remark| eprintln!("{remark}"));
-    let loaded_programs = match programs.load(scene, &options.arguments) {
+    if programs.iter().next().is_none() {
+        eprintln!("no robot has a program, so no time passes: `--program FILE` gives them one");
+    }
+    let loaded_programs = match programs.load(scene) {
         Ok(loaded) => loaded,
         Err(error) => {
             eprintln!("error: {error:#}");
@@ -221,7 +161,7 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
     let walls = Arc::clone(world.walls());
 
     let until = args.until.unwrap_or(Time::from_seconds_ceil(DEFAULT_UNTIL));
-    let mut progress = if args.verbose { Progress::hidden() } else { Progress::new(until) };
+    let mut progress = if args.verbose || args.quiet { Progress::hidden() } else { Progress::new(until) };
     let Sinks { all, trails } = sinks(args, options, scene, &progress)?;
     let limits = Limits {
         lanes: args.threads.map_or_else(processors, NonZeroUsize::get),
@@ -236,7 +176,7 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
     let parts = Parts {
         world,
         programs: loaded_programs,
-        executor: Box::new(ThreadExecutor::new(robots.len(), limits.lanes)),
+        executor: Box::new(ThreadExecutor::new(robots.len(), programs.iter().count(), limits.lanes)),
         robots,
         costs: options.costs.clone(),
         recorder: Recorder::new(args.seed, args.slot, all),
@@ -258,6 +198,16 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
     // One file that cannot be written keeps no other from being written.
     written.into_iter().flatten().collect::<Result<(), _>>()?;
     Ok(exit_code(&ended))
+}
+
+/// Builds the programs of `scene`, and says on a terminal what takes so long.
+fn build_programs(args: &RunArgs, scene: &SceneSpec, search: &SearchPath) -> anyhow::Result<Programs> {
+    let cache = Cache::of_user().context("no folder for built programs")?;
+    let mut builder = Builder::new(cache, ShimKit::robios6(), Tools::of_environment());
+    if !args.quiet {
+        builder = builder.watched_by(Box::new(Building::on_stderr()));
+    }
+    Programs::build(scene, search, &builder)
 }
 
 /// Prints to standard output; a reader who has seen enough (`| head`) is no error.
@@ -334,7 +284,7 @@ fn sinks(args: &RunArgs, options: &Options, scene: &SceneSpec, progress: &Progre
 /// How the robots stand while the run goes on.
 fn counts(run: &Run) -> Counts {
     let mut counts = Counts::default();
-    for id in (0..run.robot_count()).map(RobotId::from_index) {
+    for id in run.ids_with_program() {
         let robot = run.robot(id);
         if robot.ending.is_some() {
             counts.ended += 1;
@@ -351,7 +301,7 @@ fn counts(run: &Run) -> Counts {
 fn inputs(scene: &[InputFile], costs: Option<&InputFile>, programs: &Programs) -> Vec<Input> {
     let mut inputs: Vec<Input> =
         scene.iter().chain(costs).map(|file| Input::new(Path::new(&file.path), &file.bytes)).collect();
-    let paths: BTreeSet<PathBuf> = programs.of_robots.iter().flat_map(|program| program.inputs()).collect();
+    let paths: BTreeSet<PathBuf> = programs.iter().flat_map(|program| program.inputs()).collect();
     for path in paths {
         // A source that has vanished since it was compiled cannot be hashed any more.
         if let Ok(bytes) = std::fs::read(&path) {

@@ -70,7 +70,7 @@ fn shown_robots(robots: &[RobotReport]) -> Vec<&RobotReport> {
 fn counts(robots: &[RobotReport], shown: usize) -> String {
     let mut by_outcome: BTreeMap<Outcome, usize> = BTreeMap::new();
     robots.iter().for_each(|robot| *by_outcome.entry(robot.outcome).or_default() += 1);
-    let parts: Vec<_> = by_outcome.iter().map(|(outcome, count)| format!("{count} {}", outcome.name())).collect();
+    let parts: Vec<_> = by_outcome.iter().map(|(outcome, count)| format!("{count} {}", word(*outcome))).collect();
     let mut line = format!("{} robots: {}", robots.len(), parts.join(", "));
     if shown < robots.len() {
         // Writing to a string cannot fail.
@@ -124,6 +124,7 @@ impl Column {
     fn cell(self, robot: &RobotReport) -> String {
         match self {
             Self::Robot => format!("r{} {}", robot.id, Printable(&robot.name)),
+            Self::Program if robot.program.is_empty() => "none".to_owned(),
             Self::Program => Printable(&robot.program).to_string(),
             Self::Outcome => outcome(robot),
             Self::Time => format!("{:.3}", robot.virtual_time_s),
@@ -142,9 +143,14 @@ impl Column {
 /// `failed (3)`: the outcome, and the exit code where it says more.
 fn outcome(robot: &RobotReport) -> String {
     match robot.exit_code {
-        Some(code) if code != 0 => format!("{} ({code})", robot.outcome.name()),
-        _ => robot.outcome.name().to_owned(),
+        Some(code) if code != 0 => format!("{} ({code})", word(robot.outcome)),
+        _ => word(robot.outcome),
     }
+}
+
+/// The outcome as people write it: `no program`.
+fn word(outcome: Outcome) -> String {
+    outcome.name().replace('_', " ")
 }
 
 fn pose(pose: &PlanarPose) -> String {
@@ -263,7 +269,7 @@ fn fold(line: &str, screen: Screen) -> String {
 fn outcome_style(outcome: Outcome) -> Style {
     match outcome {
         Outcome::Finished => Style::new().green(),
-        Outcome::Running => Style::new(),
+        Outcome::Running | Outcome::NoProgram => Style::new(),
         Outcome::Interrupted => Style::new().yellow(),
         Outcome::Waiting | Outcome::Failed | Outcome::Timeout => Style::new().red(),
     }
@@ -374,6 +380,15 @@ mod tests {
                 painted.lines().map(|line| console::strip_ansi_codes(line).trim_end().to_owned()).collect();
             assert_eq!(plain.lines().collect::<Vec<_>>(), stripped);
         }
+    }
+
+    #[test]
+    fn a_robot_without_a_program_says_so() {
+        let stands = RobotReport { program: String::new(), exit_code: None, ..robot(2, Outcome::NoProgram) };
+        let text = render(&report(vec![robot(1, Outcome::Finished), stands]), Screen { width: 120, has_colour: false });
+        let row = text.lines().find(|line| line.starts_with("r2")).expect("a row");
+        assert_eq!(row.split_whitespace().collect::<Vec<_>>()[2..5], ["none", "no", "program"], "{text}");
+        assert!(text.contains("2 robots: 1 finished, 1 no program\n"), "{text}");
     }
 
     #[test]

@@ -32,9 +32,9 @@ pub struct Conductor {
     wakes: BinaryHeap<Reverse<Wake>>,
     /// For each robot the number of its valid entry in `wakes`.
     wake_numbers: Vec<u32>,
-    /// For each robot whether its program has ended.
+    /// For each robot whether its program has ended, or it has none.
     departed: Vec<bool>,
-    /// Robots whose program has not ended.
+    /// Robots with a program that has not ended.
     alive: usize,
     until: Time,
     pace: Option<Pace>,
@@ -71,7 +71,7 @@ struct Pace {
 /// Why the slot loop stopped.
 #[derive(Debug)]
 pub enum End {
-    /// Every program has ended.
+    /// Every program has ended, or there is none.
     Finished,
     /// The time that the user set is over.
     Until,
@@ -96,8 +96,8 @@ pub struct HandOver {
 
 /// What the slot loop is told when it is made.
 pub struct Plan {
-    /// Number of robots.
-    pub robots: usize,
+    /// For each robot whether it has a program; without one it only stands there.
+    pub has_program: Vec<bool>,
     /// How many may run at one time.
     pub lanes: usize,
     /// Simulated time at which the run ends.
@@ -107,24 +107,37 @@ pub struct Plan {
 }
 
 impl Conductor {
-    /// The slot loop before the first slot: all robots are due at 0.
+    /// The slot loop before the first slot: all robots with programs are due at 0. Without any, the run is over.
     pub fn new(plan: &Plan, recorder: Recorder<'static>) -> Self {
-        let lanes = plan.lanes.clamp(1, plan.robots.max(1));
+        let count = plan.has_program.len();
+        let ids = |has_program| {
+            let robots = plan.has_program.iter().enumerate().filter(move |(_, has)| **has == has_program);
+            robots.map(|(index, _)| RobotId::from_index(index))
+        };
+        let alive = ids(true).count();
+        let lanes = plan.lanes.clamp(1, alive.max(1));
         let mut conductor = Self {
             lanes: (0..lanes).map(|_| Lane::default()).collect(),
-            homes: (0..plan.robots).map(|index| (index % lanes) as u32).collect(),
+            homes: vec![0; count],
             ran: Vec::new(),
             moving: Vec::new(),
             wakes: BinaryHeap::new(),
-            wake_numbers: vec![0; plan.robots],
-            departed: vec![false; plan.robots],
-            alive: plan.robots,
+            wake_numbers: vec![0; count],
+            departed: plan.has_program.iter().map(|has_program| !has_program).collect(),
+            alive,
             until: plan.until,
             pace: plan.speed.map(|factor| Pace { factor, start: Instant::now() }),
             recorder,
-            end: None,
+            end: (alive == 0).then_some(End::Finished),
         };
-        (0..plan.robots).for_each(|index| conductor.make_ready(RobotId::from_index(index)));
+        for (place, robot) in ids(true).enumerate() {
+            conductor.homes[robot.index()] = (place % lanes) as u32;
+            conductor.make_ready(robot);
+        }
+        if alive > 0 {
+            // The first slot records the start of those without a program, too.
+            conductor.ran.extend(ids(false));
+        }
         conductor
     }
 
@@ -169,7 +182,7 @@ impl Conductor {
         self.departed[robot.index()] = true;
     }
 
-    /// True once the program of `robot` has ended or broken.
+    /// True once the program of `robot` has ended or broken, and for a robot without one.
     pub fn has_departed(&self, robot: RobotId) -> bool {
         self.departed[robot.index()]
     }

@@ -15,7 +15,7 @@ use super::Executor;
 use super::bell::Bell;
 use super::conductor::{Conductor, End, HandOver, Plan};
 use super::fault::Broken;
-use super::standing::Finish;
+use super::standing::{Finish, Standing};
 use super::{signal, standing, watchdog};
 use crate::program::load::LoadedProgram;
 use crate::record::{Digest, Outcome, Recorder};
@@ -28,6 +28,8 @@ pub struct Run {
     /// The world; written only between slots, when no robot runs.
     pub(crate) world: RwLock<World>,
     robots: Vec<Mutex<Robot>>,
+    /// The robots that have a program; the others only stand there.
+    with_program: Vec<RobotId>,
     conductor: Mutex<Conductor>,
     executor: Box<dyn Executor>,
     costs: Costs,
@@ -45,8 +47,8 @@ pub struct Parts {
     pub world: World,
     /// All robots, in the order of their ids.
     pub robots: Vec<Robot>,
-    /// Their programs, in the same order.
-    pub programs: Vec<LoadedProgram>,
+    /// Their programs, in the same order; none for a robot that only stands there.
+    pub programs: Vec<Option<LoadedProgram>>,
     /// How flows are run.
     pub executor: Box<dyn Executor>,
     /// What calls cost.
@@ -127,12 +129,17 @@ impl Run {
         let start = Instant::now();
         let bell = Bell::new()?;
         signal::install(&bell)?;
-        let plan = Plan { robots: parts.robots.len(), lanes: limits.lanes, until: limits.until, speed: limits.speed };
+        let programs: Vec<Option<Arc<_>>> = parts.programs.into_iter().map(|program| program.map(Arc::new)).collect();
+        let with_program = |index: &usize| programs[*index].is_some();
+        let with_program: Vec<_> = (0..programs.len()).filter(with_program).map(RobotId::from_index).collect();
+        let has_program = programs.iter().map(Option::is_some).collect();
+        let plan = Plan { has_program, lanes: limits.lanes, until: limits.until, speed: limits.speed };
         let run = Arc::new(Self {
             slot_start: AtomicI64::new(parts.world.slot_start().0),
             slot_end: AtomicI64::new(parts.world.slot_end().0),
             world: RwLock::new(parts.world),
             robots: parts.robots.into_iter().map(Mutex::new).collect(),
+            with_program,
             conductor: Mutex::new(Conductor::new(&plan, parts.recorder)),
             executor: parts.executor,
             costs: parts.costs,
@@ -140,8 +147,8 @@ impl Run {
             is_stopping: AtomicBool::new(false),
             is_verbose: limits.is_verbose,
         });
-        let programs: Vec<_> = parts.programs.into_iter().map(Arc::new).collect();
         for (index, program) in programs.iter().enumerate() {
+            let Some(program) = program else { continue };
             let (id, run, program) = (RobotId::from_index(index), Arc::clone(&run), Arc::clone(program));
             Arc::clone(&run).executor.start(id, Box::new(move || run.live(id, &program)))?;
         }
@@ -160,9 +167,9 @@ impl Run {
         self.robots[id.index()].lock()
     }
 
-    /// Number of robots.
-    pub fn robot_count(&self) -> usize {
-        self.robots.len()
+    /// The robots that have a program.
+    pub fn ids_with_program(&self) -> impl Iterator<Item = RobotId> {
+        self.with_program.iter().copied()
     }
 
     /// Start of the present slot.
@@ -296,7 +303,7 @@ impl Run {
     /// Lets every program that has not ended leave, one after the other in the order of ids.
     fn stop_all(&self) {
         self.is_stopping.store(true, Ordering::Release);
-        for id in (0..self.robots.len()).map(RobotId::from_index) {
+        for id in self.ids_with_program() {
             if self.conductor.lock().has_departed(id) {
                 continue;
             }
@@ -309,7 +316,7 @@ impl Run {
     }
 
     /// What the run has come to, once nobody runs any more.
-    fn conclude(&self, programs: &[Arc<LoadedProgram>], broken: &[(RobotId, Broken)], start: Instant) -> Ended {
+    fn conclude(&self, programs: &[Option<Arc<LoadedProgram>>], broken: &[(RobotId, Broken)], start: Instant) -> Ended {
         let mut conductor = self.conductor.lock();
         let time = conductor.time(&self.world.read());
         let end = conductor.take_end();
@@ -319,7 +326,10 @@ impl Run {
             let id = RobotId::from_index(index);
             let mut robot = self.robot(id);
             let broken = broken.iter().find(|(other, _)| *other == id).map(|(_, broken)| broken);
-            let standing = standing::judge(&mut robot, &finish, broken, program);
+            let standing = match program {
+                Some(program) => standing::judge(&mut robot, &finish, broken, program),
+                None => Standing::without_program(),
+            };
             robot.record_standing(&standing);
             conductor.recorder().collect(&mut robot.journal);
             robots.push(RobotEnd {

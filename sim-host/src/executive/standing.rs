@@ -21,6 +21,13 @@ pub struct Standing {
     pub fault: Option<Place>,
 }
 
+impl Standing {
+    /// That of a robot without a program.
+    pub fn without_program() -> Self {
+        Self { outcome: Outcome::NoProgram, reason: None, exit_code: None, fault: None }
+    }
+}
+
 /// Where a program broke.
 pub struct Place {
     /// What happened, without the place.

@@ -39,11 +39,12 @@ struct RobotThread {
 }
 
 impl ThreadExecutor {
-    /// An executor for `count` robots, with ids from 1, of which as many as there are `lanes` run at one time.
+    /// An executor for `count` robots, with ids from 1. As many as there are `lanes` run at one time of the `flows` that will be
+    /// started.
     ///
     /// Where robots hand over to each other within a lane, the threads of a lane are bound to one processor: on the machines
     /// measured a hand-over to another one costs two to three times as much.
-    pub fn new(count: usize, lanes: usize) -> Self {
+    pub fn new(count: usize, flows: usize, lanes: usize) -> Self {
         let robot = || RobotThread {
             block: Box::leak(Box::default()),
             lane: AtomicU32::new(u32::MAX),
@@ -51,7 +52,7 @@ impl ThreadExecutor {
             thread: OnceLock::new(),
             watch: Mutex::default(),
         };
-        let processors = if count > lanes { processors(lanes) } else { Vec::new() };
+        let processors = if flows > lanes { processors(lanes) } else { Vec::new() };
         Self { robots: (0..count).map(|_| robot()).collect(), processors }
     }
 

@@ -80,6 +80,15 @@ pub enum BuildError {
     },
 }
 
+/// Somebody who wants to know what is being compiled, since that takes time. Called from the threads that build.
+pub trait Watch: std::fmt::Debug + Send + Sync {
+    /// A compiler, or cargo, begins to work on `source`.
+    fn begins(&self, source: &ProgramSource);
+
+    /// It has ended, with whatever result.
+    fn ends(&self, source: &ProgramSource);
+}
+
 /// Builds programs. One for a run: it finds the compiler once.
 #[derive(Debug)]
 pub struct Builder {
@@ -89,12 +98,18 @@ pub struct Builder {
     compiler: OnceLock<Compiler>,
     /// Held while the compiler is looked for, so that only one thread does.
     looking: Mutex<()>,
+    watch: Option<Box<dyn Watch>>,
 }
 
 impl Builder {
     /// A builder that keeps what it builds in `cache` and gives C programs the headers and the shim of `kit`.
     pub fn new(cache: Cache, kit: ShimKit, tools: Tools) -> Self {
-        Self { cache, kit, tools, compiler: OnceLock::new(), looking: Mutex::new(()) }
+        Self { cache, kit, tools, compiler: OnceLock::new(), looking: Mutex::new(()), watch: None }
+    }
+
+    /// The same builder with somebody who watches.
+    pub fn watched_by(self, watch: Box<dyn Watch>) -> Self {
+        Self { watch: Some(watch), ..self }
     }
 
     /// Makes a library of `source`, or takes the one that is there if nothing has changed since.
@@ -108,7 +123,8 @@ impl Builder {
             }
             ProgramSource::C(sources) => self.build_c(source, sources),
             ProgramSource::Cargo(folder) => {
-                let package = build_package(folder, self.tools.cargo.as_deref(), &self.cache)?;
+                let cargo = self.tools.cargo.as_deref();
+                let package = self.watched(source, || build_package(folder, cargo, &self.cache))?;
                 Ok(Built {
                     library: package.library,
                     source: source.clone(),
@@ -180,7 +196,7 @@ impl Builder {
             }
             let folder = self.cache.build_folder().map_err(|error| self.cache_error(error))?;
             let started = std::time::SystemTime::now();
-            let compiled = self.compile(&sources, &extra_flags, folder.path())?;
+            let compiled = self.watched(source, || self.compile(&sources, &extra_flags, folder.path()))?;
             let note: String = compiled.read.iter().map(|path| format!("{}\n", path.display())).collect();
             let changed = attempts < 3
                 && compiled.read.iter().any(|path| {
@@ -206,6 +222,14 @@ impl Builder {
         let compilation =
             Compilation { compiler, kit: &self.kit, kit_folder: &kit_folder, sources, extra_flags, folder };
         Ok(compilation.run()?)
+    }
+
+    /// Does `work` on `source` while whoever watches knows of it.
+    fn watched<T>(&self, source: &ProgramSource, work: impl FnOnce() -> T) -> T {
+        self.watch.iter().for_each(|watch| watch.begins(source));
+        let result = work();
+        self.watch.iter().for_each(|watch| watch.ends(source));
+        result
     }
 
     fn compiler(&self) -> Result<&Compiler, BuildError> {

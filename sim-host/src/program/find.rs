@@ -48,7 +48,7 @@ pub struct Found {
     pub name: String,
     /// What to build or load.
     pub source: ProgramSource,
-    /// Remarks such as "`maze.dll` is a Windows library: its source `maze.c` is used instead".
+    /// Remarks such as "`maze.dll` is a Windows library or program: `maze.c` beside it is used instead".
     pub notes: Vec<String>,
 }
 
@@ -87,7 +87,8 @@ impl std::fmt::Display for FindError {
                 None => write!(f, "\n  tried `{}`", path.display())?,
             }
         }
-        if !foreign.is_empty() {
+        // What a source of another language needs is said with it.
+        if foreign.iter().any(|attempt| source_language(&attempt.path).is_none()) {
             f.write_str(
                 "\n  put its source beside it: a `.c` file, or a folder with a Cargo package, of the same name",
             )?;
@@ -216,12 +217,13 @@ impl Finder<'_> {
             Err(obstacle) => obstacle,
         };
         self.attempts.push(Attempt { path: path.to_owned(), is: obstacle.clone() });
-        for beside in sources_beside(path) {
+        for beside in places_beside(path) {
             match self.usable(&beside) {
                 Ok(source) => {
                     if let Some(what) = obstacle {
-                        let (path, source) = (path.display(), beside.display());
-                        self.notes.push(format!("`{path}` is {what}: its source `{source}` is used instead"));
+                        let (path, beside) = (path.display(), beside.display());
+                        let what = what.split(':').next().unwrap_or_default();
+                        self.notes.push(format!("`{path}` is {what}: `{beside}` beside it is used instead"));
                     }
                     return Some(source);
                 }
@@ -305,15 +307,19 @@ fn usable_folder(folder: &Path) -> Result<ProgramSource, Option<String>> {
     }
 }
 
-/// The places where the source of the library or program `path` may lie.
-fn sources_beside(path: &Path) -> Vec<PathBuf> {
+/// The places where the source of the file `path` may lie, or a library in its place.
+fn places_beside(path: &Path) -> Vec<PathBuf> {
     if has_extension(path, "c") || path.file_name().is_none() {
         return Vec::new();
     }
     let stem = path.with_extension("");
     let mut places = vec![stem.with_added_extension("c")];
     if stem != path {
-        places.push(stem);
+        places.push(stem.clone());
+    }
+    // Last, since it may be older than its source, or built for another simulator.
+    if stem != path && !has_extension(path, "so") {
+        places.push(stem.with_added_extension("so"));
     }
     // A Rust library is `libmaze.so`, its package `maze`.
     places
@@ -326,7 +332,7 @@ fn source_language(path: &Path) -> Option<&'static str> {
         "cc" | "cpp" | "cxx" | "c++" => {
             Some("a C++ source, which is not built here: write it in C, or build a library")
         }
-        "py" => Some("a Python program, and only C and Rust programs can be run"),
+        "py" => Some("a Python program, which eyesim cannot run yet: until then write it in C or Rust"),
         "rs" => Some("a Rust source: name the folder of its Cargo package"),
         "h" => Some("a C header: name the `.c` file"),
         _ => None,
@@ -405,10 +411,12 @@ mod tests {
         }
     }
 
-    /// The head of this test program with the type of a shared library.
+    /// A shared library: the head of this test program without the segments that make it an executable.
     fn library() -> Vec<u8> {
         let mut bytes = read_head(&std::env::current_exe().expect("this program")).expect("its bytes");
+        // The type ET_DYN, no program headers.
         bytes[16] = 3;
+        bytes[56..58].fill(0);
         bytes
     }
 
@@ -444,11 +452,41 @@ mod tests {
         let place =
             Place::with(&[("sims/maze.dll", b"MZ\x90\0"), ("sims/maze.c", b""), ("sims/alone.dll", b"MZ\x90\0")]);
         let found = place.check("maze.dll", &["sims/maze.c"]);
-        assert!(found.notes[0].contains("maze.dll` is a Windows library or program: its source"), "{:?}", found.notes);
+        assert!(found.notes[0].contains("maze.dll` is a Windows library or program: `"), "{:?}", found.notes);
         let message = place.check_missing("alone.dll");
         assert!(message.starts_with("program `alone.dll` cannot be run here"), "{message}");
         assert!(message.contains("alone.dll` is a Windows library or program"), "{message}");
         assert!(message.contains("put its source beside it"), "{message}");
+    }
+
+    #[test]
+    fn programs_of_eyesim_vr_give_way_to_what_lies_beside() {
+        let executable = read_head(&std::env::current_exe().expect("this program")).expect("its bytes");
+        let place = Place::with(&[
+            ("sims/a.x", &executable),
+            ("sims/a.c", b""),
+            ("sims/b.x", b"\xcf\xfa\xed\xfe\x07\0\0\x01"),
+            ("sims/b/Cargo.toml", b""),
+            ("sims/c.exe", b"MZ\x90\0"),
+            ("sims/c.so", &library()),
+            ("sims/d.py", b"from eye import *"),
+            ("sims/d.c", b""),
+            ("sims/e.so", &library()),
+            ("sims/alone.x", &executable),
+        ]);
+        for (name, expected, note) in [
+            ("a.x", "sims/a.c", "a.x` is an executable for "),
+            ("b.x", "sims/b", "b.x` is a macOS library or program: "),
+            ("c.exe", "sims/c.so", "c.exe` is a Windows library or program: "),
+            ("d.py", "sims/d.c", "d.py` is a Python program, which eyesim cannot run yet: "),
+        ] {
+            let found = place.check(name, &[expected]);
+            assert!(found.notes[0].contains(note), "{:?}", found.notes);
+        }
+        // What is missing needs no remark.
+        assert_eq!(place.check("e.exe", &["sims/e.so"]).notes, <[String; 0]>::default());
+        let message = place.check_missing("alone.x");
+        assert!(message.contains("alone.x` is an executable for ") && message.contains("put its source"), "{message}");
     }
 
     #[test]
@@ -483,8 +521,10 @@ mod tests {
         let root = place.folder.path().display();
         let expected = format!(
             "program `mzae.dll` is not found\n  tried `{root}/sims/mzae.dll`\n  tried `{root}/sims/mzae.c`\n  \
-             tried `{root}/sims/mzae`\n  tried `{root}/mzae.dll`\n  tried `{root}/mzae.c`\n  tried `{root}/mzae`\n  \
+             tried `{root}/sims/mzae`\n  tried `{root}/sims/mzae.so`\n  \
+             tried `{root}/mzae.dll`\n  tried `{root}/mzae.c`\n  tried `{root}/mzae`\n  tried `{root}/mzae.so`\n  \
              tried `{root}/more/mzae.dll`\n  tried `{root}/more/mzae.c`\n  tried `{root}/more/mzae`\n  \
+             tried `{root}/more/mzae.so`\n  \
              did you mean `{root}/sims/maze.c`?"
         );
         assert_eq!(message, expected);
@@ -493,7 +533,9 @@ mod tests {
     #[test]
     fn sources_of_other_languages_are_named() {
         let place = Place::with(&[("sims/a.py", b""), ("sims/b.rs", b""), ("sims/c.cpp", b""), ("sims/d/x.txt", b"")]);
-        assert!(place.check_missing("a.py").contains("a Python program"));
+        let message = place.check_missing("a.py");
+        assert!(message.contains("a.py` is a Python program, which eyesim cannot run yet"), "{message}");
+        assert!(!message.contains("put its source beside it") && !message.contains("not found"), "{message}");
         assert!(place.check_missing("b.rs").contains("name the folder of its Cargo package"));
         assert!(place.check_missing("c.cpp").contains("a C++ source"));
         assert!(place.check_missing("d").contains("a folder without `Cargo.toml` or `.c` files"));

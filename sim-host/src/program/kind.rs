@@ -1,6 +1,7 @@
 //! What a file is, told from its bytes: a program of this system, of another one, a source.
 
 use object::elf;
+use object::read::elf::ProgramHeader as _;
 
 /// The kind of a file that a program reference names.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -88,14 +89,33 @@ fn elf_kind(head: &[u8]) -> FileKind {
         && machine == native_machine();
     let machine = machine_name(machine, wide);
     match kind {
-        elf::ET_DYN if native => FileKind::Library,
+        elf::ET_DYN if native && !has_interpreter(head) => FileKind::Library,
         elf::ET_REL => FileKind::Foreign(format!("an object file (`.o`) for {machine}, not linked to a library")),
-        elf::ET_EXEC => FileKind::Foreign(format!("an executable for {machine}, not a library")),
+        elf::ET_EXEC => {
+            FileKind::Foreign(format!("an executable for {machine}, as EyeSim VR runs them, and no library"))
+        }
+        elf::ET_DYN if has_interpreter(head) => {
+            FileKind::Foreign(format!("an executable for {machine}, as EyeSim VR runs them, and no library"))
+        }
         elf::ET_CORE => FileKind::Foreign("a core dump".into()),
         _ => {
             FileKind::Foreign(format!("a library for {machine}, and this is {}", machine_name(native_machine(), true)))
         }
     }
+}
+
+/// Whether an ELF file names a program that loads it, as executables do, also those that the kernel puts at any address.
+fn has_interpreter(head: &[u8]) -> bool {
+    let asks = |headers: Option<Vec<u32>>| headers.is_some_and(|types| types.contains(&elf::PT_INTERP));
+    asks(segment_types::<elf::FileHeader64<object::Endianness>>(head))
+        || asks(segment_types::<elf::FileHeader32<object::Endianness>>(head))
+}
+
+fn segment_types<Header: object::read::elf::FileHeader>(head: &[u8]) -> Option<Vec<u32>> {
+    let header = Header::parse(head).ok()?;
+    let endian = header.endian().ok()?;
+    let segments = header.program_headers(endian, head).ok()?;
+    Some(segments.iter().map(|segment| segment.p_type(endian)).collect())
 }
 
 /// The ELF number of the processor that this binary runs on.
@@ -169,5 +189,12 @@ mod tests {
         check(&elf(2, elf::ELFDATA2LSB, elf::ET_REL, native_machine()), "object file");
         let native = elf(2, elf::ELFDATA2LSB, elf::ET_DYN, native_machine());
         assert_eq!(file_kind(&native), FileKind::Library);
+    }
+
+    #[test]
+    fn an_executable_that_the_kernel_puts_anywhere_is_no_library() {
+        let path = std::env::current_exe().expect("this program");
+        let head = std::fs::read(path).expect("its bytes");
+        check(&head[..HEAD_BYTES], "an executable for");
     }
 }

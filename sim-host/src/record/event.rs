@@ -21,6 +21,8 @@ pub enum Outcome {
     Failed,
     /// The program computed for too long without a RoBIOS call.
     Timeout,
+    /// The robot has no program: it only stands there.
+    NoProgram,
 }
 
 impl Outcome {
@@ -33,6 +35,7 @@ impl Outcome {
             Self::Interrupted => "interrupted",
             Self::Failed => "failed",
             Self::Timeout => "timeout",
+            Self::NoProgram => "no_program",
         }
     }
 
@@ -109,7 +112,7 @@ macro_rules! events {
 events! {
     /// A program begins.
     ProgramStarted = "program_started" {
-        /// The program as the sim file names it.
+        /// The name of the program; empty for a robot without one.
         program: &'a str,
     }
     /// A program has ended, or the run has ended before it.

@@ -74,7 +74,7 @@ pub struct RobotReport {
     pub id: u32,
     /// Its name.
     pub name: String,
-    /// Its program as the sim file names it.
+    /// Its program as the sim file or the command line names it; empty for a robot without one.
     pub program: String,
     /// How the program stands.
     pub outcome: Outcome,
@@ -249,7 +249,7 @@ mod tests {
         for key in found {
             assert!(page.contains(&format!("| `{key}` |")), "docs/report.md has no row of `{key}`");
         }
-        for outcome in ["finished", "running", "waiting", "interrupted", "failed", "timeout"] {
+        for outcome in ["finished", "running", "waiting", "interrupted", "failed", "timeout", "no_program"] {
             assert!(page.contains(&format!("`{outcome}`")), "docs/report.md does not explain `{outcome}`");
         }
     }

@@ -23,7 +23,7 @@ pub struct Robot {
     pub id: RobotId,
     /// Its virtual time: the end of its last call, or the beginning of the one in progress.
     pub now: Time,
-    /// Its program, as the sim file names it.
+    /// The name of its program; empty for a robot without one.
     pub program: String,
     /// Where it is and how it moves.
     pub motion: Motion,
@@ -47,7 +47,7 @@ pub struct Robot {
 
 /// What a robot is made of.
 pub struct RobotParts {
-    /// Its program, as the sim file names it.
+    /// The name of its program; empty for a robot without one.
     pub program: String,
     /// Where it starts.
     pub motion: Motion,

@@ -1,0 +1,228 @@
+//! What the command line of a run changes in its scene, and says of its keys, costs and lines.
+
+use std::path::Path;
+
+use anyhow::{Context, anyhow, bail, ensure};
+use sim_core::RobotId;
+use sim_core::format::{InputFile, RobotSpec, SceneSpec};
+
+use super::run::RunArgs;
+use crate::files::slashed;
+use crate::program::words::split_words;
+use crate::record::log::{Filter, Pattern};
+use crate::robios::cost::Costs;
+use crate::robios::key::{Press, parse_script};
+use crate::setup::program_of_command_line;
+
+/// What the arguments mean for the robots of the scene.
+pub struct Options {
+    /// Keys that are pressed.
+    pub keys: Vec<Press>,
+    /// What calls cost.
+    pub costs: Costs,
+    /// The file that says so.
+    pub costs_input: Option<InputFile>,
+    /// Which lines are shown while the run goes on.
+    pub filter: Filter,
+}
+
+impl Options {
+    /// What `args` mean; the robots of `scene` get the programs and arguments that they give.
+    ///
+    /// # Errors
+    /// A robot that does not exist, keys, words or costs that cannot be read, a program that nobody needs.
+    pub fn new(args: &RunArgs, scene: &mut SceneSpec) -> anyhow::Result<Self> {
+        let mut keys = Vec::new();
+        for script in &args.keys {
+            keys.extend(parse_script(script).context("--keys")?);
+        }
+        for press in &keys {
+            press.robot.map_or(Ok(0), |robot| index_of(scene, robot.0)).context("--keys")?;
+        }
+        give_programs(scene, &args.programs)?;
+        give_arguments(scene, &args.args)?;
+        let (costs, costs_input) = read_costs(args.costs.as_deref())?;
+        let robot = args.robot.map(|robot| index_of(scene, robot).context("--robot")).transpose()?;
+        let filter = Filter {
+            is_verbose: args.verbose,
+            only: args.only.as_deref().map(Pattern::parse_list).unwrap_or_default(),
+            robots: robot.into_iter().map(RobotId::from_index).collect(),
+        };
+        Ok(Self { keys, costs, costs_input, filter })
+    }
+}
+
+/// A program that the command line gives.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ProgramOption {
+    /// The robot that gets it; none for all that have no program.
+    robot: Option<u32>,
+    /// As in a sim file.
+    program: String,
+}
+
+impl ProgramOption {
+    /// `2=maze.c`, or `maze.c`.
+    ///
+    /// # Errors
+    /// When no program is named.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let (robot, program) = split_robot(text, '=');
+        if program.trim().is_empty() {
+            return Err("expected a program, such as `maze.c`, or `2=maze.c` for robot 2".into());
+        }
+        Ok(Self { robot, program: program.to_owned() })
+    }
+}
+
+/// Gives the robots of `scene` the programs of the command line.
+fn give_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> anyhow::Result<()> {
+    let mut named: Vec<usize> = Vec::new();
+    for option in options {
+        let Some(robot) = option.robot else { continue };
+        let index = index_of(scene, robot).context("--program")?;
+        ensure!(!named.contains(&index), "--program: robot {robot} gets two programs");
+        named.push(index);
+        scene.robots[index].program = Some(program_of_command_line(&option.program));
+    }
+    let mut for_all = options.iter().filter(|option| option.robot.is_none());
+    let Some(option) = for_all.next() else { return Ok(()) };
+    if let Some(second) = for_all.next() {
+        bail!("--program: one program for all robots without one, not `{}` and `{}`", option.program, second.program);
+    }
+    let mut without: Vec<&mut RobotSpec> = scene.robots.iter_mut().filter(|robot| robot.program.is_none()).collect();
+    ensure!(
+        !without.is_empty(),
+        "--program {0}: every robot has a program; `--program 1={0}` replaces that of robot 1",
+        option.program
+    );
+    without.iter_mut().for_each(|robot| robot.program = Some(program_of_command_line(&option.program)));
+    Ok(())
+}
+
+/// Replaces the arguments of the robots that `options` name; several for one robot follow each other.
+fn give_arguments(scene: &mut SceneSpec, options: &[String]) -> anyhow::Result<()> {
+    let mut replaced = vec![false; scene.robots.len()];
+    for text in options {
+        let (robot, words) = split_robot(text, ':');
+        let words = split_words(words).with_context(|| format!("--args {text}"))?;
+        let robots = match robot {
+            Some(robot) => {
+                let index = index_of(scene, robot).context("--args")?;
+                let has_program = scene.robots[index].program.is_some();
+                ensure!(has_program, "--args: robot {robot} has no program: `--program {robot}=FILE` gives it one");
+                index..index + 1
+            }
+            None => 0..scene.robots.len(),
+        };
+        for index in robots {
+            let arguments = &mut scene.robots[index].arguments;
+            if !std::mem::replace(&mut replaced[index], true) {
+                arguments.clear();
+            }
+            arguments.extend(words.iter().cloned());
+        }
+    }
+    Ok(())
+}
+
+/// The place of robot `robot` in the scene.
+fn index_of(scene: &SceneSpec, robot: u32) -> anyhow::Result<usize> {
+    let known = || anyhow!("there is no robot {robot}: the sim file has robots 1 to {}", scene.robots.len());
+    scene.robots.iter().position(|spec| spec.id.0 == robot).ok_or_else(known)
+}
+
+/// The robot's number before `separator`, if there is one, and the rest.
+fn split_robot(text: &str, separator: char) -> (Option<u32>, &str) {
+    let split = || {
+        let (robot, rest) = text.split_once(separator)?;
+        let digits = robot.trim().strip_prefix(['r', 'R']).unwrap_or(robot.trim());
+        Some((digits.parse().ok()?, rest))
+    };
+    split().map_or((None, text), |(robot, rest)| (Some(robot), rest))
+}
+
+fn read_costs(path: Option<&Path>) -> anyhow::Result<(Costs, Option<InputFile>)> {
+    let Some(path) = path else { return Ok((Costs::default(), None)) };
+    let name = || format!("cost table `{}`", path.display());
+    let bytes = std::fs::read(path).with_context(name)?;
+    let text = std::str::from_utf8(&bytes).with_context(name)?;
+    let costs = Costs::with(text).with_context(name)?;
+    Ok((costs, Some(InputFile { path: slashed(path), bytes })))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use sim_core::format::{PathRef, Span, read_robi};
+    use sim_core::pose::Pose;
+
+    use super::*;
+
+    const OWN: [&str; 2] = ["--own", "1"];
+
+    /// Three robots, of which the first has a program with arguments.
+    fn scene() -> SceneSpec {
+        let robi = Arc::new(read_robi("r.robi", "").0);
+        let span = Span { start: 0, end: 1, line: 3, column: 1 };
+        let robot = |index| RobotSpec {
+            id: RobotId::from_index(index),
+            robi: Arc::clone(&robi),
+            start: Pose::new(0.0, 0.0, 0.0),
+            program: (index == 0).then(|| PathRef { text: "own.c".into(), span }),
+            arguments: if index == 0 { OWN.map(str::to_owned).to_vec() } else { Vec::new() },
+            span,
+        };
+        SceneSpec { robots: (0..3).map(robot).collect(), ..SceneSpec::default() }
+    }
+
+    fn programs(options: &[&str]) -> Result<Vec<String>, String> {
+        let mut scene = scene();
+        let options: Vec<_> = options.iter().map(|text| ProgramOption::parse(text).expect("a program")).collect();
+        give_programs(&mut scene, &options).map_err(|error| format!("{error:#}"))?;
+        Ok(scene.robots.iter().map(|robot| robot.program_name().to_owned()).collect())
+    }
+
+    fn arguments(options: &[&str]) -> Result<Vec<Vec<String>>, String> {
+        let mut scene = scene();
+        scene.robots[1].program = Some(program_of_command_line("b.c"));
+        let options: Vec<String> = options.iter().map(|&text| text.to_owned()).collect();
+        give_arguments(&mut scene, &options).map_err(|error| format!("{error:#}"))?;
+        Ok(scene.robots.into_iter().map(|robot| robot.arguments).collect())
+    }
+
+    #[test]
+    fn programs_go_to_those_who_have_none_or_who_are_named() {
+        assert_eq!(programs(&["x.c"]).unwrap(), ["own.c", "x.c", "x.c"]);
+        assert_eq!(programs(&["1=x.c"]).unwrap(), ["x.c", "", ""]);
+        assert_eq!(programs(&["y.c", "r3=x.c"]).unwrap(), ["own.c", "y.c", "x.c"]);
+        assert_eq!(programs(&["./2=x.c"]).unwrap(), ["own.c", "./2=x.c", "./2=x.c"], "a file of that name");
+    }
+
+    #[test]
+    fn programs_that_nobody_gets_are_refused() {
+        let error = |options: &[&str]| programs(options).expect_err("refused");
+        assert_eq!(error(&["4=x.c"]), "--program: there is no robot 4: the sim file has robots 1 to 3");
+        assert_eq!(error(&["2=x.c", "2=y.c"]), "--program: robot 2 gets two programs");
+        assert!(error(&["x.c", "y.c"]).contains("not `x.c` and `y.c`"));
+        assert!(error(&["2=x.c", "3=x.c", "z.c"]).contains("every robot has a program; `--program 1=z.c` replaces"));
+        assert!(ProgramOption::parse("2=").unwrap_err().contains("expected a program"));
+    }
+
+    #[test]
+    fn arguments_replace_those_of_the_scene() {
+        assert_eq!(arguments(&[]).unwrap(), [&OWN[..], &[], &[]]);
+        assert_eq!(arguments(&["1:a 'b c'", "1:d"]).unwrap(), [&["a", "b c", "d"][..], &[], &[]]);
+        assert_eq!(arguments(&["2:a"]).unwrap(), [&OWN[..], &["a"], &[]]);
+        assert_eq!(arguments(&["x", "2:y"]).unwrap(), [&["x"][..], &["x", "y"], &["x"]]);
+        assert_eq!(arguments(&["1:"]).unwrap(), [const { &[] as &[&str] }; 3]);
+    }
+
+    #[test]
+    fn arguments_for_nobody_are_refused() {
+        let error = arguments(&["3:a"]).expect_err("robot 3 has no program");
+        assert_eq!(error, "--args: robot 3 has no program: `--program 3=FILE` gives it one");
+        assert!(arguments(&["0:a"]).expect_err("no robot 0").contains("robots 1 to 3"));
+    }
+}

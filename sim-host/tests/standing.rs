@@ -1,0 +1,171 @@
+//! Scenes with robots that have no program, and with programs that the scene gives arguments.
+
+use std::path::Path;
+use std::process::Command;
+
+use sim_core::format::{Loaded, SceneSpec, load_sim};
+use sim_core::time::Time;
+use sim_host::executive::conductor::End;
+use sim_host::executive::run::{Ended, Limits, Parts, Run};
+use sim_host::executive::thread::ThreadExecutor;
+use sim_host::files::DiskFiles;
+use sim_host::program::{Builder, Cache, SearchPath, ShimKit, Tools};
+use sim_host::record::trace::TraceHeader;
+use sim_host::record::{Outcome, Recorder, Trace};
+use sim_host::robios::cost::Costs;
+use sim_host::setup::{Programs, RobotOptions, build_world};
+
+const ROBI: &str = "diameter 200\nspeed 600\nturn 300\npsd PSD_FRONT -200 60 0 30 0\nwheel 54 3600 1100 90\n\
+                    drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
+
+/// Sees what stands ahead, then drives against it.
+const RAM: &str = r#"
+#include "eyebot.h"
+int main(void) {
+    PSDHandle psd = PSDInit(PSD_FRONT);
+    VWHandle vw = VWInit(VW_DRIVE, 1);
+    PSDStart(psd, TRUE);
+    OSWait(20);
+    LCDPrintf("%d", PSDGet(psd));
+    VWDriveStraight(vw, 0.7, 0.5);
+    OSWait(300);
+    return 0;
+}
+"#;
+
+/// Shows what its `main` gets.
+const ECHO: &str = r#"
+#include "eyebot.h"
+int main(int argc, char **argv) {
+    LCDPrintf("%d", argc);
+    for (int i = 0; i < argc; i++) LCDPrintf(" %s", argv[i]);
+    return argv[argc] != 0;
+}
+"#;
+
+/// A folder with the scene: three robots on a line, 600 mm from each other, in a room of 4 m.
+fn scene(programs: [&str; 3]) -> (tempfile::TempDir, SceneSpec) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut sim = String::from("world room.wld\n");
+    for (index, program) in programs.iter().enumerate() {
+        sim += &format!("robi bot.robi {program} {} 2000 0\n", 1000 + 600 * index);
+    }
+    let room = "floor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n";
+    let files = [("room.wld", room), ("bot.robi", ROBI), ("scene.sim", &sim), ("ram.c", RAM), ("echo.c", ECHO)];
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).expect("a file");
+    }
+    let Loaded { scene, diagnostics, .. } =
+        load_sim(&folder.path().join("scene.sim").display().to_string(), &DiskFiles::default());
+    assert!(diagnostics.is_empty(), "{diagnostics:?}");
+    (folder, scene)
+}
+
+/// Runs the scene; the trace goes to `trace.jsonl` in its folder.
+fn run(folder: &Path, scene: &SceneSpec, lanes: usize) -> Ended {
+    let search = SearchPath { sim_folder: Some(folder.to_owned()), ..SearchPath::default() };
+    let cache = Cache::open(&Path::new(env!("CARGO_TARGET_TMPDIR")).join("standing-cache")).expect("a cache");
+    let builder = Builder::new(cache, ShimKit::robios6(), Tools::of_environment());
+    let programs = Programs::build(scene, &search, &builder).unwrap_or_else(|error| panic!("{error:#}"));
+    let loaded = programs.load(scene).unwrap_or_else(|error| panic!("{error:#}"));
+    let slot = Time::from_millis(50);
+    let options = RobotOptions { seed: 0, slot, keys: &[], is_verbose: false };
+    let (world, robots) = build_world(scene, &programs, &options).unwrap_or_else(|error| panic!("{error:#}"));
+    let limits = Limits { lanes, until: Time::from_millis(60_000), speed: None, timeout: 10.0, is_verbose: false };
+    let header = TraceHeader { seed: 0, slot_us: slot.0, robots: Vec::new() };
+    let trace = Trace::create(&folder.join("trace.jsonl"), &header).expect("a trace");
+    let executor = Box::new(ThreadExecutor::new(robots.len(), programs.iter().count(), lanes));
+    let recorder = Recorder::new(0, slot, vec![Box::new(trace)]);
+    let parts = Parts { world, robots, programs: loaded, executor, costs: Costs::default(), recorder };
+    Run::execute(parts, &limits, |_| ()).expect("a run")
+}
+
+/// The trace's lines of robot `robot`: event and time.
+fn events(folder: &Path, robot: u32) -> Vec<(String, f64)> {
+    let text = std::fs::read_to_string(folder.join("trace.jsonl")).expect("a trace");
+    let lines = text.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).expect("JSON"));
+    let event = |line: serde_json::Value| {
+        (line["event"].as_str().expect("an event").to_owned(), line["t_s"].as_f64().expect("a time"))
+    };
+    lines.filter(|line| line["robot"] == robot).map(event).collect()
+}
+
+fn has_compiler() -> bool {
+    let there = Command::new("cc").arg("--version").output().is_ok_and(|output| output.status.success());
+    if !there {
+        println!("skipped: `cc` is not installed");
+    }
+    there
+}
+
+#[test]
+fn a_robot_without_a_program_is_seen_and_hit_where_it_stands() {
+    if !has_compiler() {
+        return;
+    }
+    let (folder, mut scene) = scene(["ram.c", "ram.c", "ram.c"]);
+    scene.robots[1].program = None;
+    let mut digests = Vec::new();
+    for lanes in [1, 2, 8] {
+        let ended = run(folder.path(), &scene, lanes);
+        assert!(matches!(ended.end, End::Finished), "{:?}", ended.end);
+        let [ram, stands, other] = &ended.robots[..] else { panic!("three robots") };
+        // From 60 mm ahead of the centre to the body of radius 100 mm: 600 - 60 - 100.
+        assert_eq!(ram.lcd[0].trim_end(), "440");
+        assert_eq!((ram.outcome, ram.contacts), (Outcome::Finished, 1));
+        assert!((ram.pose.position.x - 1.4).abs() < 2e-6, "it stops where the bodies meet: {:?}", ram.pose);
+        assert_eq!((stands.outcome, stands.exit_code, &stands.reason), (Outcome::NoProgram, None, &None));
+        assert_eq!((stands.pose, stands.path), (scene.robots[1].start, 0.0));
+        assert!((other.pose.position.x - 2.9).abs() < 1e-6, "its way is free: {:?}", other.pose);
+        digests.push(ended.digest);
+    }
+    assert_eq!([digests[0], digests[0]], digests[1..], "for any number of threads");
+    let expected = [("program_started".to_owned(), 0.0), ("program_ended".to_owned(), 0.0)];
+    assert_eq!(events(folder.path(), 2), expected);
+    // Its start is recorded in the first slot, with that of the others.
+    let text = std::fs::read_to_string(folder.path().join("trace.jsonl")).expect("a trace");
+    let place = |part: &str| text.find(part).unwrap_or_else(|| panic!("`{part}` in {text}"));
+    let start = place(r#""robot":2,"seq":0,"event":"program_started","program":"""#);
+    assert!(start < place(r#"{"event":"slot""#), "{text}");
+}
+
+#[test]
+fn nothing_runs_where_no_robot_has_a_program() {
+    let (folder, mut scene) = scene(["ram.c", "ram.c", "ram.c"]);
+    scene.robots.iter_mut().for_each(|robot| robot.program = None);
+    let ended = run(folder.path(), &scene, 2);
+    assert!(matches!(ended.end, End::Finished), "{:?}", ended.end);
+    assert_eq!(ended.time, Time::ZERO, "no slot is run");
+    assert!(ended.robots.iter().all(|robot| robot.outcome == Outcome::NoProgram));
+    for robot in 1..=3 {
+        assert_eq!(events(folder.path(), robot).len(), 2, "start and end are recorded");
+    }
+}
+
+#[test]
+fn the_arguments_of_the_scene_reach_main() {
+    if !has_compiler() {
+        return;
+    }
+    let (folder, mut scene) = scene(["echo.c", "echo.c", "echo.c"]);
+    scene.robots[0].arguments = vec!["-k".into(), "0 5".into()];
+    scene.robots[2].arguments = vec![String::new()];
+    let ended = run(folder.path(), &scene, 2);
+    let shown: Vec<&str> = ended.robots.iter().map(|robot| robot.lcd[0].trim_end()).collect();
+    assert_eq!(shown, ["3 echo -k 0 5", "1 echo", "2 echo"]);
+    assert!(ended.robots.iter().all(|robot| robot.exit_code == Some(0)), "argv ends with a null pointer");
+}
+
+#[test]
+fn the_arguments_of_the_scene_reach_a_rust_program() {
+    let square = Path::new(env!("CARGO_MANIFEST_DIR")).join("../example-programs/square").display().to_string();
+    let (folder, mut scene) = scene([&square, &square, &square]);
+    scene.robots[0].arguments = vec!["0.1".into()];
+    scene.robots[2].arguments = vec!["wide".into()];
+    let ended = run(folder.path(), &scene, 2);
+    let [own, default, wrong] = &ended.robots[..] else { panic!("three robots") };
+    assert!((own.path - 0.4).abs() < 1e-6, "four sides of 0.1 m: {}", own.path);
+    assert!((default.path - 1.6).abs() < 1e-6, "four sides of 0.4 m: {}", default.path);
+    assert_eq!(wrong.outcome, Outcome::Failed);
+    assert!(wrong.reason.as_ref().is_some_and(|reason| reason.contains("side `wide`")), "{:?}", wrong.reason);
+}
