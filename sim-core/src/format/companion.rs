@@ -11,7 +11,8 @@ use super::Span;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
 use super::line::{self, Quantity};
-use super::spec::{BumperSpec, CompassSpec, InfraredSpec, RobiSpec, ServoSpec};
+use super::robi::{LIDAR_SWEEP, LIDAR_TILT, MAX_LIDAR_POINTS};
+use super::spec::{BumperSpec, CompassSpec, InfraredSpec, LidarSpec, RobiSpec, ServoSpec};
 
 /// Distance below which an infrared switch answers when the file does not say, in metres.
 const DEFAULT_INFRARED_RANGE: f64 = 0.1;
@@ -83,11 +84,17 @@ impl Reader<'_> {
 
     fn root(&mut self, table: &DeTable<'_>, robi: &mut RobiSpec) {
         let mut root = Section { name: "", table, span: Span::default(), known: Vec::new() };
+        if let Some(section) = self.section(&mut root, "body") {
+            self.body(section, robi);
+        }
         if let Some(section) = self.section(&mut root, "drive") {
             self.drive(section, robi);
         }
         if let Some(section) = self.section(&mut root, "psd") {
             self.psd(section, robi);
+        }
+        if let Some(section) = self.section(&mut root, "lidar") {
+            self.lidar(section, robi);
         }
         for section in self.sections(&mut root, "infrared") {
             robi.infrareds.extend(self.infrared(section));
@@ -109,6 +116,23 @@ impl Reader<'_> {
         }
         self.unknown_keys(&root);
         self.doubles(robi);
+    }
+
+    fn body(&mut self, mut section: Section<'_, '_>, robi: &mut RobiSpec) {
+        self.set(&mut section, "mass_kg", &Quantity::mass("mass"), &mut robi.mass);
+        self.set(&mut section, "traction", &Quantity::number("traction", 0.0, 100.0), &mut robi.traction);
+        self.unknown_keys(&section);
+    }
+
+    /// The scanner that a classic robi cannot name, or changes to that of the robi.
+    fn lidar(&mut self, mut section: Section<'_, '_>, robi: &mut RobiSpec) {
+        let lidar = robi.lidar.get_or_insert(LidarSpec { points: 360, tilt: 0.0, sweep: TAU, span: section.span });
+        self.set(&mut section, "tilt_deg", &LIDAR_TILT, &mut lidar.tilt);
+        self.set(&mut section, "sweep_deg", &LIDAR_SWEEP, &mut lidar.sweep);
+        if let Some(points) = self.integer(&mut section, "points", 1, i64::from(MAX_LIDAR_POINTS)) {
+            lidar.points = points as u32;
+        }
+        self.unknown_keys(&section);
     }
 
     fn drive(&mut self, mut section: Section<'_, '_>, robi: &mut RobiSpec) {

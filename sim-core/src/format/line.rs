@@ -95,12 +95,6 @@ impl<'a> Line<'a> {
         Line { text: "", ..*self }
     }
 
-    /// The text after `word`, without blanks around it and without a comment after `;`.
-    pub(super) fn rest_after(&self, word: &Word<'_>) -> &'a str {
-        let rest = &self.text[word.span.end - self.start..];
-        rest.split(';').next().unwrap_or(rest).trim()
-    }
-
     /// A single character of the line, given its byte and its column.
     pub(super) fn character_span(&self, byte: usize, column: u32) -> Span {
         let length = self.text[byte..].chars().next().map_or(0, char::len_utf8);
@@ -176,6 +170,11 @@ impl Quantity {
     /// A span of time in milliseconds, of at most an hour.
     pub(super) const fn milliseconds(name: &'static str) -> Self {
         Self::new(name, "ms", 0.0, 3.6e6, seconds_from_ms)
+    }
+
+    /// A mass above 0 in kilograms.
+    pub(super) const fn mass(name: &'static str) -> Self {
+        Self::new(name, "kg", 1e-6, 1e6, std::convert::identity)
     }
 
     /// A pure number.

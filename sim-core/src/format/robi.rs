@@ -1,4 +1,9 @@
-//! Robot types: `.robi`.
+//! Robot types: `.robi`, of EyeSim 5 and 6 and of EyeSim VR.
+
+mod body;
+mod device;
+mod dialect;
+mod whole;
 
 use glam::DVec3;
 
@@ -6,11 +11,13 @@ use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::line::{self, Line, Quantity, Word};
 use super::spec::{
-    CameraSpec, DEFAULT_PSD_RANGE, DEFAULT_ROBOT_MASS, DEFAULT_TRACTION, DriveKind, DriveSpec, InputSpec, JointSpec,
-    ModelSpec, MotorSpec, PsdSpec, RobiSpec, WheelSpec,
+    DEFAULT_ROBOT_MASS, DEFAULT_TRACTION, DriveKind, DriveSpec, InputSpec, MotorSpec, RobiSpec, WheelSpec,
 };
 use super::{Span, path};
 use crate::unit;
+use body::values_of;
+pub(super) use device::{LIDAR_SWEEP, LIDAR_TILT, MAX_LIDAR_POINTS};
+use dialect::Dialect;
 
 /// Body of a robot that does not say, in metres. With the other defaults: a small robot with two wheels.
 const DEFAULT_DIAMETER: f64 = 0.18;
@@ -20,13 +27,14 @@ const DEFAULT_WHEEL_DIAMETER: f64 = 0.05;
 const DEFAULT_MAX_RATE_DEG: f64 = 3600.0;
 const DEFAULT_TICKS: f64 = 1000.0;
 const DEFAULT_TRACK: f64 = 0.09;
-/// Distance of the axles of an Ackermann robot, as a part of its diameter, where no companion says it.
-const WHEELBASE_OF_DIAMETER: f64 = 0.6;
 const MAX_STEER_DEG: f64 = 45.0;
 
-const KEYWORDS: [&str; 10] = ["name", "diameter", "speed", "turn", "model", "axis", "psd", "camera", "wheel", "drive"];
-/// Keywords of EyeSim VR's robot files.
-const VR_KEYWORDS: [&str; 7] = ["collider", "mass", "axel", "lidar", "fisheye", "stereo", "payload"];
+const KEYWORDS: [&str; 15] = [
+    "name", "diameter", "speed", "turn", "model", "axis", "psd", "camera", "wheel", "drive", "mass", "collider",
+    "axel", "lidar", "fisheye",
+];
+/// Names of the robots that EyeSim VR has without a file.
+const RESERVED: [&str; 2] = ["LabBot", "S4"];
 
 impl RobiSpec {
     /// A robot type with the defaults for all that a file leaves out, named by the file's stem.
@@ -70,17 +78,18 @@ impl RobiSpec {
     }
 }
 
-/// Reads a robi file, without its companion ([`super::read_companion`]).
+/// Reads a robi file of any dialect, without its companion ([`super::read_companion`]).
 ///
+/// Which dialect it is, follows from all its lines together: any that only EyeSim VR knows makes it a file of EyeSim VR.
 /// What the file leaves out has the defaults of docs/formats/robi.md; a missing `wheel` or `drive` line is warned about. The
-/// wheelbase is that which the geometry suggests: 0.6 of the diameter for Ackermann, the track otherwise.
+/// wheelbase is the distance of the two `axel` lines; without them, that which the geometry suggests: 0.6 of the diameter
+/// for Ackermann, the track otherwise.
 pub fn read_robi(file: &str, text: &str) -> (RobiSpec, Vec<Diagnostic>) {
-    let mut reader =
-        Reader { sink: Sink::new(file), robi: RobiSpec::with_defaults(file), wheel: None, drive: None, vr: None };
-    for line in line::lines(text) {
-        let words = line.words();
+    let lines: Vec<(Line<'_>, Vec<Word<'_>>)> = line::lines(text).map(|line| (line, line.words())).collect();
+    let mut reader = Reader::new(file, Dialect::of(lines.iter().map(|(_, words)| words.as_slice())));
+    for (line, words) in &lines {
         if let Some((first, rest)) = words.split_first() {
-            reader.line(&line, first, rest);
+            reader.line(line, first, rest);
         }
     }
     reader.finish()
@@ -88,56 +97,109 @@ pub fn read_robi(file: &str, text: &str) -> (RobiSpec, Vec<Diagnostic>) {
 
 struct Reader {
     sink: Sink,
+    dialect: Dialect,
     robi: RobiSpec,
-    /// The wheel line.
+    /// The first keyword of the file.
+    first: Option<Span>,
+    /// The line of the driven wheels.
     wheel: Option<Span>,
+    is_wheel_read: bool,
     /// The drive line.
     drive: Option<Span>,
-    /// The first line that only EyeSim VR knows.
-    vr: Option<Span>,
+    /// Places of the driven and of the steered axle on the robot's x axis, and their lines.
+    axles: [Option<(f64, Span)>; 2],
+    has_diameter: bool,
+    /// Field of view in radians, and where it is given.
+    fisheye: Option<(f64, Span)>,
 }
 
 impl Reader {
+    fn new(file: &str, dialect: Dialect) -> Self {
+        Self {
+            sink: Sink::new(file),
+            dialect,
+            robi: RobiSpec::with_defaults(file),
+            first: None,
+            wheel: None,
+            is_wheel_read: false,
+            drive: None,
+            axles: [None; 2],
+            has_diameter: false,
+            fisheye: None,
+        }
+    }
+
     fn line(&mut self, line: &Line<'_>, first: &Word<'_>, rest: &[Word<'_>]) {
+        if KEYWORDS.contains(&first.text) {
+            self.first.get_or_insert(first.span);
+        }
         match first.text {
-            "name" => self.name(line, first),
-            "diameter" => self.one(first, rest, Quantity::size("diameter"), |robi| &mut robi.diameter),
-            "speed" => self.one(first, rest, Quantity::speed("largest speed"), |robi| &mut robi.max_speed),
-            "turn" => self.one(first, rest, Quantity::rate("largest turning speed"), |robi| &mut robi.max_turn),
+            "name" => self.name(line, first, rest),
+            "diameter" => {
+                self.has_diameter |= self.one(first, rest, Quantity::size("diameter"), |robi| &mut robi.diameter);
+            }
+            "speed" => {
+                self.one(first, rest, Quantity::speed("largest speed"), |robi| &mut robi.max_speed);
+            }
+            "turn" => {
+                self.one(first, rest, Quantity::rate("largest turning speed"), |robi| &mut robi.max_turn);
+            }
             "model" => self.model(first, rest),
-            "axis" if rest.len() == 2 => self.vr(first, rest),
-            "axis" => self.one(first, rest, Quantity::coordinate("axis offset"), |robi| &mut robi.axis_offset),
-            "psd" if rest.len() == 8 => self.vr(first, rest),
+            "axis" => self.axis(first, rest),
+            "axel" => self.axel(first, rest),
             "psd" => self.psd(first, rest),
             "camera" => self.camera(line, first),
+            "fisheye" => self.fisheye(first, rest),
+            "lidar" => self.lidar(first, rest),
+            "collider" => self.collider(first, rest),
+            "mass" => self.mass(first, rest),
             "wheel" => self.wheel(first, rest),
             "drive" => self.drive(first, rest),
-            word if VR_KEYWORDS.contains(&word) => self.vr(first, rest),
             _ => self.unknown(first),
         }
     }
 
-    fn name(&mut self, line: &Line<'_>, keyword: &Word<'_>) {
-        let name = line.rest_after(keyword).trim_matches('"').trim();
+    fn name(&mut self, line: &Line<'_>, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let name = match rest {
+            [word] => word.text.trim(),
+            [first, .., last] => {
+                let mut whole = *first;
+                whole.extend_to(line, last);
+                whole.text
+            }
+            [] => "",
+        };
         if name.is_empty() {
             self.sink.warn(Code::RobiNameMissing, keyword.span, "`name` gives no name", "`name NAME`");
-        } else {
-            self.robi.name = name.to_owned();
+            return;
         }
+        if self.dialect >= Dialect::Vr && RESERVED.contains(&name) {
+            let message = format!("`{name}` is a built-in robot of EyeSim VR, which refuses another one of this name");
+            self.sink.warn(Code::RobiNameReserved, span_of(keyword, rest), message, "another name");
+        }
+        self.robi.name = name.to_owned();
     }
 
-    /// A keyword with one number.
-    fn one(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], quantity: Quantity, place: fn(&mut RobiSpec) -> &mut f64) {
+    /// A keyword with one number; true if it is good.
+    fn one(
+        &mut self,
+        keyword: &Word<'_>,
+        rest: &[Word<'_>],
+        quantity: Quantity,
+        place: fn(&mut RobiSpec) -> &mut f64,
+    ) -> bool {
         let form = format!("`{} NUMBER`: {}", keyword.text, quantity.expected());
         let Some(word) = rest.first() else {
             let message = format!("`{}` gives no number", keyword.text);
             self.sink.warn(Code::RobiNumberMissing, keyword.span, message, form);
-            return;
+            return false;
         };
         self.extra(keyword, rest, 1, &form);
-        if let Some(value) = line::number(&mut self.sink, Severity::Warning, word, &quantity) {
+        let value = line::number(&mut self.sink, Severity::Warning, word, &quantity);
+        if let Some(value) = value {
             *place(&mut self.robi) = value;
         }
+        value.is_some()
     }
 
     fn extra(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], count: usize, form: &str) {
@@ -147,118 +209,82 @@ impl Reader {
         }
     }
 
-    fn model(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
-        if rest.len() == 7 {
-            self.vr.get_or_insert(keyword.span);
-        }
-        // EyeSim VR puts the mesh's position and turn behind its name.
-        let name = if rest.len() == 7 { &rest[..1] } else { rest };
-        let form = "`model FILE`: a mesh file";
-        let path = path::reference(&mut self.sink, Severity::Warning, keyword, name, form);
-        self.robi.model = path.map(|path| ModelSpec { path, offset: DVec3::ZERO, turns: DVec3::ZERO });
-    }
-
-    fn psd(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
-        let span = rest.last().map_or(keyword.span, |last| keyword.span.to(last.span));
-        if rest.len() < 5 {
-            let message = format!("`psd` has {} of 6 values", rest.len());
-            self.sink.warn(Code::RobiPsdArity, span, message, PSD_FORM);
+    /// `axis FORWARD`, or `axis HEIGHT FORWARD`; the wheels' own diameter says how high their axis is.
+    fn axis(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let forward = Quantity::coordinate("axis offset");
+        if rest.len() < 2 {
+            self.one(keyword, rest, forward, |robi| &mut robi.axis_offset);
             return;
         }
-        self.extra(keyword, rest, 6, PSD_FORM);
-        let (name, id, pose) = match rest {
-            // The id is left out in files older than hdt_sem.h.
-            [name, pose @ ..] if rest.len() == 5 => (name, None, pose),
-            [name, id, pose @ ..] => (name, Some(id), &pose[..4]),
-            _ => return,
+        let quantities = [Quantity::coordinate("height of the axis"), forward];
+        let form = "`axis FORWARD` or `axis HEIGHT FORWARD` in mm";
+        if let Some([_, forward]) = values_of(&mut self.sink, "axis", rest, span_of(keyword, rest), &quantities, form) {
+            self.robi.axis_offset = forward;
+        }
+    }
+
+    /// `axel drive|turn HEIGHT FORWARD`: an axle of a car.
+    fn axel(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let form = "`axel drive HEIGHT FORWARD` and `axel turn HEIGHT FORWARD` in mm";
+        let Some((which, values)) = self.which_axle(keyword, rest, form) else {
+            return;
         };
-        let id = match id.map(|id| (id, id.text.parse::<i32>())) {
-            None => None,
-            Some((_, Ok(id))) => Some(id),
-            Some((word, Err(_))) => {
-                let message = format!("`{}` is not a device number", word.text);
-                self.sink.warn(Code::RobiPsdId, word.span, message, PSD_FORM);
-                return;
+        let quantities = [Quantity::coordinate("height of the axle"), Quantity::coordinate("place of the axle")];
+        let span = span_of(keyword, rest);
+        if let Some([_, forward]) = values_of(&mut self.sink, "axel", values, span, &quantities, form) {
+            self.axles[which] = Some((forward, span));
+        }
+    }
+
+    /// Whether a line is about the driven (0) or the steered (1) axle, and what follows that word.
+    fn which_axle<'r, 'a>(
+        &mut self,
+        keyword: &Word<'_>,
+        rest: &'r [Word<'a>],
+        form: &str,
+    ) -> Option<(usize, &'r [Word<'a>])> {
+        match rest.split_first() {
+            Some((word, values)) if word.text == "drive" => Some((0, values)),
+            Some((word, values)) if word.text == "turn" => Some((1, values)),
+            _ => {
+                let word = rest.first().unwrap_or(keyword);
+                let message = format!("`{}` names neither the axle that drives nor the one that turns", keyword.text);
+                self.sink.warn(Code::RobiAxelKind, word.span, message, form);
+                None
             }
-        };
-        if line::looks_numeric(name.text) {
-            let message = format!("`{}` is not the name of a sensor", name.text);
-            self.sink.warn(Code::RobiPsdName, name.span, message, PSD_FORM);
-            return;
         }
-        if let Some(old) = self.robi.psds.iter().find(|psd| psd.name == name.text || id.is_some() && psd.id == id) {
-            let message =
-                format!("the name or number of PSD `{}` was already given in line {}", name.text, old.span.line);
-            self.sink.warn(Code::RobiDeviceTwice, span, message, "each name and each number once");
-            return;
-        }
-        if let Some([x, y, z, angle]) = line::numbers(&mut self.sink, Severity::Warning, pose, &PSD_POSE) {
-            let position = DVec3::new(x, y, z);
-            let name = name.text.to_owned();
-            self.robi.psds.push(PsdSpec { name, id, position, angle, range: DEFAULT_PSD_RANGE, span });
-        }
-    }
-
-    fn camera(&mut self, line: &Line<'_>, keyword: &Word<'_>) {
-        let words = camera_words(line);
-        let rest = &words[1..];
-        let span = rest.last().map_or(keyword.span, |last| keyword.span.to(last.span));
-        if rest.len() < 3 || rest.len() == 4 || rest.len() == 6 {
-            let message = format!("`camera` has {} of 7 values", rest.len());
-            self.sink.warn(Code::RobiCameraArity, span, message, CAMERA_FORM);
-            return;
-        }
-        self.extra(keyword, rest, 7, CAMERA_FORM);
-        let position = line::numbers(&mut self.sink, Severity::Warning, &rest[..3], &CAMERA_POSITION);
-        let joints = [3, 4].map(|i| rest.get(i).map_or(Some(JointSpec::Fixed(0.0)), |word| self.joint(word)));
-        let image = match rest.get(5..7) {
-            None => Some(None),
-            Some(size) => line::numbers(&mut self.sink, Severity::Warning, size, &IMAGE)
-                .map(|size| Some(size.map(|pixels| pixels as u32))),
-        };
-        if let (Some([x, y, z]), [Some(pan), Some(tilt)], Some(image)) = (position, joints, image) {
-            self.robi.camera =
-                Some(CameraSpec { position: DVec3::new(x, y, z), pan, tilt, image, fisheye: None, span });
-        }
-    }
-
-    /// A fixed angle, or `SERVO1(-90,+90)`.
-    fn joint(&mut self, word: &Word<'_>) -> Option<JointSpec> {
-        let Some((name, range)) = word.text.split_once('(') else {
-            return line::number(&mut self.sink, Severity::Warning, word, &Quantity::angle("camera angle"))
-                .map(JointSpec::Fixed);
-        };
-        let angles = range.strip_suffix(')').and_then(|range| range.split_once(','));
-        let angles = angles.and_then(|(from, to)| Some([degrees(from)?, degrees(to)?]));
-        let Some([from, to]) = angles.filter(|_| !name.is_empty()) else {
-            let message = format!("`{}` is neither an angle nor a servo with its range", word.text);
-            self.sink.warn(Code::RobiCameraServo, word.span, message, "an angle in degrees or `SERVO1(-90,+90)`");
-            return None;
-        };
-        Some(JointSpec::Servo { name: name.to_owned(), from, to })
     }
 
     fn wheel(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
-        if matches!(rest.first().map(|word| word.text), Some("drive" | "turn")) {
-            self.vr(keyword, rest);
+        let span = span_of(keyword, rest);
+        let is_of_axle = rest.first().is_some_and(|word| word.text.starts_with(|c: char| c.is_ascii_alphabetic()));
+        let (which, values) = match is_of_axle {
+            true => match self.which_axle(keyword, rest, VR_WHEEL_FORM) {
+                Some(found) => found,
+                None => return,
+            },
+            false => (0, rest),
+        };
+        // The steered wheels roll along: only the driven ones are simulated.
+        if which == 0 {
+            self.wheel = Some(span);
+        }
+        let form = if is_of_axle { VR_WHEEL_FORM } else { WHEEL_FORM };
+        if values.len() < 4 {
+            let message = format!("`wheel` has {} of 4 numbers; defaults are taken", values.len());
+            self.sink.warn(Code::RobiWheelArity, span, message, form);
             return;
         }
-        let span = rest.last().map_or(keyword.span, |last| keyword.span.to(last.span));
-        self.wheel = Some(span);
-        if rest.len() < 4 {
-            let message = format!("`wheel` has {} of 4 numbers; defaults are taken", rest.len());
-            self.sink.warn(Code::RobiWheelArity, span, message, WHEEL_FORM);
-            return;
-        }
-        self.extra(keyword, rest, 4, WHEEL_FORM);
-        let values = line::numbers(&mut self.sink, Severity::Warning, &rest[..4], &WHEEL);
-        if let Some([diameter, max_rate, ticks_per_turn, track]) = values {
+        self.extra(keyword, values, 4, form);
+        let values = line::numbers(&mut self.sink, Severity::Warning, &values[..4], &WHEEL);
+        if let Some([diameter, max_rate, ticks_per_turn, track]) = values.filter(|_| which == 0) {
             self.robi.wheel = WheelSpec { diameter, max_rate, ticks_per_turn, track };
+            self.is_wheel_read = true;
         }
     }
 
     fn drive(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
-        let span = rest.last().map_or(keyword.span, |last| keyword.span.to(last.span));
+        let span = span_of(keyword, rest);
         self.drive = Some(span);
         let (kind, default): (_, &[&str]) = match rest.first().map(|word| word.text) {
             Some("DIFFERENTIAL_DRIVE") => {
@@ -276,9 +302,7 @@ impl Reader {
             }
         };
         let names: Vec<&str> = rest[1..].iter().map(|word| word.text).collect();
-        if names.is_empty() {
-            self.vr(keyword, rest);
-        } else if names.len() != default.len() {
+        if !names.is_empty() && names.len() != default.len() {
             let message = format!("`{}` has {} of {} devices", rest[0].text, names.len(), default.len());
             self.sink.warn(Code::RobiDriveArity, span, message, DRIVE_FORM);
         }
@@ -290,54 +314,24 @@ impl Reader {
         self.robi.drive = DriveSpec { kind, motors: pairs(motors), steering, ..self.robi.drive.clone() };
     }
 
-    /// A line that only EyeSim VR knows.
-    fn vr(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
-        let span = rest.last().map_or(keyword.span, |last| keyword.span.to(last.span));
-        if self.vr.is_none() {
-            let message = format!("this `{}` line is of EyeSim VR, whose robot files are not read yet", keyword.text);
-            let expected = "a classic robi: name, diameter, speed, turn, model, axis, psd, camera, wheel, drive";
-            self.sink.warn(Code::RobiDialect, span, message, expected);
-        }
-        self.vr.get_or_insert(span);
-    }
-
     fn unknown(&mut self, word: &Word<'_>) {
-        let expected = "one of name, diameter, speed, turn, model, axis, psd, camera, wheel, drive";
+        let expected = format!("one of {}", KEYWORDS.join(", "));
         let message = format!("unknown keyword `{}`", word.text);
         let diagnostic = self.sink.warn(Code::RobiKeyword, word.span, message, expected);
         diagnostic.suggestion = line::nearest(word.text, KEYWORDS).map(|keyword| format!("write `{keyword}`"));
     }
 
     fn finish(mut self) -> (RobiSpec, Vec<Diagnostic>) {
-        match (self.wheel, self.vr) {
-            (None, _) => {
-                let wheel = &self.robi.wheel;
-                let message = format!(
-                    "no `wheel` line: wheels of {} mm, {} ticks a turn, {} mm apart are taken",
-                    unit::mm_from_metres(wheel.diameter),
-                    wheel.ticks_per_turn,
-                    unit::mm_from_metres(wheel.track)
-                );
-                self.sink.warn(Code::RobiWheelMissing, Span::default(), message, WHEEL_FORM);
-            }
-            (Some(span), Some(_)) => {
-                let message =
-                    "in files of EyeSim VR the last number is half the distance of the wheels; it is read as all";
-                self.sink.warn(Code::RobiDialectTrack, span, message, WHEEL_FORM);
-            }
-            (Some(_), None) => {}
-        }
-        if self.drive.is_none() {
-            let message = "no `drive` line: a differential drive is taken";
-            self.sink.warn(Code::RobiDriveMissing, Span::default(), message, DRIVE_FORM);
-        }
-        let robi = &mut self.robi;
-        robi.drive.wheelbase = match robi.drive.kind {
-            DriveKind::Ackermann => WHEELBASE_OF_DIAMETER * robi.diameter,
-            DriveKind::Differential | DriveKind::Omni => robi.wheel.track,
-        };
+        self.check_whole();
+        self.mount_fisheye();
+        self.settle();
         (self.robi, self.sink.finish())
     }
+}
+
+/// A keyword and what follows it.
+fn span_of(keyword: &Word<'_>, rest: &[Word<'_>]) -> Span {
+    rest.last().map_or(keyword.span, |last| keyword.span.to(last.span))
 }
 
 /// Motors with their encoders from names in turns.
@@ -347,44 +341,15 @@ fn pairs(names: &[&str]) -> Vec<MotorSpec> {
     names.chunks(2).map(motor).collect()
 }
 
-/// The words of a camera line; blanks inside parentheses do not separate.
-fn camera_words<'a>(line: &Line<'a>) -> Vec<Word<'a>> {
-    let mut words: Vec<Word<'a>> = Vec::new();
-    for word in line.words() {
-        match words.last_mut() {
-            Some(open) if open.text.contains('(') && !open.text.contains(')') => open.extend_to(line, &word),
-            _ => words.push(word),
-        }
-    }
-    words
-}
-
-fn degrees(text: &str) -> Option<f64> {
-    let degrees = text.trim().parse::<f64>().ok()?;
-    (degrees.abs() <= 360.0).then(|| unit::radians_from_degrees(degrees))
-}
-
-const PSD_FORM: &str = "`psd NAME ID X Y Z ANGLE` in mm and degrees, or without ID";
-const CAMERA_FORM: &str = "`camera X Y Z PAN TILT WIDTH HEIGHT` in mm, degrees and pixels";
-const WHEEL_FORM: &str = "`wheel DIAMETER MAX_RATE TICKS TRACK` in mm, degrees/s, ticks a turn, mm";
+const WHEEL_FORM: &str = "`wheel DIAMETER MAX_RATE TICKS TRACK` in mm, degrees/s, ticks a turn, mm; in files of EyeSim VR \
+                          half the track";
+const VR_WHEEL_FORM: &str =
+    "`wheel drive DIAMETER MAX_RATE TICKS HALF_TRACK` and `wheel turn ...` in mm, degrees/s, ticks a turn, mm";
 const DRIVE_FORM: &str = "`drive DIFFERENTIAL_DRIVE MOTOR QUAD MOTOR QUAD`, `drive OMNI_DRIVE` with four pairs (front left, \
                           front right, back left, back right), or `drive ACKERMANN_DRIVE MOTOR QUAD SERVO`";
 const DRIVES: [&str; 3] = ["DIFFERENTIAL_DRIVE", "ACKERMANN_DRIVE", "OMNI_DRIVE"];
 const OMNI: [&str; 8] = ["MOTOR_FL", "QUAD_FL", "MOTOR_FR", "QUAD_FR", "MOTOR_BL", "QUAD_BL", "MOTOR_BR", "QUAD_BR"];
 
-const PSD_POSE: [Quantity; 4] = [
-    Quantity::coordinate("x of the PSD"),
-    Quantity::coordinate("y of the PSD"),
-    Quantity::coordinate("z of the PSD"),
-    Quantity::angle("angle of the PSD"),
-];
-const CAMERA_POSITION: [Quantity; 3] = [
-    Quantity::coordinate("x of the camera"),
-    Quantity::coordinate("y of the camera"),
-    Quantity::coordinate("z of the camera"),
-];
-const IMAGE: [Quantity; 2] =
-    [Quantity::number("image width", 1.0, 65_536.0).minor(), Quantity::number("image height", 1.0, 65_536.0).minor()];
 const WHEEL: [Quantity; 4] = [
     Quantity::size("wheel diameter"),
     Quantity::rate("largest turning rate of the wheel"),

@@ -127,6 +127,27 @@ pub enum Collider {
     },
 }
 
+impl Collider {
+    /// Radius of the smallest disc about the origin of the floor plane that holds all of it, seen from above, in metres.
+    pub fn reach(&self) -> f64 {
+        match *self {
+            Collider::Box { centre, size } => (centre.truncate().abs() + 0.5 * size.truncate()).length(),
+            Collider::Sphere { centre, radius } | Collider::Cylinder { centre, radius, .. } => {
+                centre.truncate().length() + radius
+            }
+            Collider::Capsule { centre, radius, height, axis } => {
+                let half = (0.5 * height - radius).max(0.0);
+                let core = match axis {
+                    Axis::X => DVec2::new(half, 0.0),
+                    Axis::Y => DVec2::new(0.0, half),
+                    Axis::Z => DVec2::ZERO,
+                };
+                (centre.truncate().abs() + core).length() + radius
+            }
+        }
+    }
+}
+
 /// A type of passive object: built in, or an `.esObj` file, or a mesh alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectType {
@@ -337,6 +358,8 @@ pub struct LidarSpec {
     pub points: u32,
     /// Angle of the scanning plane above the floor plane, in radians.
     pub tilt: f64,
+    /// Angle that a scan covers, half of it to either side of forward, in radians: a whole turn where nothing says less.
+    pub sweep: f64,
     /// Its line.
     pub span: Span,
 }

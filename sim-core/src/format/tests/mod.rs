@@ -3,6 +3,7 @@
 mod mesh;
 mod mistakes;
 mod properties;
+mod robi;
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -66,7 +67,7 @@ fn ends(world: &WorldSpec) -> Vec<[f64; 4]> {
     world.walls.iter().map(|wall| [wall.from.x, wall.from.y, wall.to.x, wall.to.y]).collect()
 }
 
-fn codes(diagnostics: &[Diagnostic]) -> Vec<&'static str> {
+pub(super) fn codes(diagnostics: &[Diagnostic]) -> Vec<&'static str> {
     diagnostics.iter().map(|diagnostic| diagnostic.code.name()).collect()
 }
 
