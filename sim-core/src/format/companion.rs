@@ -1,18 +1,16 @@
 //! The companion of a robi: a TOML file beside it, for what the classic format cannot say.
 
 use std::f64::consts::TAU;
-use std::ops::Range;
 
 use glam::DVec3;
-use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeTable;
 
-use super::Span;
 use super::code::Code;
-use super::diagnostic::{Diagnostic, Sink};
+use super::diagnostic::Diagnostic;
 use super::line::{self, Quantity};
 use super::robi::{LIDAR_SWEEP, LIDAR_TILT, MAX_LIDAR_POINTS};
 use super::spec::{BumperSpec, CompassSpec, InfraredSpec, LidarSpec, RobiSpec, ServoSpec};
+use super::table::{Reader, Section};
 
 /// Distance below which an infrared switch answers when the file does not say, in metres.
 const DEFAULT_INFRARED_RANGE: f64 = 0.1;
@@ -24,66 +22,14 @@ const DEFAULT_SERVO: [f64; 2] = [-TAU / 4.0, TAU / 4.0];
 /// `file` is the companion's name. Unknown keys are warned about; a value of the wrong type or out of range is an error and
 /// leaves the default.
 pub fn read_companion(file: &str, text: &str, robi: &mut RobiSpec) -> Vec<Diagnostic> {
-    let whole = text.len();
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut reader = Reader { sink: Sink::new(file), starts: line_starts(text), offset: whole - text.len(), text };
-    let (root, errors) = DeTable::parse_recoverable(text);
-    for error in errors {
-        let span = reader.span(error.span().unwrap_or(0..0));
-        reader.sink.error(
-            Code::TomlSyntax,
-            span,
-            error.message().trim(),
-            "TOML: `key = value` lines and `[section]` lines",
-        );
-    }
-    reader.root(root.get_ref(), robi);
+    let (mut reader, root) = Reader::parse(file, text);
+    reader.companion(&root, robi);
     reader.sink.finish()
 }
 
-/// Byte at which each line begins.
-fn line_starts(text: &str) -> Vec<usize> {
-    std::iter::once(0).chain(text.match_indices('\n').map(|(place, _)| place + 1)).collect()
-}
-
-struct Reader<'t> {
-    sink: Sink,
-    /// The text without byte order mark.
-    text: &'t str,
-    /// Length of the byte order mark.
-    offset: usize,
-    starts: Vec<usize>,
-}
-
-/// A table and the keys of it that have been asked for.
-struct Section<'a, 'i> {
-    name: &'static str,
-    table: &'a DeTable<'i>,
-    span: Span,
-    known: Vec<&'static str>,
-}
-
-impl<'a, 'i> Section<'a, 'i> {
-    fn get(&mut self, key: &'static str) -> Option<&'a Spanned<DeValue<'i>>> {
-        self.known.push(key);
-        self.table.iter().find(|(name, _)| name.get_ref() == key).map(|(_, value)| value)
-    }
-}
-
 impl Reader<'_> {
-    fn span(&self, range: Range<usize>) -> Span {
-        let mut start = range.start.min(self.text.len());
-        while !self.text.is_char_boundary(start) {
-            start -= 1;
-        }
-        let line = self.starts.partition_point(|begin| *begin <= start).max(1);
-        let column = self.text[self.starts[line - 1]..start].chars().count() + 1;
-        let end = range.end.clamp(start, self.text.len());
-        Span { start: self.offset + start, end: self.offset + end, line: line as u32, column: column as u32 }
-    }
-
-    fn root(&mut self, table: &DeTable<'_>, robi: &mut RobiSpec) {
-        let mut root = Section { name: "", table, span: Span::default(), known: Vec::new() };
+    fn companion(&mut self, table: &DeTable<'_>, robi: &mut RobiSpec) {
+        let mut root = Section::root(table);
         if let Some(section) = self.section(&mut root, "body") {
             self.body(section, robi);
         }
@@ -285,7 +231,7 @@ impl Reader<'_> {
 
     fn device(&mut self, section: &mut Section<'_, '_>) -> (Option<String>, Option<i32>) {
         let name = self.text(section, "name");
-        if name.is_none() && !section.table.iter().any(|(key, _)| key.get_ref() == "name") {
+        if name.is_none() && !section.has("name") {
             self.missing(section, "name");
         }
         (name, self.id(section))
@@ -293,125 +239,5 @@ impl Reader<'_> {
 
     fn id(&mut self, section: &mut Section<'_, '_>) -> Option<i32> {
         self.integer(section, "id", i64::from(i32::MIN), i64::from(i32::MAX)).map(|id| id as i32)
-    }
-
-    fn missing(&mut self, section: &Section<'_, '_>, key: &str) {
-        let message = format!("`{}` has no `{key}`", section.name);
-        self.sink.error(Code::TomlMissing, section.span, message, format!("a line `{key} = ...`"));
-    }
-
-    fn required(&mut self, section: &mut Section<'_, '_>, key: &'static str, quantity: &Quantity) -> Option<f64> {
-        if !section.table.iter().any(|(name, _)| name.get_ref() == key) {
-            section.known.push(key);
-            self.missing(section, key);
-            return None;
-        }
-        self.number(section, key, quantity)
-    }
-
-    fn set(&mut self, section: &mut Section<'_, '_>, key: &'static str, quantity: &Quantity, place: &mut f64) {
-        if let Some(value) = self.number(section, key, quantity) {
-            *place = value;
-        }
-    }
-
-    fn number(&mut self, section: &mut Section<'_, '_>, key: &'static str, quantity: &Quantity) -> Option<f64> {
-        let value = section.get(key)?;
-        let span = self.span(value.span());
-        let Some(number) = float(value.get_ref()) else {
-            self.wrong_type(key, value, &quantity.expected());
-            return None;
-        };
-        let checked = quantity.check(number);
-        if checked.is_none() {
-            let message = format!("{} `{number}` is out of range", quantity.name);
-            self.sink.error(Code::NumberRange, span, message, quantity.expected());
-        }
-        checked
-    }
-
-    fn integer(&mut self, section: &mut Section<'_, '_>, key: &'static str, low: i64, high: i64) -> Option<i64> {
-        let value = section.get(key)?;
-        self.as_integer(key, value, low, high)
-    }
-
-    fn as_integer(&mut self, key: &str, value: &Spanned<DeValue<'_>>, low: i64, high: i64) -> Option<i64> {
-        let expected = format!("an integer from {low} to {high}");
-        let DeValue::Integer(digits) = value.get_ref() else {
-            self.wrong_type(key, value, &expected);
-            return None;
-        };
-        let number = i64::from_str_radix(digits.as_str(), digits.radix()).ok();
-        let number = number.filter(|number| (low..=high).contains(number));
-        if number.is_none() {
-            let message = format!("{key} `{digits}` is out of range");
-            self.sink.error(Code::NumberRange, self.span(value.span()), message, expected);
-        }
-        number
-    }
-
-    fn text(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<String> {
-        let value = section.get(key)?;
-        let text = value.get_ref().as_str().filter(|text| !text.is_empty());
-        if text.is_none() {
-            self.wrong_type(key, value, "a text that is not empty, between double quotes");
-        }
-        text.map(str::to_owned)
-    }
-
-    fn section<'a, 'i>(&mut self, parent: &mut Section<'a, 'i>, key: &'static str) -> Option<Section<'a, 'i>> {
-        let value = parent.get(key)?;
-        self.as_section(key, value)
-    }
-
-    fn as_section<'a, 'i>(&mut self, key: &'static str, value: &'a Spanned<DeValue<'i>>) -> Option<Section<'a, 'i>> {
-        let span = self.span(value.span());
-        match value.get_ref() {
-            DeValue::Table(table) => Some(Section { name: key, table, span, known: Vec::new() }),
-            _ => {
-                self.wrong_type(key, value, "a table");
-                None
-            }
-        }
-    }
-
-    /// The tables of an array `[[key]]`; a single `[key]` counts as one.
-    fn sections<'a, 'i>(&mut self, parent: &mut Section<'a, 'i>, key: &'static str) -> Vec<Section<'a, 'i>> {
-        let Some(value) = parent.get(key) else {
-            return Vec::new();
-        };
-        match value.get_ref() {
-            DeValue::Array(items) => items.iter().filter_map(|item| self.as_section(key, item)).collect(),
-            _ => self.as_section(key, value).into_iter().collect(),
-        }
-    }
-
-    fn wrong_type(&mut self, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) {
-        let message = format!("`{key}` is of type {}", value.get_ref().type_str());
-        self.sink.error(Code::TomlType, self.span(value.span()), message, expected);
-    }
-
-    fn unknown_keys(&mut self, section: &Section<'_, '_>) {
-        for (key, _) in section.table {
-            let name = key.get_ref().as_ref();
-            if section.known.contains(&name) {
-                continue;
-            }
-            let place = if section.name.is_empty() { String::new() } else { format!(" in `{}`", section.name) };
-            let message = format!("unknown key `{name}`{place}");
-            let expected = format!("one of {}", section.known.join(", "));
-            let suggestion = line::nearest(name, section.known.iter().copied()).map(|key| format!("write `{key}`"));
-            self.sink.warn(Code::TomlKey, self.span(key.span()), message, expected).suggestion = suggestion;
-        }
-    }
-}
-
-fn float(value: &DeValue<'_>) -> Option<f64> {
-    match value {
-        DeValue::Integer(digits) => {
-            i64::from_str_radix(digits.as_str(), digits.radix()).ok().map(|number| number as f64)
-        }
-        DeValue::Float(digits) => digits.as_str().parse().ok(),
-        _ => None,
     }
 }

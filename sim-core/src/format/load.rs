@@ -81,7 +81,8 @@ pub fn load_sim(path: &str, files: &dyn Files) -> Loaded {
     loader.diagnostics.extend(clearance::check(path, &world, &robots));
     let markers = sim.markers.clone();
     let settings = sim.settings;
-    loader.finish(SceneSpec { file: path.to_owned(), folder, world, robots, objects: Vec::new(), markers, settings })
+    let file = path.to_owned();
+    loader.finish(SceneSpec { file, folder, world, robots, markers, settings, ..SceneSpec::default() })
 }
 
 /// Reads a world file alone; the scene has no robots.
@@ -291,7 +292,9 @@ impl<'a> Loader<'a> {
             let robi = self.robi(sim, folder, line);
             let start = match line.start {
                 StartRef::Pose(pose) => Some(pose),
-                StartRef::Next | StartRef::Letter { .. } => starts.next().map(|start| start.pose),
+                StartRef::Next | StartRef::Letter { .. } | StartRef::Many { .. } => {
+                    starts.next().map(|start| start.pose)
+                }
             };
             // Where the world is missing, that is what has to be mended.
             if let (None, Some(world)) = (start, world) {

@@ -17,6 +17,7 @@ pub mod path;
 mod robi;
 mod sim;
 mod spec;
+mod table;
 #[cfg(test)]
 mod tests;
 mod world;

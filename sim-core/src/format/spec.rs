@@ -10,6 +10,7 @@ use super::Span;
 use crate::RobotId;
 pub use crate::drive::DriveKind;
 use crate::pose::Pose;
+use crate::time::Time;
 
 /// Height of a wall whose line does not say, in metres: what EyeSim VR shows of its walls.
 pub const DEFAULT_WALL_HEIGHT: f64 = 0.2;
@@ -505,7 +506,7 @@ pub struct WorldLine {
     pub path: PathRef,
 }
 
-/// Where a robot of a sim file starts.
+/// Where a robot of a scene starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StartRef {
     /// At the next start of the world that no robot before has taken.
@@ -519,6 +520,115 @@ pub enum StartRef {
         /// Heading in radians; `None`: that of the letter.
         heading: Option<f64>,
     },
+    /// Several robots that differ in nothing but their start.
+    Many {
+        /// How many; at least 1.
+        count: u32,
+        /// How they stand.
+        layout: Layout,
+    },
+}
+
+/// How several robots stand. Lengths in metres, angles in radians, world frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Layout {
+    /// Each at the next start of the world that no robot before has taken.
+    Starts,
+    /// On a line at equal distances, the first and the last at its ends.
+    Line {
+        /// Place of the first.
+        from: DVec2,
+        /// Place of the last.
+        to: DVec2,
+        /// Heading of all.
+        heading: f64,
+    },
+    /// In rows along x, filled from left to right, then the next one above.
+    Grid {
+        /// Place of the first.
+        from: DVec2,
+        /// Distance of columns and of rows.
+        spacing: DVec2,
+        /// How many stand in a row; `None`: as many as make rows and columns alike.
+        columns: Option<u32>,
+        /// Heading of all.
+        heading: f64,
+    },
+    /// On a circle at equal angles, counter-clockwise.
+    Circle {
+        /// Its middle.
+        centre: DVec2,
+        /// Its radius; positive.
+        radius: f64,
+        /// Direction in which the first stands, seen from the middle.
+        first: f64,
+        /// Heading of each against its direction from the middle: 0 looks outwards, pi inwards.
+        facing: f64,
+    },
+    /// At random places where there is room, drawn from the seed.
+    Random {
+        /// Lower left and upper right corner of the rectangle that the bodies stand in; `None`: the floor.
+        area: Option<[DVec2; 2]>,
+        /// Smallest distance from walls and others.
+        clearance: f64,
+        /// Heading of all; `None`: drawn, too.
+        heading: Option<f64>,
+    },
+}
+
+/// What a scene says about its run; the command line goes before it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RunSpec {
+    /// Seed of all random numbers.
+    pub seed: Option<u64>,
+    /// Length of a time slot; positive.
+    pub slot: Option<Time>,
+    /// When the run ends at the latest; positive.
+    pub until: Option<Time>,
+    /// How much virtual time calls take.
+    pub costs: Option<CostsRef>,
+}
+
+/// Where a scene takes its cost table from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CostsRef {
+    /// A file.
+    File(PathRef),
+    /// The scene itself; or a file that was read.
+    Table(CostTable),
+}
+
+/// A cost table: how much virtual time calls take. The names are those of the host, not checked here.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CostTable {
+    /// Name of the file.
+    pub file: String,
+    /// In the order of the file.
+    pub entries: Vec<CostEntry>,
+}
+
+/// One entry of a cost table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CostEntry {
+    /// Generation of the API: the name of its section, `robios6`.
+    pub generation: String,
+    /// Name of a function, or the beginning of names and `*`.
+    pub function: String,
+    /// What a call takes, 1 us to an hour.
+    pub cost: Time,
+    /// Where it is written.
+    pub span: Span,
+}
+
+/// What a scene describes itself instead of naming a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InlineSpec {
+    /// The world.
+    pub world: Option<WorldSpec>,
+    /// Robot types, each with the place where it is described.
+    pub robot_types: Vec<(RobiSpec, Span)>,
+    /// Object types, likewise.
+    pub object_types: Vec<(ObjectType, Span)>,
 }
 
 /// One robot of a sim file.
@@ -564,6 +674,10 @@ pub struct SimSpec {
     pub objects: Vec<ObjectLine>,
     /// Markers in the order of the file.
     pub markers: Vec<MarkerSpec>,
+    /// What the scene describes itself; only our own form does.
+    pub inline: InlineSpec,
+    /// What it says about its run; only our own form does.
+    pub run: RunSpec,
 }
 
 /// A robot of a scene, ready to be built.
@@ -607,4 +721,6 @@ pub struct SceneSpec {
     pub markers: Vec<MarkerSpec>,
     /// What the window shows.
     pub settings: Settings,
+    /// What the scene says about its run. A cost table that is a file has been read.
+    pub run: RunSpec,
 }

@@ -1,0 +1,232 @@
+//! Tables of TOML: what the reader of companions and that of scenes have in common.
+
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::Span;
+use super::code::Code;
+use super::diagnostic::Sink;
+use super::line::{self, Quantity};
+
+/// Byte at which each line begins.
+fn line_starts(text: &str) -> Vec<usize> {
+    std::iter::once(0).chain(text.match_indices('\n').map(|(place, _)| place + 1)).collect()
+}
+
+/// A text of TOML that is being read, and what is wrong with it.
+pub(super) struct Reader<'t> {
+    pub(super) sink: Sink,
+    /// The text without byte order mark.
+    text: &'t str,
+    /// Length of the byte order mark.
+    offset: usize,
+    starts: Vec<usize>,
+}
+
+/// A table and the keys of it that have been asked for.
+pub(super) struct Section<'a, 'i> {
+    pub(super) name: &'static str,
+    pub(super) table: &'a DeTable<'i>,
+    pub(super) span: Span,
+    known: Vec<&'static str>,
+}
+
+impl<'a, 'i> Section<'a, 'i> {
+    /// A whole document.
+    pub(super) fn root(table: &'a DeTable<'i>) -> Self {
+        Section { name: "", table, span: Span::default(), known: Vec::new() }
+    }
+
+    /// Whether the table has this key; that alone does not make it a known one.
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.table.iter().any(|(name, _)| name.get_ref() == key)
+    }
+
+    /// The value of a key, which is known from now on.
+    pub(super) fn get(&mut self, key: &'static str) -> Option<&'a Spanned<DeValue<'i>>> {
+        self.known.push(key);
+        self.table.iter().find(|(name, _)| name.get_ref() == key).map(|(_, value)| value)
+    }
+}
+
+impl<'t> Reader<'t> {
+    /// Takes the text of `file` apart; what is no TOML is reported, and what can be read of it is read.
+    pub(super) fn parse(file: &str, text: &'t str) -> (Self, DeTable<'t>) {
+        let whole = text.len();
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut reader = Self { sink: Sink::new(file), starts: line_starts(text), offset: whole - text.len(), text };
+        let (root, errors) = DeTable::parse_recoverable(text);
+        for error in errors {
+            let span = reader.span(error.span().unwrap_or(0..0));
+            let expected = "TOML: `key = value` lines and `[section]` lines";
+            reader.sink.error(Code::TomlSyntax, span, error.message().trim(), expected);
+        }
+        (reader, root.into_inner())
+    }
+}
+
+impl Reader<'_> {
+    /// Where `range` lies in the file.
+    pub(super) fn span(&self, range: Range<usize>) -> Span {
+        let mut start = range.start.min(self.text.len());
+        while !self.text.is_char_boundary(start) {
+            start -= 1;
+        }
+        let line = self.starts.partition_point(|begin| *begin <= start).max(1);
+        let column = self.text[self.starts[line - 1]..start].chars().count() + 1;
+        let end = range.end.clamp(start, self.text.len());
+        Span { start: self.offset + start, end: self.offset + end, line: line as u32, column: column as u32 }
+    }
+
+    pub(super) fn missing(&mut self, section: &Section<'_, '_>, key: &str) {
+        let message = format!("`{}` has no `{key}`", section.name);
+        self.sink.error(Code::TomlMissing, section.span, message, format!("a line `{key} = ...`"));
+    }
+
+    pub(super) fn required(
+        &mut self,
+        section: &mut Section<'_, '_>,
+        key: &'static str,
+        quantity: &Quantity,
+    ) -> Option<f64> {
+        if !section.has(key) {
+            section.known.push(key);
+            self.missing(section, key);
+            return None;
+        }
+        self.number(section, key, quantity)
+    }
+
+    pub(super) fn set(
+        &mut self,
+        section: &mut Section<'_, '_>,
+        key: &'static str,
+        quantity: &Quantity,
+        place: &mut f64,
+    ) {
+        if let Some(value) = self.number(section, key, quantity) {
+            *place = value;
+        }
+    }
+
+    pub(super) fn number(
+        &mut self,
+        section: &mut Section<'_, '_>,
+        key: &'static str,
+        quantity: &Quantity,
+    ) -> Option<f64> {
+        let value = section.get(key)?;
+        let span = self.span(value.span());
+        let Some(number) = float(value.get_ref()) else {
+            self.wrong_type(key, value, &quantity.expected());
+            return None;
+        };
+        let checked = quantity.check(number);
+        if checked.is_none() {
+            let message = format!("{} `{number}` is out of range", quantity.name);
+            self.sink.error(Code::NumberRange, span, message, quantity.expected());
+        }
+        checked
+    }
+
+    pub(super) fn integer(
+        &mut self,
+        section: &mut Section<'_, '_>,
+        key: &'static str,
+        low: i64,
+        high: i64,
+    ) -> Option<i64> {
+        let value = section.get(key)?;
+        self.as_integer(key, value, low, high)
+    }
+
+    pub(super) fn as_integer(&mut self, key: &str, value: &Spanned<DeValue<'_>>, low: i64, high: i64) -> Option<i64> {
+        let expected = format!("an integer from {low} to {high}");
+        let DeValue::Integer(digits) = value.get_ref() else {
+            self.wrong_type(key, value, &expected);
+            return None;
+        };
+        let number = i64::from_str_radix(digits.as_str(), digits.radix()).ok();
+        let number = number.filter(|number| (low..=high).contains(number));
+        if number.is_none() {
+            let message = format!("{key} `{digits}` is out of range");
+            self.sink.error(Code::NumberRange, self.span(value.span()), message, expected);
+        }
+        number
+    }
+
+    pub(super) fn text(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<String> {
+        let value = section.get(key)?;
+        let text = value.get_ref().as_str().filter(|text| !text.is_empty());
+        if text.is_none() {
+            self.wrong_type(key, value, "a text that is not empty, between double quotes");
+        }
+        text.map(str::to_owned)
+    }
+
+    pub(super) fn section<'a, 'i>(
+        &mut self,
+        parent: &mut Section<'a, 'i>,
+        key: &'static str,
+    ) -> Option<Section<'a, 'i>> {
+        let value = parent.get(key)?;
+        self.as_section(key, value)
+    }
+
+    pub(super) fn as_section<'a, 'i>(
+        &mut self,
+        key: &'static str,
+        value: &'a Spanned<DeValue<'i>>,
+    ) -> Option<Section<'a, 'i>> {
+        let span = self.span(value.span());
+        match value.get_ref() {
+            DeValue::Table(table) => Some(Section { name: key, table, span, known: Vec::new() }),
+            _ => {
+                self.wrong_type(key, value, "a table");
+                None
+            }
+        }
+    }
+
+    /// The tables of an array `[[key]]`; a single `[key]` counts as one.
+    pub(super) fn sections<'a, 'i>(&mut self, parent: &mut Section<'a, 'i>, key: &'static str) -> Vec<Section<'a, 'i>> {
+        let Some(value) = parent.get(key) else {
+            return Vec::new();
+        };
+        match value.get_ref() {
+            DeValue::Array(items) => items.iter().filter_map(|item| self.as_section(key, item)).collect(),
+            _ => self.as_section(key, value).into_iter().collect(),
+        }
+    }
+
+    pub(super) fn wrong_type(&mut self, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) {
+        let message = format!("`{key}` is of type {}", value.get_ref().type_str());
+        self.sink.error(Code::TomlType, self.span(value.span()), message, expected);
+    }
+
+    pub(super) fn unknown_keys(&mut self, section: &Section<'_, '_>) {
+        for (key, _) in section.table {
+            let name = key.get_ref().as_ref();
+            if section.known.contains(&name) {
+                continue;
+            }
+            let place = if section.name.is_empty() { String::new() } else { format!(" in `{}`", section.name) };
+            let message = format!("unknown key `{name}`{place}");
+            let expected = format!("one of {}", section.known.join(", "));
+            let suggestion = line::nearest(name, section.known.iter().copied()).map(|key| format!("write `{key}`"));
+            self.sink.warn(Code::TomlKey, self.span(key.span()), message, expected).suggestion = suggestion;
+        }
+    }
+}
+
+fn float(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Integer(digits) => {
+            i64::from_str_radix(digits.as_str(), digits.radix()).ok().map(|number| number as f64)
+        }
+        DeValue::Float(digits) => digits.as_str().parse().ok(),
+        _ => None,
+    }
+}
