@@ -1,0 +1,47 @@
+//! What must hold whatever a reader is given.
+//!
+//! Each [`Target`] gives the bytes of one input to one reader and panics when the reader does, or when what it returned
+//! breaks an invariant: a number that is not finite or out of its documented range, a span that does not lie in the text, a
+//! diagnostic without words. The fuzz targets in `fuzz/` are these functions and nothing else; normal tests give them the
+//! committed inputs. This crate searches for no inputs and reads no files.
+#![forbid(unsafe_code)]
+
+pub mod archive;
+mod reader;
+mod spec;
+mod text;
+
+/// A reader with the invariants of what it returns.
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
+    /// Name, as in `cargo fuzz run NAME`, and of the folders of its inputs.
+    pub name: &'static str,
+    /// Panics if the input breaks an invariant.
+    pub check: fn(&[u8]),
+}
+
+impl Target {
+    const fn new(name: &'static str, check: fn(&[u8])) -> Self {
+        Self { name, check }
+    }
+}
+
+/// All targets. An input is a file of the reader's kind, for `load_*` an [`archive`] of several.
+pub const TARGETS: &[Target] = &[
+    Target::new("world", reader::world),
+    Target::new("maze", reader::maze),
+    Target::new("robi", reader::robi),
+    Target::new("companion", reader::companion),
+    Target::new("sim", reader::sim),
+    Target::new("load_sim", reader::load_sim),
+];
+
+/// Checks `input` with the target of this name.
+///
+/// # Panics
+/// If there is no such target, or the input breaks an invariant.
+pub fn check(target: &str, input: &[u8]) {
+    let known = TARGETS.iter().find(|known| known.name == target);
+    let target = known.unwrap_or_else(|| panic!("`{target}` is no target"));
+    (target.check)(input);
+}

@@ -1,0 +1,63 @@
+//! One function a reader: what it returns for an input is checked.
+
+use sim_core::format::{self, RobiSpec, SimSpec, WorldSpec};
+
+use crate::archive::Archive;
+use crate::text::{LineEnds, Lines};
+use crate::{spec, text};
+
+pub fn world(input: &[u8]) {
+    plane(input, "a.wld", format::read_world);
+}
+
+pub fn maze(input: &[u8]) {
+    plane(input, "a.maz", format::read_maze);
+}
+
+fn plane(input: &[u8], file: &str, read: fn(&str, &str) -> (WorldSpec, Vec<format::Diagnostic>)) {
+    let (content, _) = format::decode(input);
+    let (world, diagnostics) = read(file, &content);
+    text::check(&content, LineEnds::Classic, &diagnostics);
+    spec::world(&world, &Lines::new(&content, LineEnds::Classic));
+}
+
+pub fn robi(input: &[u8]) {
+    let (content, _) = format::decode(input);
+    let (robi, diagnostics) = format::read_robi("a.robi", &content);
+    text::check(&content, LineEnds::Classic, &diagnostics);
+    spec::robi(&robi);
+}
+
+pub fn companion(input: &[u8]) {
+    let (content, _) = format::decode(input);
+    let mut robi = RobiSpec::with_defaults("a.robi");
+    let diagnostics = format::read_companion("a.toml", &content, &mut robi);
+    text::check(&content, LineEnds::Toml, &diagnostics);
+    spec::robi(&robi);
+}
+
+pub fn sim(input: &[u8]) {
+    let (content, _) = format::decode(input);
+    let (sim, diagnostics): (SimSpec, _) = format::read_sim("a.sim", &content);
+    text::check(&content, LineEnds::Classic, &diagnostics);
+    spec::sim(&sim, &Lines::new(&content, LineEnds::Classic));
+}
+
+pub fn load_sim(input: &[u8]) {
+    let archive = Archive::new(input);
+    let loaded = format::load_sim(archive.first(), &archive);
+    spec::scene(&loaded.scene);
+    for robot in &loaded.scene.robots {
+        spec::robi(&robot.robi);
+    }
+    for object in &loaded.scene.objects {
+        spec::object_type(&object.kind);
+    }
+    for diagnostic in &loaded.diagnostics {
+        text::words(diagnostic);
+        let Some(bytes) = archive.bytes(&diagnostic.file) else { continue };
+        let ends = if diagnostic.file.ends_with(".toml") { LineEnds::Toml } else { LineEnds::Classic };
+        let (content, _) = format::decode(bytes);
+        Lines::new(&content, ends).check(diagnostic.span, diagnostic);
+    }
+}

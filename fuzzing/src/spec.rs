@@ -1,0 +1,305 @@
+//! What holds for the spec of any text: numbers finite and within their documented ranges.
+
+use std::f64::consts::TAU;
+use std::fmt::{self, Debug, Write};
+
+use glam::{DVec2, DVec3};
+use sim_core::format::{
+    Collider, DriveKind, JointSpec, MAX_LENGTH, ModelSpec, ObjectLine, ObjectType, RobiSpec, SceneSpec, SimSpec, Span,
+    StartRef, WorldSpec,
+};
+use sim_core::pose::Pose;
+
+use crate::text::Lines;
+
+/// Smallest size that a file may give, in metres.
+const MIN_SIZE: f64 = 1e-6;
+
+/// Largest angle that a file may give, in radians: a million degrees.
+const MAX_ANGLE: f64 = 1e6 * TAU / 360.0;
+
+/// Rounding of a conversion to SI units.
+const ROUNDING: f64 = 1.0 + 1e-12;
+
+/// Panics unless the spec of a world or maze is sound and its spans lie in `lines`.
+pub fn world(world: &WorldSpec, lines: &Lines<'_>) {
+    finite(world);
+    length(world.floor.x, "width of the floor");
+    length(world.floor.y, "height of the floor");
+    if let Some(cell) = world.cell {
+        size(cell, "cell");
+    }
+    for wall in &world.walls {
+        place(wall.from, &wall);
+        place(wall.to, &wall);
+        assert!(wall.from != wall.to, "a wall without length: {wall:?}");
+        length(wall.thickness, &wall);
+        size(wall.height, &wall);
+        inside(wall.span, lines, &wall);
+    }
+    for start in &world.starts {
+        pose(&start.pose, &start);
+        inside(start.span, lines, &start);
+        let known = start.letter.is_none_or(|letter| letter.is_ascii_uppercase());
+        assert!(known, "a start letter in upper case: {start:?}");
+    }
+    objects(&world.objects, lines);
+    if let Some(texture) = &world.texture {
+        assert!(!texture.text.trim().is_empty(), "{texture:?}");
+        inside(texture.span, lines, &texture);
+    }
+    let (low, high) = world.bounds();
+    assert!(low.cmple(high).all() && low.is_finite() && high.is_finite(), "bounds {low} {high}");
+}
+
+/// Panics unless the lines of a sim are sound and their spans lie in `lines`.
+pub fn sim(sim: &SimSpec, lines: &Lines<'_>) {
+    finite(sim);
+    for path in sim.world.iter().map(|line| &line.path).chain(&sim.robot_types).chain(&sim.object_types) {
+        assert!(!path.text.trim().is_empty(), "{path:?}");
+        inside(path.span, lines, path);
+    }
+    for robot in &sim.robots {
+        inside(robot.span, lines, &robot);
+        inside(robot.kind.written().span, lines, &robot);
+        assert!(!robot.kind.written().text.trim().is_empty(), "{robot:?}");
+        assert!(robot.program.as_ref().is_none_or(|program| !program.text.trim().is_empty()), "{robot:?}");
+        match robot.start {
+            StartRef::Next => {}
+            StartRef::Pose(start) => pose(&start, &robot),
+            StartRef::Letter { letter, heading } => {
+                assert!(letter.is_ascii_uppercase(), "{robot:?}");
+                angle(heading.unwrap_or(0.0), &robot);
+            }
+        }
+    }
+    objects(&sim.objects, lines);
+    for marker in &sim.markers {
+        place(marker.position, &marker);
+        inside(marker.span, lines, &marker);
+    }
+}
+
+/// Panics unless the spec of a robot type is sound.
+pub fn robi(robi: &RobiSpec) {
+    finite(robi);
+    assert!(!robi.name.trim().is_empty() || robi.file.is_empty(), "a robot type has a name: {robi:?}");
+    size(robi.diameter, "diameter");
+    size(robi.max_speed, "speed");
+    assert!(robi.max_turn > 0.0 && robi.mass > 0.0 && robi.traction >= 0.0, "{robi:?}");
+    assert!(robi.axis_offset.abs() <= MAX_LENGTH, "{robi:?}");
+    point(robi.centre_of_mass, "centre of mass");
+    let wheel = &robi.wheel;
+    size(wheel.diameter, "wheel");
+    size(wheel.track, "track");
+    assert!(wheel.max_rate > 0.0 && wheel.ticks_per_turn > 0.0, "{wheel:?}");
+    let drive = &robi.drive;
+    let (motors, has_steering) = match drive.kind {
+        DriveKind::Differential => (2, false),
+        DriveKind::Ackermann => (1, true),
+        DriveKind::Omni => (4, false),
+    };
+    assert_eq!((drive.motors.len(), drive.steering.is_some()), (motors, has_steering), "{drive:?}");
+    assert!((MIN_SIZE / 2.0..=MAX_LENGTH).contains(&drive.wheelbase), "{drive:?}");
+    assert!(drive.max_steer > 0.0 && drive.max_steer < TAU / 4.0, "{drive:?}");
+    assert!((0.0..=3600.0).contains(&drive.wheel_lag), "{drive:?}");
+    for psd in &robi.psds {
+        point(psd.position, &psd);
+        angle(psd.angle, &psd);
+        size(psd.range, &psd);
+        assert!(!psd.name.is_empty(), "{psd:?}");
+    }
+    for (place, psd) in robi.psds.iter().enumerate() {
+        // Quadratic, and so for few only.
+        let is_double = |other: &&sim_core::format::PsdSpec| other.name == psd.name;
+        assert!(place > 30 || !robi.psds[..place].iter().any(|other| is_double(&other)), "{psd:?} twice");
+    }
+    if let Some(camera) = &robi.camera {
+        point(camera.position, camera);
+        joint(&camera.pan);
+        joint(&camera.tilt);
+        assert!(camera.image.is_none_or(|image| image.iter().all(|pixels| (1..=65_536).contains(pixels))), "{camera:?}");
+        assert!(camera.fisheye.is_none_or(|angle| angle > 0.0 && angle <= TAU), "{camera:?}");
+    }
+    if let Some(lidar) = &robi.lidar {
+        assert!(lidar.points > 0, "{lidar:?}");
+        angle(lidar.tilt, lidar);
+    }
+    robi.model.iter().for_each(model);
+    robi.colliders.iter().for_each(collider);
+    for infrared in &robi.infrareds {
+        point(infrared.position, &infrared);
+        angle(infrared.angle, &infrared);
+        size(infrared.range, &infrared);
+    }
+    for bumper in &robi.bumpers {
+        assert!(bumper.from < bumper.to && bumper.to <= bumper.from + TAU * ROUNDING, "{bumper:?}");
+        angle(bumper.from, &bumper);
+    }
+    for servo in &robi.servos {
+        assert!(servo.from.abs().max(servo.to.abs()) <= TAU * ROUNDING, "{servo:?}");
+    }
+    let inputs = &robi.inputs;
+    assert!(inputs.analog.iter().all(|(channel, value)| *channel <= 15 && *value <= 1023), "{inputs:?}");
+    assert!(inputs.analog.is_sorted() && inputs.latches.is_sorted() && robi.hdt.is_sorted(), "{inputs:?}");
+}
+
+/// Panics unless the spec of an object type is sound.
+pub fn object_type(object: &ObjectType) {
+    finite(object);
+    assert!(object.scale > 0.0 && object.mass > 0.0 && object.friction >= 0.0 && object.buoyancy >= 0.0, "{object:?}");
+    assert!((0.0..=1.0).contains(&object.restitution), "{object:?}");
+    assert!(object.rolling.is_none_or(|rolling| rolling >= 0.0), "{object:?}");
+    assert!(!object.colliders.is_empty() && !object.name.is_empty(), "{object:?}");
+    point(object.centre_of_mass, "centre of mass");
+    object.model.iter().for_each(model);
+    object.colliders.iter().for_each(collider);
+}
+
+/// Panics unless a scene is sound.
+pub fn scene(scene: &SceneSpec) {
+    finite(scene);
+    let mut last = 0;
+    for robot in &scene.robots {
+        assert!(robot.id.0 > last, "ids go up: {robot:?}");
+        last = robot.id.0;
+        pose(&robot.start, &robot);
+    }
+    for object in &scene.objects {
+        pose(&object.pose, &object.span);
+        assert!(object.friction >= 0.0, "{object:?}");
+    }
+}
+
+fn objects(objects: &[ObjectLine], lines: &Lines<'_>) {
+    for object in objects {
+        pose(&object.pose, &object);
+        assert!(object.friction.is_none_or(|friction| friction >= 0.0), "{object:?}");
+        assert!(!object.kind.written().text.is_empty(), "{object:?}");
+        inside(object.span, lines, &object);
+    }
+}
+
+fn model(model: &ModelSpec) {
+    assert!(!model.path.text.trim().is_empty(), "{model:?}");
+    point(model.offset, model);
+    model.turns.to_array().iter().for_each(|turn| angle(*turn, model));
+}
+
+fn collider(collider: &Collider) {
+    match collider {
+        Collider::Box { centre, size } => {
+            point(*centre, collider);
+            assert!(size.min_element() > 0.0, "{collider:?}");
+        }
+        Collider::Sphere { centre, radius } => {
+            point(*centre, collider);
+            assert!(*radius > 0.0, "{collider:?}");
+        }
+        Collider::Capsule { centre, radius, height, .. } => {
+            point(*centre, collider);
+            assert!(*radius > 0.0 && *height * ROUNDING >= 2.0 * radius, "{collider:?}");
+        }
+        Collider::Cylinder { centre, radius, height } => {
+            point(*centre, collider);
+            assert!(*radius > 0.0 && *height > 0.0, "{collider:?}");
+        }
+    }
+}
+
+fn joint(joint: &JointSpec) {
+    match joint {
+        JointSpec::Fixed(fixed) => angle(*fixed, joint),
+        JointSpec::Servo { name, from, to } => {
+            assert!(!name.is_empty() && from.abs().max(to.abs()) <= TAU * ROUNDING, "{joint:?}");
+        }
+    }
+}
+
+fn place(point: DVec2, what: &impl Debug) {
+    assert!(point.is_finite() && point.abs().max_element() <= MAX_LENGTH * ROUNDING, "{what:?}");
+}
+
+fn point(point: DVec3, what: &(impl Debug + ?Sized)) {
+    assert!(point.is_finite() && point.abs().max_element() <= MAX_LENGTH * ROUNDING, "{what:?}");
+}
+
+fn pose(pose: &Pose, what: &impl Debug) {
+    // A start in an open frame may lie beyond the frame's own bound.
+    assert!(pose.position.is_finite() && pose.position.abs().max_element() <= 3.0 * MAX_LENGTH, "{what:?}");
+    assert!((-TAU / 2.0..TAU / 2.0).contains(&pose.heading.remainder()), "{what:?}");
+}
+
+fn length(value: f64, what: &(impl Debug + ?Sized)) {
+    assert!((0.0..=MAX_LENGTH * ROUNDING).contains(&value), "{value}: {what:?}");
+}
+
+fn size(value: f64, what: &(impl Debug + ?Sized)) {
+    assert!((MIN_SIZE / ROUNDING..=MAX_LENGTH * ROUNDING).contains(&value), "{value}: {what:?}");
+}
+
+fn angle(value: f64, what: &impl Debug) {
+    assert!(value.abs() <= MAX_ANGLE * ROUNDING, "{value}: {what:?}");
+}
+
+fn inside(span: Span, lines: &Lines<'_>, what: &impl Debug) {
+    lines.check(span, what);
+}
+
+/// Panics if a number of `spec` is infinite or NaN, whatever fields it has: seen in its debug form, outside of texts.
+fn finite(spec: &impl Debug) {
+    let mut search = Search { word: [0; 3], is_text: false, is_escaped: false, is_found: false };
+    write!(search, "{spec:?}").expect("the search takes everything");
+    assert!(!search.is_found, "a number is not finite: {spec:#?}");
+}
+
+/// Looks for the words `inf` and `NaN` in a debug form, outside of texts.
+struct Search {
+    /// The last three bytes outside of a text.
+    word: [u8; 3],
+    is_text: bool,
+    is_escaped: bool,
+    is_found: bool,
+}
+
+impl Write for Search {
+    fn write_str(&mut self, piece: &str) -> fmt::Result {
+        for &byte in piece.as_bytes() {
+            match byte {
+                _ if self.is_escaped => self.is_escaped = false,
+                b'\\' if self.is_text => self.is_escaped = true,
+                b'"' => self.is_text = !self.is_text,
+                _ if self.is_text => {}
+                // `infrareds` is the one name that has these letters: a number is followed by a sign, not a letter.
+                b'a'..=b'z' if self.word == *b"inf" => self.word = [0, 0, byte],
+                _ => {
+                    self.is_found |= self.word == *b"inf" || self.word == *b"NaN";
+                    self.word = [self.word[1], self.word[2], byte];
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn infinite_numbers_are_found_outside_of_texts_only() {
+        #[derive(Debug)]
+        #[allow(dead_code, reason = "read by its debug form")]
+        struct Spec {
+            infrareds: f64,
+            name: &'static str,
+            letter: char,
+        }
+        let found = |infrareds| {
+            let mut search = Search { word: [0; 3], is_text: false, is_escaped: false, is_found: false };
+            write!(search, "{:?}", Spec { infrareds, name: "inf, \" NaN,\\", letter: 'i' }).expect("no error");
+            search.is_found
+        };
+        assert_eq!([0.0, 1e300, f64::INFINITY, -f64::INFINITY, f64::NAN].map(found), [false, false, true, true, true]);
+    }
+}

@@ -1,0 +1,80 @@
+//! What holds for the diagnostics of any text.
+
+use sim_core::format::{Diagnostic, Span};
+
+/// Diagnostics of one file that are kept at most: 1000, and one that counts the others.
+const MAX_KEPT: usize = 1001;
+
+/// What ends a line of a text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LineEnds {
+    /// LF, CR LF or CR alone.
+    Classic,
+    /// LF or CR LF; a CR alone is a character of its line.
+    Toml,
+}
+
+/// Panics unless the `diagnostics` are those that a reader may give of `text`: each in words, in a place of the text with
+/// the right line and column, sorted, and not more than are kept.
+pub fn check(text: &str, ends: LineEnds, diagnostics: &[Diagnostic]) {
+    assert!(diagnostics.len() <= MAX_KEPT, "{} diagnostics", diagnostics.len());
+    let lines = Lines::new(text, ends);
+    for diagnostic in diagnostics {
+        words(diagnostic);
+        lines.check(diagnostic.span, diagnostic);
+    }
+    let sorted = diagnostics.iter().take_while(|diagnostic| diagnostic.code != "file-more");
+    assert!(sorted.is_sorted_by_key(|diagnostic| diagnostic.span), "not in the order of the text: {diagnostics:#?}");
+}
+
+/// Panics unless a diagnostic says in one line each what is wrong and what would be right.
+pub fn words(diagnostic: &Diagnostic) {
+    let Diagnostic { code, message, expected, suggestion, .. } = diagnostic;
+    assert!(code.bytes().all(|byte| byte.is_ascii_lowercase() || byte == b'-') && !code.is_empty(), "{diagnostic:?}");
+    for words in [message, expected].into_iter().chain(suggestion) {
+        assert!(!words.trim().is_empty() && !words.contains(char::is_control), "{diagnostic:?}");
+    }
+    assert!(diagnostic.to_string().contains(code));
+}
+
+/// The lines of a text.
+pub struct Lines<'t> {
+    text: &'t str,
+    /// Byte at which each line begins.
+    starts: Vec<usize>,
+}
+
+impl<'t> Lines<'t> {
+    /// The lines of `text`.
+    pub fn new(text: &'t str, ends: LineEnds) -> Self {
+        let bytes = text.as_bytes();
+        let mut starts = vec![0];
+        for (place, byte) in bytes.iter().enumerate() {
+            let is_end = match byte {
+                b'\n' => true,
+                b'\r' => ends == LineEnds::Classic && bytes.get(place + 1) != Some(&b'\n'),
+                _ => false,
+            };
+            if is_end {
+                starts.push(place + 1);
+            }
+        }
+        Self { text, starts }
+    }
+
+    /// Panics unless `span` lies in the text and has the right line and column.
+    pub fn check(&self, span: Span, what: &impl std::fmt::Debug) {
+        let Span { start, end, line, column } = span;
+        if line == 0 {
+            assert_eq!((start, end, column), (0, 0, 0), "a whole file has no place: {what:?}");
+            return;
+        }
+        assert!(self.text.get(start..end).is_some(), "not a piece of the text: {what:?}");
+        let expected = self.starts.partition_point(|begin| *begin <= start);
+        let before = &self.text[self.starts[expected - 1]..start];
+        let is_first = expected == 1;
+        let before = if is_first { before.strip_prefix('\u{feff}').unwrap_or(before) } else { before };
+        let place = (expected, before.chars().count() + 1);
+        assert_eq!((line as usize, column as usize), place, "line and column of {what:?}");
+    }
+}
