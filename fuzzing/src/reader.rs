@@ -3,7 +3,7 @@
 use sim_core::format::{self, RobiSpec, SimSpec, WorldSpec};
 
 use crate::archive::Archive;
-use crate::text::{LineEnds, Lines};
+use crate::text::Lines;
 use crate::{spec, text};
 
 pub fn world(input: &[u8]) {
@@ -17,14 +17,14 @@ pub fn maze(input: &[u8]) {
 fn plane(input: &[u8], file: &str, read: fn(&str, &str) -> (WorldSpec, Vec<format::Diagnostic>)) {
     let (content, _) = format::decode(input);
     let (world, diagnostics) = read(file, &content);
-    text::check(&content, LineEnds::Classic, &diagnostics);
-    spec::world(&world, &Lines::new(&content, LineEnds::Classic));
+    text::check(&content, &diagnostics);
+    spec::world(&world, &Lines::new(&content));
 }
 
 pub fn robi(input: &[u8]) {
     let (content, _) = format::decode(input);
     let (robi, diagnostics) = format::read_robi("a.robi", &content);
-    text::check(&content, LineEnds::Classic, &diagnostics);
+    text::check(&content, &diagnostics);
     spec::robi(&robi);
 }
 
@@ -32,15 +32,15 @@ pub fn companion(input: &[u8]) {
     let (content, _) = format::decode(input);
     let mut robi = RobiSpec::with_defaults("a.robi");
     let diagnostics = format::read_companion("a.toml", &content, &mut robi);
-    text::check(&content, LineEnds::Toml, &diagnostics);
+    text::check(&content, &diagnostics);
     spec::robi(&robi);
 }
 
 pub fn sim(input: &[u8]) {
     let (content, _) = format::decode(input);
     let (sim, diagnostics): (SimSpec, _) = format::read_sim("a.sim", &content);
-    text::check(&content, LineEnds::Classic, &diagnostics);
-    spec::sim(&sim, &Lines::new(&content, LineEnds::Classic));
+    text::check(&content, &diagnostics);
+    spec::sim(&sim, &Lines::new(&content));
 }
 
 pub fn load_sim(input: &[u8]) {
@@ -56,8 +56,7 @@ pub fn load_sim(input: &[u8]) {
     for diagnostic in &loaded.diagnostics {
         text::words(diagnostic);
         let Some(bytes) = archive.bytes(&diagnostic.file) else { continue };
-        let ends = if diagnostic.file.ends_with(".toml") { LineEnds::Toml } else { LineEnds::Classic };
         let (content, _) = format::decode(bytes);
-        Lines::new(&content, ends).check(diagnostic.span, diagnostic);
+        Lines::new(&content).check(diagnostic.span, diagnostic);
     }
 }

@@ -118,7 +118,10 @@ pub fn robi(robi: &RobiSpec) {
         point(camera.position, camera);
         joint(&camera.pan);
         joint(&camera.tilt);
-        assert!(camera.image.is_none_or(|image| image.iter().all(|pixels| (1..=65_536).contains(pixels))), "{camera:?}");
+        assert!(
+            camera.image.is_none_or(|image| image.iter().all(|pixels| (1..=65_536).contains(pixels))),
+            "{camera:?}"
+        );
         assert!(camera.fisheye.is_none_or(|angle| angle > 0.0 && angle <= TAU), "{camera:?}");
     }
     if let Some(lidar) = &robi.lidar {

@@ -55,7 +55,7 @@ pub struct Diagnostic {
     /// Where.
     #[serde(flatten)]
     pub span: Span,
-    /// What is wrong, the user's own words in backquotes.
+    /// What is wrong, the user's own words in backquotes; unprintable characters of them as `\u{1b}`.
     pub message: String,
     /// What would have been right.
     pub expected: String,
@@ -155,6 +155,25 @@ impl Sink {
             suggestion: None,
             ..last
         }));
+        for Diagnostic { message, expected, suggestion, .. } in &mut self.diagnostics {
+            for words in [message, expected].into_iter().chain(suggestion) {
+                if words.contains(is_unprintable) {
+                    *words = words.chars().map(printable).collect();
+                }
+            }
+        }
         self.diagnostics
     }
+}
+
+/// True for characters of a file that must not reach a terminal or a line of a log: they steer the cursor, end the line or
+/// turn the direction of writing.
+fn is_unprintable(character: char) -> bool {
+    let turns = matches!(character, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    character.is_control() || turns
+}
+
+/// The character, or `\u{1b}` and the like for one that is unprintable.
+fn printable(character: char) -> String {
+    if is_unprintable(character) { character.escape_unicode().to_string() } else { character.to_string() }
 }

@@ -44,6 +44,17 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     })
 }
 
+/// Byte at which each line of a text begins; lines end as in [`lines`].
+pub(super) fn line_starts(text: &str) -> Vec<usize> {
+    let bytes = text.as_bytes();
+    let ends = (0..bytes.len()).filter(|&place| match bytes[place] {
+        b'\n' => true,
+        b'\r' => bytes.get(place + 1) != Some(&b'\n'),
+        _ => false,
+    });
+    std::iter::once(0).chain(ends.map(|place| place + 1)).collect()
+}
+
 impl<'a> Line<'a> {
     /// The whole line.
     pub(super) fn span(&self) -> Span {
@@ -301,6 +312,14 @@ mod tests {
         let text = "\u{feff}é \"x y\" z";
         let spans: Vec<&str> = lines(text).flat_map(|l| l.words()).map(|w| &text[w.span.start..w.span.end]).collect();
         assert_eq!(spans, ["é", "\"x y\"", "z"]);
+    }
+
+    #[test]
+    fn lines_start_after_each_kind_of_end() {
+        let text = "a\r\n\rb\n\nc\r";
+        assert_eq!(line_starts(text), [0, 3, 4, 6, 7, 9]);
+        let numbered: Vec<usize> = lines(text).map(|line| line.start).collect();
+        assert_eq!(numbered, [0, 3, 4, 6, 7]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::spec::{PathRef, RobiSpec, RobotLine, RobotSpec, SceneSpec, SimSpec, StartRef, WorldKind, WorldSpec};
-use super::{Span, clearance, path, read_companion, read_maze, read_robi, read_sim, read_world};
+use super::{Span, clearance, line, path, read_companion, read_maze, read_robi, read_sim, read_world};
 use crate::RobotId;
 
 /// The file system as the readers see it; paths have slashes.
@@ -156,13 +156,13 @@ impl<'a> Loader<'a> {
     pub(super) fn take(&mut self, path: &str, bytes: Vec<u8>) -> String {
         let (text, invalid) = decode(&bytes);
         if let Some(place) = invalid {
-            let before = &text[..place];
-            let line_start = before.rfind('\n').map_or(0, |place| place + 1);
+            let starts = line::line_starts(&text[..place]);
+            let line_start = starts.last().copied().unwrap_or_default();
             let span = Span {
                 start: place,
                 end: place + char::REPLACEMENT_CHARACTER.len_utf8(),
-                line: before.matches('\n').count() as u32 + 1,
-                column: before[line_start..].trim_start_matches('\u{feff}').chars().count() as u32 + 1,
+                line: starts.len() as u32,
+                column: text[line_start..place].trim_start_matches('\u{feff}').chars().count() as u32 + 1,
             };
             let mut sink = Sink::new(path);
             sink.warn(
@@ -248,7 +248,7 @@ impl<'a> Loader<'a> {
             let mut names = self.files.list(path::folder_of(place));
             names.sort_unstable();
             let folder = &place[..place.len() - path::file_name(place).len()];
-            let nearest = super::line::nearest(path::file_name(place), names.iter().map(String::as_str))?;
+            let nearest = line::nearest(path::file_name(place), names.iter().map(String::as_str))?;
             Some(format!("{folder}{nearest}"))
         })
     }

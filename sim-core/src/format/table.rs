@@ -10,11 +10,6 @@ use super::code::Code;
 use super::diagnostic::Sink;
 use super::line::{self, Quantity};
 
-/// Byte at which each line begins.
-fn line_starts(text: &str) -> Vec<usize> {
-    std::iter::once(0).chain(text.match_indices('\n').map(|(place, _)| place + 1)).collect()
-}
-
 /// A text of TOML that is being read, and what is wrong with it.
 pub(super) struct Reader<'t> {
     pub(super) sink: Sink,
@@ -56,7 +51,8 @@ impl<'t> Reader<'t> {
     pub(super) fn parse(file: &str, text: &'t str) -> (Self, DeTable<'t>) {
         let whole = text.len();
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut reader = Self { sink: Sink::new(file), starts: line_starts(text), offset: whole - text.len(), text };
+        let mut reader =
+            Self { sink: Sink::new(file), starts: line::line_starts(text), offset: whole - text.len(), text };
         let (root, errors) = DeTable::parse_recoverable(text);
         for error in errors {
             let span = reader.span(error.span().unwrap_or(0..0));

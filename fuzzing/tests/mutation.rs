@@ -1,0 +1,135 @@
+//! The seeds with pieces changed, removed, doubled and exchanged: what a fuzzer does first, for every run of the tests.
+
+use std::fs;
+use std::path::Path;
+
+use fuzzing::{TARGETS, check};
+use proptest::prelude::*;
+use proptest::sample::Index;
+
+/// Pieces that mean something in one of the formats, or look as if.
+const PIECES: &[&str] = &[
+    "\n",
+    "\r",
+    "\r\n",
+    "\t",
+    " ",
+    ";",
+    "#",
+    "\"",
+    "'",
+    "|",
+    "_",
+    "-",
+    "(",
+    ")",
+    ",",
+    "=",
+    "[",
+    "]",
+    "{",
+    "}",
+    "0",
+    "-0",
+    "1e308",
+    "-1e9",
+    "1e9",
+    "nan",
+    "inf",
+    "255",
+    "256",
+    "360",
+    "0.5",
+    "pop\n",
+    "push 9e8 0 45\n",
+    "\u{feff}",
+    "\u{fffd}",
+    "é",
+    "\0",
+    "\u{1b}[2J",
+    "\u{2028}",
+    "\u{202e}",
+    "-- b.wld --\n",
+];
+
+/// One change of an input.
+#[derive(Clone, Debug)]
+enum Change {
+    Byte(Index, u8),
+    Remove(Index, Index),
+    Insert(Index, Index),
+    /// The first piece again at the second place.
+    Copy(Index, Index, Index),
+}
+
+fn change() -> impl Strategy<Value = Change> {
+    let place = any::<Index>;
+    prop_oneof![
+        (place(), any::<u8>()).prop_map(|(at, byte)| Change::Byte(at, byte)),
+        (place(), place()).prop_map(|(from, to)| Change::Remove(from, to)),
+        (place(), place()).prop_map(|(at, piece)| Change::Insert(at, piece)),
+        (place(), place(), place()).prop_map(|(from, to, at)| Change::Copy(from, to, at)),
+    ]
+}
+
+fn apply(change: &Change, bytes: &mut Vec<u8>) {
+    let at = |index: &Index| index.index(bytes.len() + 1);
+    let range = |from: &Index, to: &Index| at(from).min(at(to))..at(from).max(at(to));
+    match change {
+        Change::Byte(place, byte) => {
+            let place = at(place);
+            if let Some(old) = bytes.get_mut(place) {
+                *old = *byte;
+            }
+        }
+        Change::Remove(from, to) => drop(bytes.drain(range(from, to))),
+        Change::Insert(place, piece) => {
+            let place = at(place);
+            drop(bytes.splice(place..place, PIECES[piece.index(PIECES.len())].bytes()));
+        }
+        Change::Copy(from, to, place) => {
+            let (copy, place) = (bytes[range(from, to)].to_vec(), at(place));
+            drop(bytes.splice(place..place, copy));
+        }
+    }
+}
+
+fn seeds(target: &str) -> Vec<Vec<u8>> {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../fuzz/seeds")).join(target);
+    let mut paths: Vec<_> = fs::read_dir(folder).expect("seeds").map(|entry| entry.expect("a file").path()).collect();
+    paths.sort();
+    paths.iter().map(|path| fs::read(path).expect("a readable file")).collect()
+}
+
+/// An input that shows itself as a byte string.
+#[derive(Clone)]
+struct Shown(Vec<u8>);
+
+impl std::fmt::Debug for Shown {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "b\"{}\"", self.0.escape_ascii())
+    }
+}
+
+#[test]
+fn changed_seeds_hold() {
+    for target in TARGETS {
+        let seeds = seeds(target.name);
+        let input = (any::<Index>(), prop::collection::vec(change(), 1..12)).prop_map(|(seed, changes)| {
+            let mut bytes = seeds[seed.index(seeds.len())].clone();
+            changes.iter().for_each(|change| apply(change, &mut bytes));
+            Shown(bytes)
+        });
+        let mut runner = proptest::test_runner::TestRunner::new(ProptestConfig {
+            cases: 512,
+            failure_persistence: None,
+            ..ProptestConfig::default()
+        });
+        runner
+            .run(&input, |input| {
+                check(target.name, &input.0);
+                Ok(())
+            })
+            .unwrap_or_else(|error| panic!("{}: {error}", target.name));
+    }
+}
