@@ -26,13 +26,14 @@ impl Target {
     }
 }
 
-/// All targets. An input is a file of the reader's kind, for `load_*` an [`archive`] of several.
+/// All targets. An input is a file of the reader's kind, for `load_sim` and `mesh` an [`archive`] of several.
 pub const TARGETS: &[Target] = &[
     Target::new("world", reader::world),
     Target::new("maze", reader::maze),
     Target::new("robi", reader::robi),
     Target::new("companion", reader::companion),
     Target::new("sim", reader::sim),
+    Target::new("mesh", reader::mesh),
     Target::new("load_sim", reader::load_sim),
 ];
 

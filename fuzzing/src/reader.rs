@@ -1,6 +1,7 @@
 //! One function a reader: what it returns for an input is checked.
 
-use sim_core::format::{self, RobiSpec, SimSpec, WorldSpec};
+use glam::DVec3;
+use sim_core::format::{self, Diagnostic, MeshReader, ModelSpec, PathRef, RobiSpec, Span, WorldSpec};
 
 use crate::archive::Archive;
 use crate::text::Lines;
@@ -14,7 +15,7 @@ pub fn maze(input: &[u8]) {
     plane(input, "a.maz", format::read_maze);
 }
 
-fn plane(input: &[u8], file: &str, read: fn(&str, &str) -> (WorldSpec, Vec<format::Diagnostic>)) {
+fn plane(input: &[u8], file: &str, read: fn(&str, &str) -> (WorldSpec, Vec<Diagnostic>)) {
     let (content, _) = format::decode(input);
     let (world, diagnostics) = read(file, &content);
     text::check(&content, &diagnostics);
@@ -38,7 +39,7 @@ pub fn companion(input: &[u8]) {
 
 pub fn sim(input: &[u8]) {
     let (content, _) = format::decode(input);
-    let (sim, diagnostics): (SimSpec, _) = format::read_sim("a.sim", &content);
+    let (sim, diagnostics) = format::read_sim("a.sim", &content);
     text::check(&content, &diagnostics);
     spec::sim(&sim, &Lines::new(&content));
 }
@@ -53,7 +54,25 @@ pub fn load_sim(input: &[u8]) {
     for object in &loaded.scene.objects {
         spec::object_type(&object.kind);
     }
-    for diagnostic in &loaded.diagnostics {
+    diagnostics(&archive, &loaded.diagnostics);
+}
+
+/// The first file is the mesh of a robot.
+pub fn mesh(input: &[u8]) {
+    let archive = Archive::new(input);
+    let path = PathRef { text: archive.first().to_owned(), span: Span::default() };
+    let mut robi = RobiSpec::with_defaults("a.robi");
+    robi.model = Some(ModelSpec { path, offset: DVec3::ZERO, turns: DVec3::ZERO });
+    let mut reader = MeshReader::new(&archive);
+    if let Some(mesh) = reader.robot(&robi) {
+        spec::mesh(&mesh);
+    }
+    diagnostics(&archive, &reader.finish().0);
+}
+
+/// Checks what is said about the files of an archive.
+fn diagnostics(archive: &Archive, diagnostics: &[Diagnostic]) {
+    for diagnostic in diagnostics {
         text::words(diagnostic);
         let Some(bytes) = archive.bytes(&diagnostic.file) else { continue };
         let (content, _) = format::decode(bytes);

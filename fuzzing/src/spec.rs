@@ -5,10 +5,11 @@ use std::fmt::{self, Debug, Write};
 
 use glam::{DVec2, DVec3};
 use sim_core::format::{
-    Collider, DriveKind, JointSpec, MAX_LENGTH, ModelSpec, ObjectLine, ObjectType, RobiSpec, SceneSpec, SimSpec, Span,
-    StartRef, WorldSpec,
+    Collider, DriveKind, JointSpec, Layout, MAX_LENGTH, ModelSpec, ObjectLine, ObjectType, RobiSpec, SceneSpec,
+    SimSpec, Span, StartRef, WorldSpec,
 };
 use sim_core::pose::Pose;
+use sim_core::scene::Mesh;
 
 use crate::text::Lines;
 
@@ -71,6 +72,7 @@ pub fn sim(sim: &SimSpec, lines: &Lines<'_>) {
                 assert!(letter.is_ascii_uppercase(), "{robot:?}");
                 angle(heading.unwrap_or(0.0), &robot);
             }
+            StartRef::Many { count, layout } => many(count, &layout),
         }
     }
     objects(&sim.objects, lines);
@@ -159,6 +161,18 @@ pub fn object_type(object: &ObjectType) {
     object.colliders.iter().for_each(collider);
 }
 
+/// Panics unless each face of a mesh has its corners, its looks and finite numbers.
+pub fn mesh(mesh: &Mesh) {
+    assert!(mesh.positions.iter().all(|position| position.is_finite()), "positions of {mesh:?}");
+    for triangle in &mesh.triangles {
+        assert!(mesh.corners(triangle).iter().all(|corner| corner.is_finite()), "{triangle:?}");
+        let _ = mesh.material(triangle);
+        let is_unit = |normal: &glam::Vec3| (normal.length() - 1.0).abs() < 1e-3;
+        assert!(triangle.normals.is_none_or(|normals| normals.iter().all(is_unit)), "{triangle:?}");
+        assert!(triangle.uv.is_none_or(|uv| uv.iter().all(|point| point.is_finite())), "{triangle:?}");
+    }
+}
+
 /// Panics unless a scene is sound.
 pub fn scene(scene: &SceneSpec) {
     finite(scene);
@@ -171,6 +185,37 @@ pub fn scene(scene: &SceneSpec) {
     for object in &scene.objects {
         pose(&object.pose, &object.span);
         assert!(object.friction >= 0.0, "{object:?}");
+    }
+}
+
+fn many(count: u32, layout: &Layout) {
+    assert!(count > 0, "{layout:?}");
+    match layout {
+        Layout::Starts => {}
+        Layout::Line { from, to, heading } => {
+            place(*from, layout);
+            place(*to, layout);
+            angle(*heading, layout);
+        }
+        Layout::Grid { from, spacing, columns, heading } => {
+            place(*from, layout);
+            place(*spacing, layout);
+            angle(*heading, layout);
+            assert!(columns.is_none_or(|columns| columns > 0), "{layout:?}");
+        }
+        Layout::Circle { centre, radius, first, facing } => {
+            place(*centre, layout);
+            size(*radius, layout);
+            angle(*first, layout);
+            angle(*facing, layout);
+        }
+        Layout::Random { area, clearance, heading } => {
+            for corner in area.iter().flatten() {
+                place(*corner, layout);
+            }
+            length(*clearance, layout);
+            angle(heading.unwrap_or(0.0), layout);
+        }
     }
 }
 
