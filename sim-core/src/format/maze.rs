@@ -19,7 +19,7 @@ use crate::unit;
 pub fn read_maze(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
     let mut sink = Sink::new(file);
     let (rows, cell) = rows_and_cell(&mut sink, text);
-    let mut drawing = Drawing::default();
+    let mut drawing = Drawing::new(Grid::of(&mut sink, &rows));
     for (row, line) in rows.iter().enumerate() {
         drawing.row(&mut sink, row as u32, line);
     }
@@ -86,9 +86,77 @@ fn cell_size(sink: &mut Sink, word: &Word<'_>, extra: Option<&Word<'_>>, cell: &
     *cell = size.or(*cell);
 }
 
+/// Which columns of the drawing are walls, and which are cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Grid {
+    /// Characters from one column of walls to the next.
+    pitch: u32,
+    /// Characters before the first column of walls; all of them blank.
+    indent: u32,
+}
+
+/// What stands at a place of a row.
+enum Place {
+    /// On the grid line to the left of the column of cells with this number.
+    Wall(u32),
+    /// In this column of cells.
+    Cell(u32),
+}
+
+impl Grid {
+    /// That of EyeSim: walls in the columns 1, 3, 5, ...
+    const USUAL: Grid = Grid { pitch: 2, indent: 0 };
+    /// Indented by one character.
+    const SHIFTED: Grid = Grid { pitch: 2, indent: 1 };
+    /// Cells two characters wide.
+    const WIDE: Grid = Grid { pitch: 3, indent: 0 };
+
+    /// The grid on which all `|` of the `rows` lie; where there is none, the usual one.
+    fn of(sink: &mut Sink, rows: &[Line<'_>]) -> Grid {
+        let fits = |grid: &Grid| {
+            rows.iter().all(|row| {
+                let characters = || characters(row).take_while(|(_, c, _)| !is_comment(*c));
+                let is_on_line = |place| matches!(grid.place(place), Some(Place::Wall(_)));
+                characters().all(|(place, c, _)| c != '|' || is_on_line(place))
+                    && characters().take(grid.indent as usize).all(|(_, c, _)| c == ' ')
+            })
+        };
+        let Some(grid) = [Grid::USUAL, Grid::SHIFTED, Grid::WIDE].into_iter().find(fits) else {
+            return Grid::USUAL;
+        };
+        let span = rows.first().map(Line::span).unwrap_or_default();
+        if grid == Grid::SHIFTED {
+            let message = "the maze is indented by an odd number of characters; its first column is left out";
+            sink.warn(Code::MazIndent, span, message, "walls in the columns 1, 3, 5, ...");
+        } else if grid == Grid::WIDE {
+            let message = "cells two characters wide; EyeSim reads walls in the columns 1, 3, 5, ... only";
+            sink.warn(Code::MazWide, span, message, "cells one character wide");
+        }
+        grid
+    }
+
+    /// What the character at `place`, from 0, is for; `None` before the drawing.
+    fn place(self, place: u32) -> Option<Place> {
+        let inner = place.checked_sub(self.indent)?;
+        let column = inner / self.pitch;
+        Some(if inner % self.pitch == 0 { Place::Wall(column) } else { Place::Cell(column) })
+    }
+}
+
+/// The characters of a row: place from 0, character, where.
+fn characters<'a>(line: &Line<'a>) -> impl Iterator<Item = (u32, char, Span)> + use<'a> {
+    let line = *line;
+    let characters = line.text.trim_end().char_indices().zip(0..);
+    characters.map(move |((byte, character), place)| (place, character, line.character_span(byte, place + 1)))
+}
+
+fn is_comment(character: char) -> bool {
+    matches!(character, ';' | '#')
+}
+
 /// What the characters say, in cells and rows; rows are counted from the upper border, which is row 0.
-#[derive(Default)]
 struct Drawing {
+    grid: Grid,
     /// (column of the grid line, row, where).
     vertical: Vec<(u32, u32, Span)>,
     /// (row whose lower edge it is, column of cells, where).
@@ -99,27 +167,34 @@ struct Drawing {
 }
 
 impl Drawing {
+    fn new(grid: Grid) -> Self {
+        Self { grid, vertical: Vec::new(), horizontal: Vec::new(), letters: Vec::new(), columns: 0 }
+    }
+
     fn row(&mut self, sink: &mut Sink, row: u32, line: &Line<'_>) {
         let mut has_odd_wall = false;
-        for ((byte, character), place) in line.text.trim_end().char_indices().zip(0..) {
-            let span = line.character_span(byte, place + 1);
-            match character {
-                ' ' | '.' => {}
-                '|' if place % 2 == 0 => {
-                    self.columns = self.columns.max(place / 2);
-                    self.vertical.push((place / 2, row, span));
+        for (place, character, span) in characters(line) {
+            let Some(place) = self.grid.place(place) else {
+                continue;
+            };
+            match (character, place) {
+                (' ' | '.', _) => {}
+                ('|', Place::Wall(column)) => {
+                    self.columns = self.columns.max(column);
+                    self.vertical.push((column, row, span));
                 }
-                '|' if !has_odd_wall => {
+                ('|', Place::Cell(_)) => {
+                    if !has_odd_wall {
+                        let message = "`|` in the middle of a cell is left out, and so are others in this row";
+                        sink.warn(Code::MazWallColumn, span, message, "`|` in the columns 1, 3, 5, ...");
+                    }
                     has_odd_wall = true;
-                    let message = "`|` in the middle of a cell is left out, and so are others in this row";
-                    sink.warn(Code::MazWallColumn, span, message, "`|` in the columns 1, 3, 5, ...");
                 }
-                '|' => {}
-                '_' if place % 2 == 1 => self.floor_line(row, place / 2, span),
+                ('_', Place::Cell(column)) => self.floor_line(row, column, span),
                 // Between two cells: it only makes the drawing look closed.
-                '_' => {}
-                ';' | '#' => break,
-                letter => self.letter(sink, row, place, letter, span),
+                ('_', Place::Wall(_)) => {}
+                (comment, _) if is_comment(comment) => break,
+                (letter, place) => self.letter(sink, row, place, letter, span),
             }
         }
     }
@@ -129,7 +204,7 @@ impl Drawing {
         self.horizontal.push((row, column, span));
     }
 
-    fn letter(&mut self, sink: &mut Sink, row: u32, place: u32, letter: char, span: Span) {
+    fn letter(&mut self, sink: &mut Sink, row: u32, place: Place, letter: char, span: Span) {
         let kind = letter.to_ascii_lowercase();
         if !matches!(kind, 's' | 'u' | 'r' | 'd' | 'l' | 'o' | 'x') {
             let message = format!("`{}` means nothing in a maze", letter.escape_debug());
@@ -138,8 +213,11 @@ impl Drawing {
             sink.warn(Code::MazLetter, span, message, expected);
             return;
         }
-        // On a wall's place a letter counts for the cell on its left; no row begins with a letter.
-        let column = place.div_ceil(2).saturating_sub(1);
+        let column = match place {
+            Place::Cell(column) => column,
+            // On a wall's place a letter counts for the cell on its left; no row begins with a letter.
+            Place::Wall(column) => column.saturating_sub(1),
+        };
         self.columns = self.columns.max(column + 1);
         self.letters.push((kind, column, row, span));
         if letter.is_ascii_uppercase() {
