@@ -246,7 +246,7 @@ pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quant
 }
 
 /// The number that was probably meant: a comma for a point, letters for digits, or a unit stuck to it.
-fn number_within(word: &str) -> Option<String> {
+pub(super) fn number_within(word: &str) -> Option<String> {
     let digits = |c: char| match c {
         'O' | 'o' => '0',
         'l' | 'I' => '1',

@@ -3,11 +3,14 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use glam::DVec2;
+
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
-use super::spec::{PathRef, RobiSpec, RobotLine, RobotSpec, SceneSpec, SimSpec, StartRef, WorldKind, WorldSpec};
-use super::{Span, clearance, line, path, read_companion, read_maze, read_robi, read_sim, read_world};
-use crate::RobotId;
+use super::spec::{
+    DEFAULT_WALL_HEIGHT, ObjectType, PathRef, RobiSpec, SceneSpec, SimSpec, TypeRef, WallSpec, WorldKind, WorldSpec,
+};
+use super::{Span, clearance, line, path, place, read_companion, read_esobj, read_maze, read_robi, read_sim, read_world};
 
 /// The file system as the readers see it; paths have slashes.
 pub trait Files {
@@ -63,10 +66,10 @@ impl Loaded {
     }
 }
 
-/// Reads a sim file and all worlds and robis that it names. Programs are not looked for.
+/// Reads a sim file and all worlds, robis and object files that it names. Programs and meshes are not looked for.
 ///
-/// Robots without a pose take the starts of the world in order. A robot type is read once, however many robots have it.
-/// A robot that starts inside a wall or another robot is warned about.
+/// Robots without a pose take the starts of the world in order, or that of their letter. A type is read once, however many robots
+/// or objects have it. A robot or an object that starts inside something else is warned about.
 pub fn load_sim(path: &str, files: &dyn Files) -> Loaded {
     let mut loader = Loader::new(files);
     let Some(text) = loader.root(path) else {
@@ -76,13 +79,19 @@ pub fn load_sim(path: &str, files: &dyn Files) -> Loaded {
     loader.diagnostics.extend(diagnostics);
     let folder = path::folder_of(path).to_owned();
     let world = loader.world(&sim, &folder);
-    let robots = loader.robots(&sim, &folder, world.as_ref());
-    let world = world.unwrap_or_default();
-    loader.diagnostics.extend(clearance::check(path, &world, &robots));
-    let markers = sim.markers.clone();
-    let settings = sim.settings;
-    let file = path.to_owned();
-    loader.finish(SceneSpec { file, folder, world, robots, markers, settings, ..SceneSpec::default() })
+    let placed = place::place(&mut loader, &sim, &folder, world.as_ref());
+    let scene = SceneSpec {
+        file: path.to_owned(),
+        folder,
+        world: world.unwrap_or_default(),
+        robots: placed.robots,
+        objects: placed.objects,
+        markers: sim.markers,
+        settings: sim.settings,
+        run: sim.run,
+    };
+    loader.diagnostics.extend(clearance::check(&scene, placed.of_world));
+    loader.finish(scene)
 }
 
 /// Reads a world file alone; the scene has no robots.
@@ -113,6 +122,17 @@ pub fn load_robi(path: &str, files: &dyn Files) -> (Option<RobiSpec>, Loaded) {
     (robi, loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() }))
 }
 
+/// Reads an object file alone; `None` if there is no such file. The scene of the result is empty.
+pub fn load_object(path: &str, files: &dyn Files) -> (Option<ObjectType>, Loaded) {
+    let mut loader = Loader::new(files);
+    let object = loader.root(path).map(|text| {
+        let (object, diagnostics) = read_esobj(path, &text);
+        loader.diagnostics.extend(diagnostics);
+        object
+    });
+    (object, loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() }))
+}
+
 /// The text of a file, and the place of the first byte that is not UTF-8, if any: such bytes become U+FFFD.
 pub fn decode(bytes: &[u8]) -> (String, Option<usize>) {
     match std::str::from_utf8(bytes) {
@@ -121,18 +141,33 @@ pub fn decode(bytes: &[u8]) -> (String, Option<usize>) {
     }
 }
 
+/// Finds and reads files, each once, and keeps what is wrong in them.
 pub(super) struct Loader<'a> {
-    files: &'a dyn Files,
+    pub(super) files: &'a dyn Files,
     pub(super) diagnostics: Vec<Diagnostic>,
     pub(super) inputs: Vec<InputFile>,
-    /// Robot types by the text of the reference, and by the path at which they were found; `None` if nowhere.
-    referenced: BTreeMap<String, Option<Arc<RobiSpec>>>,
-    robis: BTreeMap<String, Arc<RobiSpec>>,
+    robots: Shelf<RobiSpec>,
+    objects: Shelf<ObjectType>,
+}
+
+/// Types that were read.
+struct Shelf<T> {
+    /// By the text of the reference; `None` for a file that is nowhere.
+    referenced: BTreeMap<String, Option<Arc<T>>>,
+    /// By the path at which they were found.
+    found: BTreeMap<String, Arc<T>>,
+}
+
+impl<T> Default for Shelf<T> {
+    fn default() -> Self {
+        Self { referenced: BTreeMap::new(), found: BTreeMap::new() }
+    }
 }
 
 impl<'a> Loader<'a> {
     pub(super) fn new(files: &'a dyn Files) -> Self {
-        Self { files, diagnostics: Vec::new(), inputs: Vec::new(), referenced: BTreeMap::new(), robis: BTreeMap::new() }
+        let (robots, objects) = (Shelf::default(), Shelf::default());
+        Self { files, diagnostics: Vec::new(), inputs: Vec::new(), robots, objects }
     }
 
     fn finish(self, scene: SceneSpec) -> Loaded {
@@ -177,8 +212,19 @@ impl<'a> Loader<'a> {
         text
     }
 
-    /// The path and bytes of the file that `reference` in `file` names; reports all places tried if it is nowhere.
+    /// The path and bytes of the file that `reference` in `file` names; if it is nowhere, an error lists all places tried.
     pub(super) fn find(&mut self, file: &str, folder: &str, reference: &PathRef) -> Option<(String, Vec<u8>)> {
+        self.find_or(Severity::Error, file, folder, reference)
+    }
+
+    /// The same, where a file that is nowhere is as bad as `severity` says.
+    pub(super) fn find_or(
+        &mut self,
+        severity: Severity,
+        file: &str,
+        folder: &str,
+        reference: &PathRef,
+    ) -> Option<(String, Vec<u8>)> {
         let places = path::candidates(&reference.text, folder, self.files.home());
         let mut sink = Sink::new(file);
         let mut found = None;
@@ -188,20 +234,12 @@ impl<'a> Loader<'a> {
                 Err(FileError::Missing) => continue,
                 Err(error) => {
                     let message = format!("`{place}` cannot be read: {error}");
-                    sink.error(error.code(), reference.span, message, "a file that can be read");
+                    sink.report(severity, error.code(), reference.span, message, "a file that can be read");
                     self.diagnostics.extend(sink.finish());
                     return None;
                 }
             }
             break;
-        }
-        if found.is_none()
-            && let Some(place) = path::beside(&reference.text, folder)
-            && let Ok(bytes) = self.files.read(&place)
-        {
-            let message = format!("`{}` is not found; `{place}` is taken instead", reference.text);
-            sink.warn(Code::FileMoved, reference.span, message, "a name relative to this file");
-            found = Some((place, bytes));
         }
         if found.is_none() {
             found = places.iter().find_map(|place| self.in_other_case(place));
@@ -211,9 +249,18 @@ impl<'a> Loader<'a> {
             }
         }
         if found.is_none() {
+            let ends = path::moved(&reference.text, folder, self.files.home());
+            let exact = ends.iter().find_map(|place| Some((place.clone(), self.files.read(place).ok()?)));
+            found = exact.or_else(|| ends.iter().find_map(|place| self.in_other_case(place)));
+            if let Some((place, _)) = &found {
+                let message = format!("`{}` is not found; `{place}` is taken instead", reference.text);
+                sink.warn(Code::FileMoved, reference.span, message, "a name relative to this file");
+            }
+        }
+        if found.is_none() {
             let message = format!("`{}` is not found; tried {}", reference.text, tried(&places));
             let expected = "a file relative to this one, to the working folder or to the installation (`%sim%`)";
-            let diagnostic = sink.error(Code::FileMissing, reference.span, message, expected);
+            let diagnostic = sink.report(severity, Code::FileMissing, reference.span, message, expected);
             diagnostic.suggestion = self.similar(&places).map(|name| format!("there is `{name}`"));
         }
         self.diagnostics.extend(sink.finish());
@@ -257,18 +304,20 @@ impl<'a> Loader<'a> {
     fn world(&mut self, sim: &SimSpec, folder: &str) -> Option<WorldSpec> {
         let Some(line) = &sim.world else {
             // A line that could not be read has its own error.
-            if !super::has_errors(&self.diagnostics) {
-                let expected = "`world FILE.wld` or `maze FILE.maz`";
-                self.report(
-                    sim,
-                    Severity::Error,
-                    Code::SimWorldMissing,
-                    Span::default(),
-                    "no world is given",
-                    expected,
-                );
+            if super::has_errors(&self.diagnostics) {
+                return None;
             }
-            return None;
+            let is_classic = sim.robots.iter().any(|robot| matches!(robot.kind, TypeRef::File(_)));
+            let (severity, message) = if is_classic {
+                (Severity::Error, "no world is given")
+            } else {
+                (Severity::Warning, "no world is given: an empty box of 2000 mm by 2000 mm is taken, as EyeSim VR does")
+            };
+            let mut sink = Sink::new(&sim.file);
+            let expected = "`world FILE.wld` or `maze FILE.maz`";
+            sink.report(severity, Code::SimWorldMissing, Span::default(), message, expected);
+            self.diagnostics.extend(sink.finish());
+            return (!is_classic).then(WorldSpec::empty_box);
         };
         let (path, bytes) = self.find(&sim.file, folder, &line.path)?;
         let text = self.take(&path, bytes);
@@ -280,54 +329,42 @@ impl<'a> Loader<'a> {
         Some(world)
     }
 
-    fn robots(&mut self, sim: &SimSpec, folder: &str, world: Option<&WorldSpec>) -> Vec<RobotSpec> {
-        let mut starts = world.map_or(&[][..], |world| &world.starts).iter();
-        let mut robots = Vec::new();
-        if sim.robots.is_empty() && !super::has_errors(&self.diagnostics) {
-            let expected = "a line `robi FILE.robi PROGRAM`";
-            let message = "the scene has no robot";
-            self.report(sim, Severity::Warning, Code::SimRobotMissing, Span::default(), message, expected);
-        }
-        for (index, line) in sim.robots.iter().enumerate() {
-            let robi = self.robi(sim, folder, line);
-            let start = match line.start {
-                StartRef::Pose(pose) => Some(pose),
-                StartRef::Next | StartRef::Letter { .. } | StartRef::Many { .. } => {
-                    starts.next().map(|start| start.pose)
-                }
-            };
-            // Where the world is missing, that is what has to be mended.
-            if let (None, Some(world)) = (start, world) {
-                let message = format!("no start is left for this robot: the world has {}", world.starts.len());
-                let expected = "`X Y PHI` on this line, `position X Y PHI` in the world or a start letter in the maze";
-                self.report(sim, Severity::Error, Code::SimStartMissing, line.span, message, expected);
-            }
-            if let (Some(robi), Some(start)) = (robi, start) {
-                let id = RobotId::from_index(index);
-                let (program, arguments) = (line.program.clone(), line.arguments.clone());
-                robots.push(RobotSpec { id, robi, start, program, arguments, span: line.span });
-            }
-        }
-        robots
-    }
-
-    fn robi(&mut self, sim: &SimSpec, folder: &str, line: &RobotLine) -> Option<Arc<RobiSpec>> {
-        if let Some(known) = self.referenced.get(&line.kind.written().text) {
+    /// The robot type that `reference` in the sim file `file` names; reports if it is nowhere.
+    pub(super) fn robot_type(&mut self, file: &str, folder: &str, reference: &PathRef) -> Option<Arc<RobiSpec>> {
+        if let Some(known) = self.robots.referenced.get(&reference.text) {
             return known.clone();
         }
-        let robi = self.find(&sim.file, folder, line.kind.written()).map(|(path, bytes)| self.robi_at(path, bytes));
-        self.referenced.insert(line.kind.written().text.clone(), robi.clone());
+        let robi = self.find(file, folder, reference).map(|(path, bytes)| {
+            if let Some(robi) = self.robots.found.get(&path) {
+                return Arc::clone(robi);
+            }
+            let text = self.take(&path, bytes);
+            let robi = Arc::new(self.robi_text(&path, &text));
+            self.robots.found.insert(path, Arc::clone(&robi));
+            robi
+        });
+        self.robots.referenced.insert(reference.text.clone(), robi.clone());
         robi
     }
 
-    fn robi_at(&mut self, path: String, bytes: Vec<u8>) -> Arc<RobiSpec> {
-        if let Some(robi) = self.robis.get(&path) {
-            return Arc::clone(robi);
+    /// The object type that `reference` in the sim file `file` names; warns if it is nowhere.
+    pub(super) fn object_type(&mut self, file: &str, folder: &str, reference: &PathRef) -> Option<Arc<ObjectType>> {
+        if let Some(known) = self.objects.referenced.get(&reference.text) {
+            return known.clone();
         }
-        let text = self.take(&path, bytes);
-        let robi = Arc::new(self.robi_text(&path, &text));
-        self.robis.insert(path, Arc::clone(&robi));
-        robi
+        let object = self.find_or(Severity::Warning, file, folder, reference).map(|(path, bytes)| {
+            if let Some(object) = self.objects.found.get(&path) {
+                return Arc::clone(object);
+            }
+            let text = self.take(&path, bytes);
+            let (object, diagnostics) = read_esobj(&path, &text);
+            self.diagnostics.extend(diagnostics);
+            let object = Arc::new(object);
+            self.objects.found.insert(path, Arc::clone(&object));
+            object
+        });
+        self.objects.referenced.insert(reference.text.clone(), object.clone());
+        object
     }
 
     /// A robi and the companion beside it.
@@ -349,19 +386,22 @@ impl<'a> Loader<'a> {
         }
         robi
     }
+}
 
-    fn report(
-        &mut self,
-        sim: &SimSpec,
-        severity: Severity,
-        code: Code,
-        span: Span,
-        message: impl Into<String>,
-        expected: &str,
-    ) {
-        let mut sink = Sink::new(&sim.file);
-        sink.report(severity, code, span, message, expected);
-        self.diagnostics.extend(sink.finish());
+impl WorldSpec {
+    /// The world that EyeSim VR takes where a scene names none: a box with a wall on each side.
+    fn empty_box() -> Self {
+        const SIDE: f64 = 2.0;
+        let corners = [(0.0, 0.0), (SIDE, 0.0), (SIDE, SIDE), (0.0, SIDE)].map(DVec2::from);
+        let wall = |side: usize| WallSpec {
+            from: corners[side],
+            to: corners[(side + 1) % 4],
+            thickness: 0.0,
+            height: DEFAULT_WALL_HEIGHT,
+            colour: None,
+            span: Span::default(),
+        };
+        Self { floor: DVec2::splat(SIDE), walls: (0..4).map(wall).collect(), ..Self::default() }
     }
 }
 

@@ -2,30 +2,35 @@
 //!
 //! Every reader is a total function: whatever the text, it returns a spec of finite numbers and says what is wrong with the
 //! text, all of it, and never panics. This room does no I/O: [`load_sim`] gets its files through [`Files`]. It looks for no
-//! programs and builds nothing; the classic formats of EyeSim 5 and 6 are read, lines of EyeSim VR are recognised and
-//! reported. The formats are described in docs/formats/.
+//! programs and builds nothing. One reader for each kind of file reads the dialects of all EyeSims, which the number and the kind
+//! of the values tell apart. The formats are described in docs/formats/.
 
+pub mod builtin;
 mod clearance;
 mod code;
 mod companion;
 mod diagnostic;
+mod esobj;
 mod line;
 mod load;
 mod maze;
 mod mesh;
 pub mod path;
+mod place;
 mod robi;
 mod sim;
 mod spec;
 mod table;
 #[cfg(test)]
 mod tests;
+mod types;
 mod world;
 
 pub use code::{Code, UnknownCode};
 pub use companion::read_companion;
 pub use diagnostic::{Diagnostic, Severity, Span, has_errors};
-pub use load::{FileError, Files, InputFile, Loaded, decode, load_maze, load_robi, load_sim, load_world};
+pub use esobj::read_esobj;
+pub use load::{FileError, Files, InputFile, Loaded, decode, load_maze, load_object, load_robi, load_sim, load_world};
 pub use maze::read_maze;
 pub use mesh::MeshReader;
 pub use robi::read_robi;

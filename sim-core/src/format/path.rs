@@ -45,10 +45,24 @@ pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     unique
 }
 
-/// The file in `folder` of the same name as the absolute path `text`, for scenes that came from another machine.
-pub(super) fn beside(text: &str, folder: &str) -> Option<String> {
+/// Where the file of the absolute path `text` of another machine may lie: each of its ends, the longest first, below `folder`, the
+/// two folders above that, and the installation; its last part alone only in `folder`. Empty for a relative path.
+pub(super) fn moved(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     let text = text.replace('\\', "/");
-    is_absolute(&text).then(|| join(folder, file_name(&text)))
+    if !is_absolute(&text) {
+        return Vec::new();
+    }
+    let parts: Vec<&str> = text.split('/').filter(|part| !part.is_empty()).collect();
+    let above = ["..", "../.."].map(|up| join(folder, up));
+    let mut places: Vec<String> = Vec::new();
+    for first in 0..parts.len() {
+        let end = parts[first..].join("/");
+        places.push(join(folder, &end));
+        if first + 1 < parts.len() {
+            places.extend(above.iter().map(String::as_str).chain(home).map(|folder| join(folder, &end)));
+        }
+    }
+    places
 }
 
 /// The folder that a path's last part is in; empty for the working folder.
@@ -93,7 +107,7 @@ fn is_absolute(text: &str) -> bool {
 }
 
 /// `text` below `folder`.
-fn join(folder: &str, text: &str) -> String {
+pub(super) fn join(folder: &str, text: &str) -> String {
     let text = text.trim_start_matches('/');
     match folder {
         "" => normalised(text),
@@ -178,6 +192,21 @@ mod tests {
     fn absolute_paths_may_mean_the_installation() {
         assert_eq!(candidates("/worlds/a.wld", "x", Some("/opt/e")), ["/worlds/a.wld", "/opt/e/worlds/a.wld"]);
         assert_eq!(candidates(r"C:\e\a.wld", "x", Some("/opt/e")), ["C:/e/a.wld"]);
+    }
+
+    #[test]
+    fn files_of_another_machine_lie_below_the_same_folders() {
+        let places = moved(r"C:\eyesim\signs\stop.esObj", "a/sims", Some("/opt/e"));
+        let expected = [
+            "a/sims/signs/stop.esObj",
+            "a/signs/stop.esObj",
+            "signs/stop.esObj",
+            "/opt/e/signs/stop.esObj",
+            "a/sims/stop.esObj",
+        ];
+        assert_eq!(places[places.len() - expected.len()..], expected);
+        assert_eq!(places[0], "a/sims/C:/eyesim/signs/stop.esObj");
+        assert_eq!(moved("signs/stop.esObj", "a", None), [""; 0]);
     }
 
     #[test]

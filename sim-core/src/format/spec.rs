@@ -27,6 +27,18 @@ pub const DEFAULT_ROBOT_MASS: f64 = 1.0;
 /// Friction between wheels and floor of a robot type that does not say: rubber on a hard floor. Source: our choice.
 pub const DEFAULT_TRACTION: f64 = 0.6;
 
+/// Mass of an object type that does not say, in kg, as in EyeSim VR's graphics library.
+pub const DEFAULT_OBJECT_MASS: f64 = 1.0;
+
+/// Friction between floor and an object type that does not say: cardboard on a hard floor. Source: our choice.
+pub const DEFAULT_FRICTION: f64 = 0.4;
+
+/// Rolling resistance of an object type of spheres alone that does not say: a ball on short carpet. Source: our choice.
+pub const DEFAULT_ROLLING: f64 = 0.02;
+
+/// Restitution of an object type that does not say. Source: our choice.
+pub const DEFAULT_RESTITUTION: f64 = 0.3;
+
 /// Largest coordinate or size that a file may have, in metres.
 pub const MAX_LENGTH: f64 = 1e6;
 
@@ -152,7 +164,7 @@ impl Collider {
 /// A type of passive object: built in, or an `.esObj` file, or a mesh alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectType {
-    /// Name of the file; of a built-in type, its name.
+    /// The file that describes it: an `.esObj`, or the sim file that names a mesh alone; of a built-in type, its name.
     pub file: String,
     /// Name under which scenes place it.
     pub name: String,
@@ -441,7 +453,7 @@ pub struct InputSpec {
 /// A robot type: a `.robi` and the `.toml` beside it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobiSpec {
-    /// Name of the `.robi` file.
+    /// Name of the `.robi` file; of a built-in type, its name.
     pub file: String,
     /// Name of the robot type; the file's stem where it does not say.
     pub name: String,
@@ -664,14 +676,17 @@ pub struct SimSpec {
     pub world: Option<WorldLine>,
     /// What the window shows.
     pub settings: Settings,
-    /// Files of robot types that robots name, in the order of the file.
+    /// Files of robot types that lines load, in the order of the file.
     pub robot_types: Vec<PathRef>,
-    /// Files of object types that objects name, in the order of the file.
+    /// Files of object types that lines load, in the order of the file.
     pub object_types: Vec<PathRef>,
-    /// Robots in the order of the file.
+    /// Robots of built-in types and of types that their own line names by a file, in the order of the file.
     pub robots: Vec<RobotLine>,
-    /// Objects in the order of the file.
+    /// Objects of built-in types and of types that their own line names by a file, in the order of the file.
     pub objects: Vec<ObjectLine>,
+    /// Robots and objects of types that other lines load, in the order of the file. Which of both a line places shows when
+    /// the type's file is read.
+    pub named: Vec<RobotLine>,
     /// Markers in the order of the file.
     pub markers: Vec<MarkerSpec>,
     /// What the scene describes itself; only our own form does.

@@ -1,0 +1,242 @@
+//! From the lines of a sim file to robots and objects with their types and poses.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::code::Code;
+use super::diagnostic::Sink;
+use super::load::Loader;
+use super::spec::{
+    ModelSpec, ObjectLine, ObjectSpec, ObjectType, PathRef, RobiSpec, RobotLine, RobotSpec, SimSpec, StartRef, TypeRef,
+    WorldSpec,
+};
+use super::types::{Kind, Types};
+use super::{Severity, Span, builtin, path};
+use crate::RobotId;
+use crate::pose::Pose;
+
+/// What stands in a scene.
+pub(super) struct Placed {
+    /// In order of their ids.
+    pub(super) robots: Vec<RobotSpec>,
+    /// Those of the world first.
+    pub(super) objects: Vec<ObjectSpec>,
+    /// How many of the objects are the world's.
+    pub(super) of_world: usize,
+}
+
+/// Places all that `sim`, in `folder`, and its world name. `None` as a world means that it is missing, which has been told.
+pub(super) fn place(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str, world: Option<&WorldSpec>) -> Placed {
+    let types = Types::load(loader, sim, folder);
+    let mut placer = Placer {
+        sink: Sink::new(&sim.file),
+        sim,
+        folder,
+        types,
+        starts: Starts::new(world),
+        shapes: BTreeMap::new(),
+        robots: Vec::new(),
+        objects: Vec::new(),
+        ids: 0,
+    };
+    placer.objects(world.map_or(&[], |world| &world.objects), loader);
+    let of_world = placer.objects.len();
+    placer.objects(&sim.objects, loader);
+    placer.robots(loader);
+    placer.objects[of_world..].sort_by_key(|object| object.span);
+    loader.diagnostics.extend(placer.sink.finish());
+    if placer.ids == 0 && !super::has_errors(&loader.diagnostics) {
+        let mut sink = Sink::new(&sim.file);
+        let expected = "a line `NAME X Y PHI PROGRAM` or `robi FILE.robi PROGRAM`";
+        sink.warn(Code::SimRobotMissing, Span::default(), "the scene has no robot", expected);
+        loader.diagnostics.extend(sink.finish());
+    }
+    Placed { robots: placer.robots, objects: placer.objects, of_world }
+}
+
+struct Placer<'a> {
+    sink: Sink,
+    sim: &'a SimSpec,
+    folder: &'a str,
+    types: Types,
+    starts: Starts<'a>,
+    /// Types of objects that are a mesh alone, by its file.
+    shapes: BTreeMap<String, Arc<ObjectType>>,
+    robots: Vec<RobotSpec>,
+    objects: Vec<ObjectSpec>,
+    /// How many robots there are, with those that are lost.
+    ids: usize,
+}
+
+impl Placer<'_> {
+    fn objects(&mut self, lines: &[ObjectLine], loader: &mut Loader<'_>) {
+        for line in lines {
+            let kind = match &line.kind {
+                TypeRef::File(path) => self.object_of_file(loader, path),
+                TypeRef::Name(name) => match self.types.find(&mut self.sink, name) {
+                    Some(Kind::Object(object)) => Some(object),
+                    _ => None,
+                },
+            };
+            if let Some(kind) = kind {
+                let friction = line.friction.unwrap_or(kind.friction);
+                self.objects.push(ObjectSpec { kind, pose: line.pose, friction, span: line.span });
+            }
+        }
+    }
+
+    /// The type that a classic `object` line names: an object file, or a mesh, whose shape only a built-in type of that name gives.
+    fn object_of_file(&mut self, loader: &mut Loader<'_>, path: &PathRef) -> Option<Arc<ObjectType>> {
+        if path::extension(&path.text) == "esobj" {
+            return loader.object_type(&self.sim.file, self.folder, path);
+        }
+        if let Some(known) = self.shapes.get(&path.text) {
+            return Some(Arc::clone(known));
+        }
+        let name = path::stem(&path.text);
+        let known = builtin::object(if name.eq_ignore_ascii_case("ball") { "Soccer" } else { name });
+        if known.is_none() {
+            let message = format!("the shape of `{}` is not known: an upright cylinder of 100 mm is taken", path.text);
+            let expected = "a mesh named can, ball, soccer, crate or golf, or an .esObj file with a collider";
+            self.sink.warn(Code::SimObjectShape, path.span, message, expected);
+        }
+        let model = ModelSpec { path: path.clone(), offset: DVec3::ZERO, turns: DVec3::ZERO };
+        let shape = known.unwrap_or_else(|| ObjectType::with_defaults(&path.text));
+        let file = self.sim.file.clone();
+        let kind = Arc::new(ObjectType { file, name: name.to_owned(), model: Some(model), ..shape });
+        self.shapes.insert(path.text.clone(), Arc::clone(&kind));
+        Some(kind)
+    }
+
+    /// The lines that place a robot, and those that place either a robot or an object of a loaded type.
+    fn robots(&mut self, loader: &mut Loader<'_>) {
+        let mut lines: Vec<&RobotLine> = self.sim.robots.iter().chain(&self.sim.named).collect();
+        lines.sort_by_key(|line| line.span);
+        for line in lines {
+            let robi = match &line.kind {
+                TypeRef::File(path) => loader.robot_type(&self.sim.file, self.folder, path),
+                TypeRef::Name(name) => match self.types.find(&mut self.sink, name) {
+                    Some(Kind::Robot(robi)) => Some(robi),
+                    Some(Kind::Object(object)) => {
+                        self.named_object(line, object);
+                        continue;
+                    }
+                    None => {
+                        // Without a program it may have been an object, and EyeSim skips the line.
+                        let is_robot = line.program.is_some() || !matches!(line.start, StartRef::Pose(_));
+                        let severity = if is_robot { Severity::Error } else { Severity::Warning };
+                        self.types.report_unknown(loader, &mut self.sink, severity, self.folder, name);
+                        self.ids += usize::from(is_robot);
+                        continue;
+                    }
+                },
+            };
+            self.robot(line, robi);
+        }
+    }
+
+    /// A robot of the type `robi`; `None` if that is missing, which has been told.
+    fn robot(&mut self, line: &RobotLine, robi: Option<Arc<RobiSpec>>) {
+        let id = RobotId::from_index(self.ids);
+        self.ids += 1;
+        let start = self.start(line);
+        if let (Some(robi), Some(start)) = (robi, start) {
+            let (program, arguments) = (line.program.clone(), line.arguments.clone());
+            self.robots.push(RobotSpec { id, robi, start, program, arguments, span: line.span });
+        }
+    }
+
+    /// An object of a loaded type.
+    fn named_object(&mut self, line: &RobotLine, kind: Arc<ObjectType>) {
+        let form = "`NAME X Y PHI` in mm and degrees";
+        if let Some(program) = &line.program {
+            let message = format!("`{}` is left over: an object has no program", program.text);
+            self.sink.warn(Code::WordExtra, program.span, message, form);
+        }
+        let StartRef::Pose(pose) = line.start else {
+            let message = format!("`{}` is an object; only robots start at a letter", line.kind.written().text);
+            self.sink.error(Code::SimPlaceArity, line.span, message, form);
+            return;
+        };
+        let friction = kind.friction;
+        self.objects.push(ObjectSpec { kind, pose, friction, span: line.span });
+    }
+
+    fn start(&mut self, line: &RobotLine) -> Option<Pose> {
+        match line.start {
+            StartRef::Pose(pose) => Some(pose),
+            StartRef::Next | StartRef::Many { .. } => self.next(line.span),
+            StartRef::Letter { letter, heading } => {
+                let start = self.lettered(letter, line.span)?;
+                let at = start.position;
+                Some(heading.map_or(start, |heading| Pose::new(at.x, at.y, heading)))
+            }
+        }
+    }
+
+    fn next(&mut self, span: Span) -> Option<Pose> {
+        let start = self.starts.next();
+        // Where the world is missing, that is what has to be mended.
+        if let (None, Some(world)) = (start, self.starts.world) {
+            let message = format!("no start is left for this robot: the world has {}", world.starts.len());
+            let expected = "`X Y PHI` on this line, `position X Y PHI` in the world or a start letter in the maze";
+            self.sink.error(Code::SimStartMissing, span, message, expected);
+        }
+        start
+    }
+
+    fn lettered(&mut self, letter: char, span: Span) -> Option<Pose> {
+        let world = self.starts.world?;
+        if let Some(start) = self.starts.of_letter(letter) {
+            return Some(start);
+        }
+        let letters: BTreeSet<char> = world.starts.iter().filter_map(|start| start.letter).collect();
+        let there_are = if letters.is_empty() {
+            "it has no start letters".to_owned()
+        } else {
+            let letters: Vec<String> = letters.iter().map(|letter| format!("`{letter}`")).collect();
+            format!("it has {}", letters.join(", "))
+        };
+        let expected = "a letter of the maze, or `X Y PHI`";
+        // In the first EyeSim VR, `s` was the start of the maze, whatever its letter.
+        if letter == 'S' && !letters.is_empty() {
+            let message = format!("the world has no start `S`: {there_are}; the next free one is taken");
+            self.sink.warn(Code::SimStartLetter, span, message, expected);
+            return self.next(span);
+        }
+        let message = format!("the world has no start `{letter}`: {there_are}");
+        self.sink.error(Code::SimStartLetter, span, message, expected);
+        None
+    }
+}
+
+/// The starts of a world and which of them robots have taken.
+struct Starts<'a> {
+    world: Option<&'a WorldSpec>,
+    taken: Vec<bool>,
+}
+
+impl<'a> Starts<'a> {
+    fn new(world: Option<&'a WorldSpec>) -> Self {
+        Self { world, taken: vec![false; world.map_or(0, |world| world.starts.len())] }
+    }
+
+    /// The first that no robot has taken.
+    fn next(&mut self) -> Option<Pose> {
+        let place = self.taken.iter().position(|taken| !taken)?;
+        self.taken[place] = true;
+        Some(self.world?.starts[place].pose)
+    }
+
+    /// The first of this letter that no robot has taken; if all are, the first: two robots of one letter stand in one cell.
+    fn of_letter(&mut self, letter: char) -> Option<Pose> {
+        let starts = &self.world?.starts;
+        let mut places = (0..starts.len()).filter(|place| starts[*place].letter == Some(letter));
+        let first = places.clone().next()?;
+        let place = places.find(|place| !self.taken[*place]).unwrap_or(first);
+        self.taken[place] = true;
+        Some(starts[place].pose)
+    }
+}

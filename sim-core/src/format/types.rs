@@ -1,0 +1,204 @@
+//! Types of robots and objects by their names: the built-in ones and those that a sim file loads.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::code::Code;
+use super::diagnostic::Sink;
+use super::load::Loader;
+use super::spec::{ObjectType, PathRef, RobiSpec, SimSpec};
+use super::{Severity, Span, builtin, line, path, sim};
+
+/// A type of robot or of object.
+#[derive(Clone, Debug)]
+pub(super) enum Kind {
+    Robot(Arc<RobiSpec>),
+    Object(Arc<ObjectType>),
+}
+
+impl Kind {
+    fn name(&self) -> &str {
+        match self {
+            Kind::Robot(robi) => &robi.name,
+            Kind::Object(object) => &object.name,
+        }
+    }
+
+    fn file(&self) -> &str {
+        match self {
+            Kind::Robot(robi) => &robi.file,
+            Kind::Object(object) => &object.file,
+        }
+    }
+}
+
+/// The types that a scene knows by names.
+pub(super) struct Types {
+    by_name: BTreeMap<String, Known>,
+    /// Names by their lower case.
+    by_lower_case: BTreeMap<String, Vec<String>>,
+    /// What lines would load that name types which are not loaded; filled when the first such type is met.
+    nearby: Option<BTreeMap<String, String>>,
+}
+
+struct Known {
+    kind: Kind,
+    /// The reference that loads it; `None` for a built-in type.
+    loaded: Option<Span>,
+}
+
+impl Types {
+    /// The built-in types and those that `sim` loads. Built-in names are reserved, and the first of two types of one name counts.
+    pub(super) fn load(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str) -> Self {
+        let mut types = Self { by_name: BTreeMap::new(), by_lower_case: BTreeMap::new(), nearby: None };
+        let robots = builtin::ROBOTS.iter().filter_map(|name| builtin::robot(name)).map(|it| Kind::Robot(Arc::new(it)));
+        let objects =
+            builtin::OBJECTS.iter().filter_map(|name| builtin::object(name)).map(|it| Kind::Object(Arc::new(it)));
+        for kind in robots.chain(objects) {
+            types.add(kind, None);
+        }
+        let robots = sim.robot_types.iter().map(|path| (path, true));
+        let mut loads: Vec<(&PathRef, bool)> =
+            robots.chain(sim.object_types.iter().map(|path| (path, false))).collect();
+        loads.sort_by_key(|(path, _)| path.span);
+        let mut sink = Sink::new(&sim.file);
+        for (robi, span) in &sim.inline.robot_types {
+            types.take(&mut sink, Kind::Robot(Arc::new(robi.clone())), *span);
+        }
+        for (object, span) in &sim.inline.object_types {
+            types.take(&mut sink, Kind::Object(Arc::new(object.clone())), *span);
+        }
+        for (path, is_robot) in loads {
+            let kind = if is_robot {
+                loader.robot_type(&sim.file, folder, path).map(Kind::Robot)
+            } else {
+                loader.object_type(&sim.file, folder, path).map(Kind::Object)
+            };
+            if let Some(kind) = kind {
+                types.take(&mut sink, kind, path.span);
+            }
+        }
+        loader.diagnostics.extend(sink.finish());
+        types
+    }
+
+    fn take(&mut self, sink: &mut Sink, kind: Kind, span: Span) {
+        let name = kind.name();
+        let is_reserved = builtin::ROBOTS.iter().chain(&builtin::OBJECTS).any(|known| known.eq_ignore_ascii_case(name));
+        let known = self.by_name.get(name);
+        let message = match known.map(|known| (known.kind.file(), known.loaded)) {
+            _ if is_reserved => format!("`{}` is a type named `{name}`, but that name is built in", kind.file()),
+            // The same file once more.
+            Some((file, _)) if file == kind.file() => return,
+            Some((file, _)) => format!("`{}` is a type named `{name}`, but so is `{file}` above", kind.file()),
+            None => return self.add(kind, Some(span)),
+        };
+        let message = message + "; it is left out";
+        sink.warn(Code::SimTypeTwice, span, message, "each name once, and none of the built-in ones");
+    }
+
+    fn add(&mut self, kind: Kind, loaded: Option<Span>) {
+        let name = kind.name().to_owned();
+        self.by_lower_case.entry(name.to_lowercase()).or_default().push(name.clone());
+        self.by_name.insert(name, Known { kind, loaded });
+    }
+
+    /// The type of the name that `reference` gives. Warns if the name is written in another case or is loaded only further below.
+    pub(super) fn find(&self, sink: &mut Sink, reference: &PathRef) -> Option<Kind> {
+        let mut known = self.by_name.get(&reference.text);
+        if known.is_none()
+            && let Some([name]) = self.by_lower_case.get(&reference.text.to_lowercase()).map(Vec::as_slice)
+        {
+            known = self.by_name.get(name);
+            // EyeSim VR reads the names of its own types in any case.
+            if known.is_some_and(|known| known.loaded.is_some()) {
+                let message = format!("`{}` is loaded as `{name}`: upper and lower case differ", reference.text);
+                sink.warn(Code::SimTypeCase, reference.span, message, "the name as the type's file has it");
+            }
+        }
+        let known = known?;
+        if let Some(loaded) = known.loaded.filter(|loaded| loaded.start > reference.span.start) {
+            let message = format!("`{}` is loaded only further below, in line {}", reference.text, loaded.line);
+            sink.warn(
+                Code::SimTypeBelow,
+                reference.span,
+                message,
+                "the line that loads a type above those that use it",
+            );
+        }
+        Some(known.kind.clone())
+    }
+
+    /// Says that no type bears the name that `reference` gives, and what to do about it.
+    pub(super) fn report_unknown(
+        &mut self,
+        loader: &Loader<'_>,
+        sink: &mut Sink,
+        severity: Severity,
+        folder: &str,
+        reference: &PathRef,
+    ) {
+        let message = format!("there is no type `{}`", reference.text);
+        let expected = "LabBot, S4, Can, Soccer, Crate, Golf, or the name of a type that a line above loads";
+        let suggestion = self.suggestion(loader, folder, &reference.text);
+        sink.report(severity, Code::SimTypeUnknown, reference.span, message, expected).suggestion = suggestion;
+    }
+
+    fn suggestion(&mut self, loader: &Loader<'_>, folder: &str, name: &str) -> Option<String> {
+        let mut kinds = self.by_name.values().map(|known| &known.kind);
+        if let Some(kind) = kinds.find(|kind| path::stem(kind.file()).eq_ignore_ascii_case(name)) {
+            return Some(format!("write `{}`, the name that `{}` gives to the type", kind.name(), kind.file()));
+        }
+        let nearby = self.nearby.get_or_insert_with(|| nearby(loader, folder));
+        if let Some(line) = nearby.get(name) {
+            return Some(format!("load it above with `{line}`"));
+        }
+        let names = self.by_name.keys().map(String::as_str).chain(sim::KEYWORDS);
+        line::nearest(name, names).map(|name| format!("write `{name}`"))
+    }
+}
+
+/// Entries of folders that the search for types looks at: a scene may lie in a folder with a million others.
+const MAX_ENTRIES: usize = 2000;
+/// Files that it reads.
+const MAX_FILES: usize = 200;
+/// How many folders above the sim file's it begins, and how many below each of those it ends.
+const ABOVE: usize = 2;
+const BELOW: usize = 2;
+
+/// The types of the files near `folder` that are not loaded: by name the line that loads them.
+fn nearby(loader: &Loader<'_>, folder: &str) -> BTreeMap<String, String> {
+    let mut lines = BTreeMap::new();
+    let (mut entries, mut files) = (0, 0);
+    for up in 0..=ABOVE {
+        // Folders as the sim file would name them, with a slash at the end.
+        let mut folders = vec![("../".repeat(up), BELOW)];
+        while let Some((below, depth)) = folders.pop() {
+            let mut names = loader.files.list(&path::join(folder, &below));
+            names.sort_unstable();
+            for name in names {
+                entries += 1;
+                if entries > MAX_ENTRIES || files > MAX_FILES {
+                    return lines;
+                }
+                let extension = path::extension(&name);
+                if extension.is_empty() && depth > 0 {
+                    folders.push((format!("{below}{name}/"), depth - 1));
+                }
+                let (keyword, read): (_, fn(&str, &str) -> String) = match extension.as_str() {
+                    "esobj" => ("object", |file, text| super::read_esobj(file, text).0.name),
+                    "robi" => ("robi", |file, text| super::read_robi(file, text).0.name),
+                    _ => continue,
+                };
+                files += 1;
+                let place = format!("{below}{name}");
+                if let Ok(bytes) = loader.files.read(&path::join(folder, &place)) {
+                    let type_name = read(&name, &super::decode(&bytes).0);
+                    let quoted = if place.contains(' ') { format!("\"{place}\"") } else { place };
+                    lines.entry(type_name).or_insert_with(|| format!("{keyword} {quoted}"));
+                }
+            }
+        }
+    }
+    lines
+}
