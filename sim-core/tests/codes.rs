@@ -5,7 +5,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use sim_core::format::{
-    Code, Diagnostic, FileError, Files, MeshReader, Severity, load_maze, load_robi, load_sim, load_world,
+    Code, Diagnostic, FileError, Files, MeshReader, Severity, load_maze, load_object, load_robi, load_sim, load_world,
 };
 
 /// Codes that a text alone cannot cause: they need bytes that are no text, an image, a folder, thousands of lines or a
@@ -22,9 +22,11 @@ const WITHOUT_EXAMPLE: [Code; 8] = [
 ];
 
 /// Files that examples may name.
-const FOLDER: [(&str, &str); 4] = [
+const FOLDER: [(&str, &str); 6] = [
     ("wedge.obj", "mtllib wedge.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n"),
     ("wedge.mtl", "newmtl red\nKd 1 0 0\n"),
+    ("cross.maz", " _____\n|U _  |\n|_____|\n"),
+    ("sign.esObj", "name StopSign\nmass 2 0 0 0\ncollider capsule 0 7500 0 150 14200 y\nscale 0.025\n"),
     ("field.wld", "floor 2000 2000\n0 0 2000 0\n2000 0 2000 2000\n2000 2000 0 2000\n0 2000 0 0\n"),
     (
         "S4.robi",
@@ -68,6 +70,7 @@ impl Example {
             "sim" => load_sim(&name, &files).diagnostics,
             "wld" => load_world(&name, &files).diagnostics,
             "maz" => load_maze(&name, &files).diagnostics,
+            "esObj" => load_object(&name, &files).1.diagnostics,
             "robi" => load_robi(&name, &files).1.diagnostics.into_iter().chain(looks(&name, &files)).collect(),
             "obj" => {
                 let robi = files.0["S4.robi"].clone() + &format!("model {name}\n");

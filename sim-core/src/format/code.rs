@@ -49,7 +49,7 @@ codes! {
     FileKind = "file-kind": "the name does not say which kind of file this is",
     FileMissing = "file-missing": "a file is not found",
     FileMore = "file-more": "the file has more mistakes than are listed",
-    FileMoved = "file-moved": "an absolute path leads nowhere, but there is such a file beside the one that mentions it",
+    FileMoved = "file-moved": "an absolute path leads nowhere, but there is such a file near the one that mentions it",
     FileNameMissing = "file-name-missing": "a file name is missing or empty",
     FileUnreadable = "file-unreadable": "a file is there but cannot be read",
     MazBlank = "maz-blank": "a blank line inside a maze",

@@ -256,7 +256,9 @@ impl Reader {
         if let Some(extra) = words.get(count) {
             let message = format!("`{}` is left over", extra.text);
             let diagnostic = self.sink.warn(Code::WordExtra, extra.span, message, form);
-            diagnostic.suggestion = Some("put a file name with blanks between double quotes".to_owned());
+            if !line::looks_numeric(extra.text) {
+                diagnostic.suggestion = Some("put a file name with blanks between double quotes".to_owned());
+            }
         }
     }
 }

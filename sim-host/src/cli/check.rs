@@ -20,7 +20,7 @@ const SHOWN_COLUMNS: usize = 120;
 /// Arguments of `eyesim check`.
 #[derive(Args)]
 pub struct CheckArgs {
-    /// Files to check: .sim (with all that it names), .robi (with its .toml), .wld, .maz
+    /// Files to check: .sim (with all that it names), .robi (with its .toml), .wld, .maz, .esObj
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// How the diagnostics are printed
@@ -126,6 +126,7 @@ fn check_one(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> L
         "sim" => check_sim(name, files, find_program),
         "wld" => format::load_world(name, files),
         "maz" | "maze" => format::load_maze(name, files),
+        "esobj" => format::load_object(name, files).1,
         "robi" => format::load_robi(name, files).1,
         "toml" => format::load_robi(&format!("{stem}.robi"), files).1,
         _ => Loaded { diagnostics: vec![unknown_kind(name)], ..Loaded::default() },
@@ -139,7 +140,7 @@ fn unknown_kind(name: &str) -> Diagnostic {
         file: name.to_owned(),
         span: Span::default(),
         message: "the name does not say which kind of file this is".to_owned(),
-        expected: "a name that ends in .sim, .robi, .toml, .wld, .maz or .maze".to_owned(),
+        expected: "a name that ends in .sim, .robi, .toml, .wld, .maz, .maze or .esObj".to_owned(),
         suggestion: None,
     }
 }

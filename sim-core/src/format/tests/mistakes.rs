@@ -11,6 +11,15 @@ const DRIVE: &str = "drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT Q
 
 /// A kind of mistake and a text that has it. Robis get the line in place of one of S4's where a whole robot is needed.
 const MISTAKES: &[(Code, &str, &str)] = &[
+    (
+        Code::EsobjArity,
+        "a.esObj",
+        "box 0 100 0 200 200\nmass\nmass 1 0 0\nname\ncollider\ncapsule 0 0 0 1 4 y\nfixed\n",
+    ),
+    (Code::EsobjColliderKind, "a.esObj", "fixed\ncollider spere 0 0 0 5\ncapsule 0 0 0 1 5 w\ncolider\n"),
+    (Code::EsobjColliderMissing, "a.esObj", "mass 1\n"),
+    (Code::EsobjKeyword, "a.esObj", "fixed\nsphere 0 0 0 5\n0\nmas 3\n"),
+    (Code::EsobjMassMissing, "a.esObj", "sphere 0 0 0 5\n"),
     (Code::FileEncoding, "a.wld", "floor 1 1\n; \u{fffd}"),
     (Code::FileNameMissing, "a.wld", "floor 1 1\nfloor_texture\n"),
     (Code::FileNameMissing, "a.sim", "world\n"),
@@ -29,6 +38,7 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (Code::NumberRange, "a.maz", " ___\n|___|\n6e8\n"),
     (Code::NumberRange, "a.robi", "wheel 0 3600 1100 90\ndiameter -5\n"),
     (Code::NumberRange, "a.toml", "[drive]\nwheel_lag_ms = -1\n[input]\nparallel_data = 256\n"),
+    (Code::NumberRange, "a.esObj", "mass 0 0 0 0\nmass -1\nscale 0\nbox 0 0 0 1 1 0\nsphere 0 0 0 1e14\n"),
     (Code::QuoteUnclosed, "a.wld", "floor 1 1\nfloor_texture \"a.png\n"),
     (Code::RobiAxelKind, "a.robi", "axel front 1 2\nwheel dirve 40 7200 640 44\naxel\n"),
     (Code::RobiAxelOrder, "a.robi", "diameter 200\ndrive ACKERMANN_DRIVE\naxel drive 20 60\naxel turn 20 -60\n"),
@@ -65,7 +75,9 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (Code::RobiTrackWide, "a.robi", "drive DIFFERENTIAL_DRIVE\ndiameter 180\nwheel 54 3600 1100 91\n"),
     (Code::RobiWheelArity, "a.robi", "wheel 54 3600\n"),
     (Code::RobiWheelMissing, "a.robi", ""),
-    (Code::SimDialect, "a.sim", "settings VIS\nS4 100 100 0\nrobi a.robi\na 1 2 3\n"),
+    (Code::SimMarkerArity, "a.sim", "marker 5\nmarker 1 2 3 4\nmarker 1 2 3 4 5 6 7\n"),
+    (Code::SimPlaceArity, "a.sim", "S4 100 200\nLabBot\nS4 1 2 a.py\ncan 5 5\nSign 100 100\nS4 1 x y\n"),
+    (Code::SimSetting, "a.sim", "settings VIS TRACK\n"),
     (Code::SimKeyword, "a.sim", "robbi a.robi a.so\nfrobnicate\n"),
     (Code::SimObjectArity, "a.sim", "object 1 2 3 can.ms3d\n"),
     (Code::SimRobiArity, "a.sim", "robi a.robi a.so 1 2\n"),
@@ -85,6 +97,8 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (Code::WldWallLength, "a.wld", "floor 1 1\n5 5 5 5\n"),
     (Code::WldWidthArity, "a.wld", "width\nheight 10\n"),
     (Code::WordExtra, "a.wld", "floor 1 1 1\npop up\n"),
+    (Code::WordExtra, "a.sim", "S4 1 2 3 a.py fast\ncan 1 2 3 4\nrobi a.robi a.so 1 2 3 4\nobject My Sign.esObj\n"),
+    (Code::WordExtra, "a.esObj", "fixed fast\nsphere 0 0 0 5 5\n"),
     (Code::WordExtra, "a.sim", "world my world.wld\n"),
 ];
 
@@ -95,7 +109,27 @@ const SCENES: &[(Code, &str)] = &[
     (Code::FileMissing, "world w.wld\nrobi %sim%/S5.robi p.so 1 1 0\n"),
     (Code::FileMoved, "world C:\\x\\w.wld\nrobi S4.robi p.so 1 1 0\n"),
     (Code::FileUnreadable, "world locked.wld\nrobi S4.robi p.so 1 1 0\n"),
+    (Code::FileMissing, "world w.wld\nobject no.esObj\nrobot no.robi\n"),
+    (Code::FileMoved, "world w.wld\nobject C:\\x\\signs/sign.esObj\nS4 5 5 0\n"),
+    (Code::SimObjectOutside, "world w.wld\nS4 5 5 0\ncan 500 5 0\n"),
+    (Code::SimObjectOverlap, "world v.wld\nS4 500 500 0\ncan 600 500 0\ncan 620 500 0\ngolf 620 560 0\n"),
+    (Code::SimObjectShape, "world v.wld\nS4 500 500 0\nobject 800 500 0 0 chair.ms3d\n"),
+    (Code::SimObjectWall, "world v.wld\nS4 500 500 0\ncrate 950 200 45\n"),
+    (Code::SimPlaceArity, "world m.maz\nS4 U\nobject signs/sign.esObj\nStopSign u\n"),
     (Code::SimRobotMissing, "world w.wld\n"),
+    (Code::SimStartLetter, "maze m.maz\nS4 L 90 a.py\nS4 S\nS4 U 45\n"),
+    (Code::SimStartLetter, "world w.wld\nS4 S\n"),
+    (Code::SimStartOutside, "world w.wld\nS4 11 5 0\n"),
+    (Code::SimTypeBelow, "world v.wld\nStopSign 800 800 0\nS4 500 500 0\nobject signs/sign.esObj\n"),
+    (Code::SimTypeCase, "world v.wld\nobject signs/sign.esObj\nstopSign 800 800 0\ns4 500 500 0\n"),
+    (
+        Code::SimTypeTwice,
+        "world v.wld\nrobi S4.robi\nobject signs/sign.esObj\nobject ./signs/sign.esObj\nobject stop.esObj\nS4 500 500 0\n",
+    ),
+    (
+        Code::SimTypeUnknown,
+        "world v.wld\nStopSign 800 800 0\nLabot 500 500 0 a.py\nwonder S\nobject stop.esObj\nstop 1 2 3\nsoccr 1 2 3\n",
+    ),
     (Code::SimStartMissing, "world w.wld\nrobi S4.robi p.so\n"),
     (
         Code::SimStartOverlap,
@@ -106,6 +140,7 @@ const SCENES: &[(Code, &str)] = &[
         "world v.wld\nrobi S4.robi p.so 906 500 0\nrobi S4.robi p.so 500 500 0\nrobi S4.robi p.so 500 102 0\n",
     ),
     (Code::SimWorldMissing, "robi S4.robi p.so 1 1 0\n"),
+    (Code::SimWorldMissing, "labbot 1000 1000 0\n"),
 ];
 
 fn diagnostics(file: &str, text: &str) -> Vec<Diagnostic> {
@@ -117,6 +152,7 @@ fn diagnostics(file: &str, text: &str) -> Vec<Diagnostic> {
             files.files.insert(file.to_owned(), bytes);
             load_world(file, &files).diagnostics
         }
+        "esobj" => read_esobj(file, text).1,
         "maz" => read_maze(file, text).1,
         "sim" => read_sim(file, text).1,
         "toml" => read_companion(file, text, &mut read_robi("a.robi", S4).0),
@@ -133,7 +169,10 @@ fn scene_diagnostics(text: &str) -> Vec<Diagnostic> {
         ("a.sim", text),
         ("w.wld", "floor 10 10"),
         ("v.wld", "floor 9 9\n1000 0 1000 900\n0 0 900 0 20 100\n"),
+        ("m.maz", " ___\n|U _|\n|___|\n"),
         ("S4.robi", S4),
+        ("signs/sign.esObj", "name StopSign\nscale 0.025\nmass 2 0 0 0\ncollider capsule 0 7500 0 150 14200 y\n"),
+        ("stop.esObj", "name StopSign\nmass 1\nsphere 0 5 0 5\n"),
         ("locked.wld", ""),
     ]);
     load_sim("a.sim", &files).diagnostics

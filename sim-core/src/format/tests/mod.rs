@@ -1,5 +1,6 @@
 //! Hand-written values for the readers.
 
+mod dialects;
 mod mesh;
 mod mistakes;
 mod properties;

@@ -8,11 +8,15 @@ use proptest::prelude::*;
 use super::super::*;
 use crate::unit::{metres_from_mm, radians_from_degrees};
 
-const VALID: [&str; 4] = [
+const VALID: [&str; 6] = [
     "floor 4000 3000\npush 10 20 90\n0 0 100 0\n0 0 10 10 5 200 1 2 3\npop\nposition 1 2 3\nfloor_texture \"a b.png\"\n",
     "360\n _____\n|S|  X|\n|o_.u_|\n|_____|\n720\n",
     super::S4,
     "world %sim%\\a.wld\nrobi a.robi 'b c.so' 1 2 3\nobject 1 2 3 0.1 x.ms3d\nsettings VIS\n",
+    "maze m.maz\nsettings VIS trace\nrobot a.robi\nobject C:\\s/s.esObj\nS4 S 90 a.py\nlabbot 1 2 3 \"b c.x\"\nScout 1 2 3 02.x\n\
+     Sign 5 5 0\ncan 1 2 3\nmarker 1 2 255 0 0 9\n",
+    "obj a.obj\nname \"A b\"\nscale 0.025\nmass 2 0 0 0\ncollider capsule 0 7500 0 150 14200 y\nbox 0 1 0 2 2 2\n\
+     sphere 0 0 0 5\nbuoyancy 0\nfixed\nfriction 0.5\nrolling 0.1\nrestitution 1\ncolour 1 2 3\n",
 ];
 
 /// Reads `text` with every reader and checks what must hold for any text.
@@ -22,6 +26,26 @@ fn read_all(text: &str) {
     let (mut robi, of_robi) = read_robi("f", text);
     let of_companion = read_companion("f", text, &mut robi);
     let (sim, of_sim) = read_sim("f", text);
+    let (object, of_object) = read_esobj("f", text);
+    // All that a scene places, with the files that it names there as well.
+    let loaded =
+        load_sim("a.sim", &super::Memory::new(&[("a.sim", text), ("a.robi", super::S4), ("s.esObj", VALID[5])]));
+    for placed in &loaded.scene.objects {
+        assert!(placed.pose.position.is_finite() && placed.friction >= 0.0, "{placed:?}");
+    }
+    assert!(loaded.scene.robots.iter().all(|robot| robot.start.position.is_finite()));
+    assert!(object.mass > 0.0 && object.scale > 0.0 && object.centre_of_mass.abs().max_element() <= MAX_LENGTH);
+    assert!(!object.colliders.is_empty());
+    for collider in &object.colliders {
+        let (centre, sizes) = match *collider {
+            Collider::Box { centre, size } => (centre, size.to_array()),
+            Collider::Sphere { centre, radius } => (centre, [radius; 3]),
+            Collider::Capsule { centre, radius, height, .. } => (centre, [radius, height, height - 1.999 * radius]),
+            Collider::Cylinder { centre, radius, height } => (centre, [radius, radius, height]),
+        };
+        assert!(centre.abs().max_element() <= MAX_LENGTH, "{collider:?}");
+        assert!(sizes.iter().all(|size| *size > 0.0 && *size <= MAX_LENGTH), "{collider:?}");
+    }
     for world in [&world, &maze] {
         assert!(world.floor.is_finite() && world.floor.max_element() <= MAX_LENGTH);
         for wall in &world.walls {
@@ -33,7 +57,7 @@ fn read_all(text: &str) {
     assert!(robi.diameter > 0.0 && robi.wheel.diameter > 0.0 && robi.wheel.track > 0.0 && robi.drive.wheelbase > 0.0);
     assert!(robi.psds.iter().all(|psd| psd.position.is_finite() && psd.range > 0.0));
     assert!(sim.robots.iter().all(|robot| !matches!(robot.start, StartRef::Pose(pose) if !pose.position.is_finite())));
-    for diagnostic in [of_world, of_maze, of_robi, of_companion, of_sim].concat() {
+    for diagnostic in [of_world, of_maze, of_robi, of_companion, of_sim, of_object].concat() {
         let Span { start, end, .. } = diagnostic.span;
         assert!(text.get(start..end).is_some(), "{diagnostic:?} does not lie in the text");
         assert!(!diagnostic.message.is_empty() && !diagnostic.expected.is_empty());
@@ -74,6 +98,17 @@ fn word() -> impl Strategy<Value = String> {
                 "drive",
                 "camera",
                 "robi",
+                "object",
+                "S4",
+                "can",
+                "marker",
+                "settings",
+                "mass",
+                "capsule",
+                "collider",
+                "scale",
+                "y",
+                "s",
                 "inf",
                 "nan",
                 "1e308",
