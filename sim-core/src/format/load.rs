@@ -10,7 +10,9 @@ use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::spec::{
     DEFAULT_WALL_HEIGHT, ObjectType, PathRef, RobiSpec, SceneSpec, SimSpec, TypeRef, WallSpec, WorldKind, WorldSpec,
 };
-use super::{Span, clearance, line, path, place, read_companion, read_esobj, read_maze, read_robi, read_sim, read_world};
+use super::{
+    Span, clearance, line, path, place, read_companion, read_esobj, read_maze, read_robi, read_sim, read_world,
+};
 
 /// The file system as the readers see it; paths have slashes.
 pub trait Files {

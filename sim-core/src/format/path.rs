@@ -46,7 +46,7 @@ pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
 }
 
 /// Where the file of the absolute path `text` of another machine may lie: each of its ends, the longest first, below `folder`, the
-/// two folders above that, and the installation; its last part alone only in `folder`. Empty for a relative path.
+/// two folders above that, and the installation; its last part alone not in the folders above. Empty for a relative path.
 pub(super) fn moved(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     let text = text.replace('\\', "/");
     if !is_absolute(&text) {
@@ -59,8 +59,9 @@ pub(super) fn moved(text: &str, folder: &str, home: Option<&str>) -> Vec<String>
         let end = parts[first..].join("/");
         places.push(join(folder, &end));
         if first + 1 < parts.len() {
-            places.extend(above.iter().map(String::as_str).chain(home).map(|folder| join(folder, &end)));
+            places.extend(above.iter().map(|folder| join(folder, &end)));
         }
+        places.extend(home.map(|home| join(home, &end)));
     }
     places
 }
@@ -203,6 +204,7 @@ mod tests {
             "signs/stop.esObj",
             "/opt/e/signs/stop.esObj",
             "a/sims/stop.esObj",
+            "/opt/e/stop.esObj",
         ];
         assert_eq!(places[places.len() - expected.len()..], expected);
         assert_eq!(places[0], "a/sims/C:/eyesim/signs/stop.esObj");
