@@ -1,0 +1,346 @@
+//! Scenes in every dialect, written as their users write them, with programs that run in them: a robot gets to where geometry
+//! says, and what two dialects say of one thing is one thing.
+
+#![allow(clippy::disallowed_methods, reason = "geometry by hand, compared within a millimetre")]
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use serde_json::Value;
+use tests::{Scratch, number};
+
+/// A room of 4 m by 3 m.
+const ROOM: &str = "floor 4000 3000\n0 0 4000 0\n4000 0 4000 3000\n4000 3000 0 3000\n0 3000 0 0\n";
+
+/// 300 mm ahead, a quarter turn to the left, 200 mm ahead.
+const HOOK: &str = r#"
+#include "eyebot.h"
+int main(void) {
+    VWHandle vw = VWInit(VW_DRIVE, 1);
+    VWDriveStraight(vw, 0.3, 0.2); VWDriveWait(vw);
+    VWDriveTurn(vw, 1.5707963268, 1.0); VWDriveWait(vw);
+    VWDriveStraight(vw, 0.2, 0.2); VWDriveWait(vw);
+    return 0;
+}
+"#;
+
+/// Shows what the four PSD sensors read where the robot stands.
+const LOOK: &str = r#"
+#include "eyebot.h"
+int main(void) {
+    static const DeviceSemantics names[] = { PSD_FRONT, PSD_LEFT, PSD_RIGHT, PSD_BACK };
+    PSDHandle psd[4], all = 0;
+    int i;
+    for (i = 0; i < 4; i++) all |= psd[i] = PSDInit(names[i]);
+    PSDStart(all, TRUE);
+    OSWait(10);
+    for (i = 0; i < 4; i++) if (psd[i]) LCDSetPrintf(i, 0, "%d", PSDGet(psd[i]));
+    return 0;
+}
+"#;
+
+/// Wanders about for 30 s with all that a robot has, at random.
+const WANDER: &str = r#"
+#include <stdlib.h>
+#include "eyebot.h"
+int main(void) {
+    PSDHandle front = PSDInit(PSD_FRONT), left = PSDInit(PSD_LEFT), right = PSDInit(PSD_RIGHT);
+    QuadHandle wheels[2] = { QUADInit(QUAD_LEFT), QUADInit(QUAD_RIGHT) };
+    VWHandle vw = VWInit(VW_DRIVE, 1);
+    if (!front || !left || !right || !wheels[0] || !wheels[1] || !vw) return 1;
+    PSDStart(front | left | right, TRUE);
+    while (OSGetCount() < 3000) {
+        if (PSDGet(front) < 250) {
+            double angle = 0.5 + 2.0 * rand() / RAND_MAX;
+            VWDriveTurn(vw, PSDGet(left) < PSDGet(right) ? -angle : angle, 1.5);
+            VWDriveWait(vw);
+        } else {
+            VWSetSpeed(vw, 0.25, 0.4 - 0.8 * rand() / RAND_MAX);
+        }
+        OSWait(10);
+        LCDSetPrintf(0, 0, "%d %d %s", QUADRead(wheels[0]), QUADRead(wheels[1]), OSMachineName());
+    }
+    return 0;
+}
+"#;
+
+/// A robot as classic files have it; its axle lies 10 mm ahead of the centre.
+const CLASSIC: &str = "name Twin\ndiameter 186\nspeed 600\nturn 300\naxis 10\npsd PSD_FRONT 1 60 20 30 0\n\
+    psd PSD_LEFT 2 56 45 30 90\npsd PSD_RIGHT 3 56 -45 30 -90\npsd PSD_BACK 4 -60 0 30 180\nwheel 54 3600 1100 90\n\
+    drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
+
+/// The same robot as EyeSim VR has it: the body by its collider, half the track, no names of motors.
+const VR: &str = "drive DIFFERENTIAL_DRIVE\nname Twin\nmass 3 0 20 0\ncollider sphere 93 0 93 0\naxis 27 10\n\
+    psd PSD_FRONT 1 60 20 30 0\npsd PSD_LEFT 2 56 45 30 90\npsd PSD_RIGHT 3 56 -45 30 -90\n\
+    psd PSD_BACK 4 -60 0 30 180\nwheel 54 3600 1100 45\n";
+
+/// The same as the files of 2022 have it: the id before the name, three angles.
+const VR_2022: &str = "drive DIFFERENTIAL_DRIVE\nname Twin\nmass 3 0 20 0\ncollider sphere 93 0 93 0\naxis 27 10\n\
+    psd 1 PSD_FRONT 60 20 30 0 0 0\npsd 2 PSD_LEFT 56 45 30 0 90 0\npsd 3 PSD_RIGHT 56 -45 30 0 -90 0\n\
+    psd 4 PSD_BACK -60 0 30 0 180 0\nwheel 54 3600 1100 45\n";
+
+/// A folder with the programs, the robots and the room.
+fn scratch() -> Scratch {
+    let scratch = Scratch::new();
+    let files = [("hook.c", HOOK), ("look.c", LOOK), ("wander.c", WANDER), ("room.wld", ROOM)];
+    let robots = [("classic.robi", CLASSIC), ("vr.robi", VR), ("vr2022.robi", VR_2022)];
+    for (name, text) in files.into_iter().chain(robots) {
+        scratch.write(name, text);
+    }
+    scratch
+}
+
+/// The robots of the report of a run of `sim` that ends well.
+fn run(scratch: &Scratch, sim: &str) -> Vec<Value> {
+    scratch.write("scene.sim", sim);
+    let report = scratch.report("scene.sim", &[], 0);
+    report["robots"].as_array().expect("robots").clone()
+}
+
+/// The digest of a run of `sim`.
+fn digest(scratch: &Scratch, sim: &str) -> String {
+    scratch.write("scene.sim", sim);
+    let report = scratch.report("scene.sim", &[], 0);
+    assert!(number(&report["robots"][0], "path_m") > 1.0, "it moves: {report:#}");
+    report["digest"].as_str().expect("a digest").to_owned()
+}
+
+/// Within 1 mm of (x, y) in millimetres and within 0.1 degrees of the heading.
+fn assert_at(robot: &Value, x_mm: f64, y_mm: f64, phi_deg: f64) {
+    let (x, y) = (number(robot, "pose.x_m") * 1000.0, number(robot, "pose.y_m") * 1000.0);
+    assert!((x - x_mm).hypot(y - y_mm) < 1.0, "at ({x}, {y}), not at ({x_mm}, {y_mm}): {robot:#}");
+    let turn = (number(robot, "pose.phi_rad").to_degrees() - phi_deg).rem_euclid(360.0);
+    assert!(turn.min(360.0 - turn) < 0.1, "heading off by {turn} degrees: {robot:#}");
+}
+
+/// The end of [`HOOK`] for a robot whose axle lies `axle_mm` ahead of its centre, which starts at (x, y) in mm.
+fn end_of_hook(x: f64, y: f64, phi_deg: f64, axle_mm: f64) -> (f64, f64, f64) {
+    let (sin, cos) = phi_deg.to_radians().sin_cos();
+    // It turns about the middle of its axle: that gets to `ahead` and then `left` of the start.
+    let (ahead, left) = (300.0 + axle_mm, 200.0 - axle_mm);
+    (x + ahead * cos - left * sin, y + ahead * sin + left * cos, phi_deg + 90.0)
+}
+
+/// What [`LOOK`] has shown in `row`.
+fn reading(robot: &Value, row: usize) -> f64 {
+    let text = robot["lcd"][row].as_str().expect("a line").trim();
+    text.parse().unwrap_or_else(|_| panic!("`{text}` in {robot:#}"))
+}
+
+#[test]
+fn names_of_eyesim_vr_place_robots() {
+    let scratch = scratch();
+    let robots = run(
+        &scratch,
+        "# EyeSim VR, both spellings of what loads a type\nworld room.wld\nsettings VIS trace\nrobi vr.robi\n\
+         robot \"classic.robi\"\n\ns4 600 600 0 hook.c\nLabBot 1400 600 90 hook.c\nTwin 2400 600 30 hook.c\n\
+         S4 2000 2000 45\nmarker 2000 1500 255 0 0\n",
+    );
+    let names: Vec<_> = robots.iter().map(|robot| robot["name"].as_str().expect("a name")).collect();
+    assert_eq!(names, ["S4", "LabBot", "Twin", "S4"]);
+    for (robot, (x, y, phi_deg)) in robots.iter().zip([
+        end_of_hook(600.0, 600.0, 0.0, 0.0),
+        // The axle of EyeSim VR's LabBot.
+        end_of_hook(1400.0, 600.0, 90.0, 10.8),
+        end_of_hook(2400.0, 600.0, 30.0, 10.0),
+        (2000.0, 2000.0, 45.0),
+    ]) {
+        assert_at(robot, x, y, phi_deg);
+    }
+    let outcomes: Vec<_> = robots.iter().map(|robot| robot["outcome"].as_str().expect("an outcome")).collect();
+    assert_eq!(outcomes, ["finished", "finished", "finished", "no_program"]);
+}
+
+#[test]
+fn a_scene_without_programs_says_so_and_takes_them_from_the_command_line() {
+    let scratch = scratch();
+    scratch.write("scene.sim", "world room.wld\nS4 1000 1000 0\nS4 2000 2000 0\n");
+    let ran = scratch.eyesim(&["run", "scene.sim"]);
+    assert_eq!(ran.code, Some(0), "{ran:#?}");
+    assert!(ran.stderr.contains("no robot has a program"), "{ran:#?}");
+    assert!(ran.stdout.contains("2 robots: 2 no program\nsimulated 0.000 s"), "{ran:#?}");
+    let report = scratch.report("scene.sim", &["--program", "2=hook.c"], 0);
+    assert_at(&report["robots"][0], 1000.0, 1000.0, 0.0);
+    assert_at(&report["robots"][1], 2300.0, 2200.0, 90.0);
+    let report = scratch.report("scene.sim", &["--program", "hook.c"], 0);
+    assert_at(&report["robots"][0], 1300.0, 1200.0, 90.0);
+    assert_eq!(report["robots"][0]["program"], "hook.c");
+}
+
+#[test]
+fn programs_of_eyesim_vr_are_found_by_their_source() {
+    let scratch = scratch();
+    // The magic number of a Mach-O file of Apple's processors.
+    std::fs::write(scratch.path().join("hook.x"), b"\xcf\xfa\xed\xfe\x0c\0\0\x01").expect("a file");
+    let robots = run(&scratch, "world room.wld\nS4 600 600 0 hook.x\nS4 600 1600 0 hook.exe\nS4 2000 600 0 hook.dll\n");
+    assert_at(&robots[0], 900.0, 800.0, 90.0);
+    assert_at(&robots[1], 900.0, 1800.0, 90.0);
+    assert_at(&robots[2], 2300.0, 800.0, 90.0);
+}
+
+/// Cells of 500 mm. The `s` is in the highest of four rows, the `R`, with a wall below, in the second from below.
+const MAZE: &str = " _____\n|s    |\n| |_  |\n|  R  |\n|_____|\n500\n";
+
+/// Two cells ahead, then what the sensor ahead reads.
+const TWO_CELLS: &str = r#"
+#include "eyebot.h"
+int main(void) {
+    VWHandle vw = VWInit(VW_DRIVE, 1);
+    PSDHandle front = PSDInit(PSD_FRONT);
+    PSDStart(front, TRUE);
+    VWDriveStraight(vw, 1.0, 0.3); VWDriveWait(vw);
+    OSWait(10);
+    LCDSetPrintf(0, 0, "%d", PSDGet(front));
+    return 0;
+}
+"#;
+
+#[test]
+fn a_start_letter_chooses_the_cell_and_the_angle_the_heading() {
+    let scratch = scratch();
+    scratch.write("maze.maz", MAZE);
+    scratch.write("two.c", TWO_CELLS);
+    let robots = run(&scratch, "world maze.maz\nS4 R look.c\nS4 S 0 two.c\n");
+    assert_at(&robots[0], 750.0, 750.0, 0.0);
+    assert_at(&robots[1], 1250.0, 1750.0, 0.0);
+    assert_eq!(reading(&robots[1], 0), 1500.0 - 1250.0 - 60.0, "the sensor is 60 mm ahead of the centre");
+    let robots = run(&scratch, "world maze.maz\nLabBot s look.c\nS4 r 180\n");
+    assert_at(&robots[0], 250.0, 1750.0, 90.0);
+    assert_eq!(robots[1]["outcome"], "no_program");
+    assert_at(&robots[1], 750.0, 750.0, 180.0);
+}
+
+#[test]
+fn classic_robots_take_the_starts_of_maze_and_world_in_order() {
+    let scratch = scratch();
+    scratch.write("maze.maz", " _____\n|  r  |\n|u   l|\n|_____|\n500\n");
+    let robots =
+        run(&scratch, "maze maze.maz\nrobi classic.robi look.c\nrobi classic.robi look.c\nrobi vr.robi look.c\n");
+    assert_at(&robots[0], 750.0, 1250.0, 0.0);
+    assert_at(&robots[1], 250.0, 750.0, 90.0);
+    assert_at(&robots[2], 1250.0, 750.0, 180.0);
+
+    // A frame turned clockwise by 90 degrees: its x axis points down, its y axis to the right. Headings turn the other way.
+    let world = "floor 3000 2000\n0 0 3000 0\n3000 0 3000 2000\n3000 2000 0 2000\n0 2000 0 0\nposition 500 500 0\n\
+                 push 1500 1500 90\nposition 700 400 90\n-400 900 600 900 20 150\npop\n";
+    scratch.write("frames.wld", world);
+    let robots = run(&scratch, "world frames.wld\nrobi classic.robi look.c\nrobi classic.robi look.c\n");
+    assert_at(&robots[0], 500.0, 500.0, 0.0);
+    assert_at(&robots[1], 1900.0, 800.0, 0.0);
+    // The wall stands at x = 2400, 20 mm thick, from y = 900 to 1900: the second robot, 20 mm left of y = 800, sees past it,
+    // and reads the end of its range.
+    assert_eq!(reading(&robots[1], 0), 9999.0);
+    let robots = run(&scratch, "world frames.wld\nrobi classic.robi look.c 2000 1000 0\n");
+    assert_eq!(reading(&robots[0], 0), 400.0 - 10.0 - 60.0);
+}
+
+#[test]
+fn walls_have_the_faces_that_their_thickness_says() {
+    let scratch = scratch();
+    let walls = "2000 500 2000 1500 100 200\n2000 2000 2000 2800 40 200 255 0 0\n";
+    scratch.write("thick.wld", &(ROOM.to_owned() + walls));
+    scratch.write(
+        "ram.c",
+        "#include \"eyebot.h\"\nint main(void) { VWHandle vw = VWInit(VW_DRIVE, 1); VWDriveStraight(vw, 2, 0.3);\n\
+         while (!VWStalled(vw)) OSWait(1); return 0; }\n",
+    );
+    let robots = run(&scratch, "world thick.wld\nS4 1500 1000 0 ram.c\nS4 1500 2400 0 ram.c\nS4 3000 500 -90 ram.c\n");
+    assert_at(&robots[0], 2000.0 - 50.0 - 93.0, 1000.0, 0.0);
+    assert_at(&robots[1], 2000.0 - 20.0 - 93.0, 2400.0, 0.0);
+    assert_at(&robots[2], 3000.0, 93.0, -90.0);
+}
+
+#[test]
+fn the_sensors_of_every_dialect_look_where_they_should() {
+    let scratch = scratch();
+    for robi in ["classic", "vr", "vr2022"] {
+        scratch.write(&format!("{robi}.toml"), "[psd]\nrange_mm = 5000\n");
+        let robots = run(&scratch, &format!("world room.wld\nrobi {robi}.robi look.c 1000 2000 0\n"));
+        let readings: Vec<f64> = (0..4).map(|row| reading(&robots[0], row)).collect();
+        assert_eq!(readings, [2940.0, 955.0, 1955.0, 940.0], "{robi}");
+    }
+}
+
+/// Turns on the spot by the motors alone for a second, then by a quarter turn of VW, and shows what the wheels did.
+const TURN: &str = r#"
+#include "eyebot.h"
+int main(void) {
+    MotorHandle left = MOTORInit(MOTOR_LEFT), right = MOTORInit(MOTOR_RIGHT);
+    QuadHandle wheel = QUADInit(QUAD_RIGHT);
+    VWHandle vw;
+    MOTORDrive(left, -2); MOTORDrive(right, 2);
+    OSWait(100);
+    MOTORDrive(left | right, 0);
+    LCDSetPrintf(0, 0, "%d", QUADRead(wheel));
+    MOTORRelease(left | right);
+    if (OSMachineID() == 2) return 0;
+    vw = VWInit(VW_DRIVE, 1);
+    QUADReset(wheel);
+    VWDriveTurn(vw, 1.5707963268, 1.0); VWDriveWait(vw);
+    LCDSetPrintf(1, 0, "%d", QUADRead(wheel));
+    return 0;
+}
+"#;
+
+#[test]
+fn the_track_of_eyesim_vr_is_half_of_what_the_wheels_stand_apart() {
+    // Wheels of 54 mm, 90 mm apart. 2 percent of 3600 degrees/s for a second is 72 degrees of a wheel.
+    let wheel = 72_f64.to_radians();
+    let turn = 2.0 * wheel * 27.0 / 90.0;
+    for robi in ["classic", "vr", "vr2022"] {
+        let scratch = scratch();
+        scratch.write("turn.c", TURN);
+        let sim = format!("world room.wld\nrobi {robi}.robi turn.c 1000 1000 0\nrobi {robi}.robi turn.c 2000 1000 0\n");
+        let robots = run(&scratch, &sim);
+        // The motors start one after the other, some calls long: within 0.1 degrees.
+        let (by_vw, by_motors) = (number(&robots[0], "pose.phi_rad"), number(&robots[1], "pose.phi_rad"));
+        assert!((by_motors - turn).to_degrees().abs() < 0.1, "{robi}: {by_motors} for {turn}");
+        assert!((by_vw - turn - FRAC_PI_2).to_degrees().abs() < 0.1, "{robi}: {by_vw}");
+        // Ticks of the right wheel: 1100 a turn.
+        assert!((reading(&robots[1], 0) - 220.0).abs() <= 1.0, "{robi}: {:#}", robots[1]);
+        let quarter = (45.0 * FRAC_PI_2) / (54.0 * PI) * 1100.0;
+        assert!((reading(&robots[0], 1) - quarter).abs() <= 1.0, "{robi}, {quarter}: {:#}", robots[0]);
+    }
+}
+
+#[test]
+fn one_robot_in_three_dialects_behaves_to_the_bit_alike() {
+    let scratch = scratch();
+    let classic = |robi: &str| format!("world room.wld\nrobi {robi}.robi wander.c 800 900 20\n");
+    let vr = |robi: &str| format!("world room.wld\nrobi {robi}.robi\nTwin 800 900 20 wander.c\n");
+    let first = digest(&scratch, &classic("classic"));
+    for robi in ["classic", "vr", "vr2022"] {
+        assert_eq!(digest(&scratch, &classic(robi)), first, "{robi}");
+        assert_eq!(digest(&scratch, &vr(robi)), first, "{robi} in a sim file of EyeSim VR");
+    }
+    // A digest that nothing changes would say nothing.
+    scratch.write("vr.robi", &VR.replace("1100 45", "1100 45.001"));
+    assert_ne!(digest(&scratch, &classic("vr")), first, "a thousandth of a millimetre");
+}
+
+#[test]
+fn what_only_the_window_shows_changes_nothing() {
+    let scratch = scratch();
+    let scene = "S4 800 900 20 wander.c\n";
+    let first = digest(&scratch, &format!("world room.wld\n{scene}"));
+    let shown = "settings VIS TRACE\nmarker 900 900\nmarker 1000 900 0 255 0\nmarker 1100 900 0 255 0 128\n";
+    assert_eq!(digest(&scratch, &format!("world room.wld\n{shown}{scene}")), first);
+    scratch.write("room.png", "no image");
+    scratch.write("room.wld", &format!("{ROOM}floor_texture room.png\n"));
+    assert_eq!(digest(&scratch, &format!("world room.wld\n{scene}")), first);
+}
+
+#[test]
+fn a_dialect_is_told_by_its_lines_and_mixing_them_harms_nothing() {
+    let scratch = scratch();
+    let robots = run(
+        &scratch,
+        "world room.wld\r\nrobi vr.robi\r\nrobi classic.robi hook.c 600 600 0\r\nTwin 600 1600 0 hook.c\r\n\
+         S4\t2000   600 0 hook.c",
+    );
+    assert_eq!(robots.len(), 3);
+    for (robot, (x, y)) in robots.iter().zip([(600.0, 600.0), (600.0, 1600.0), (2000.0, 600.0)]) {
+        let axle = if robot["name"] == "S4" { 0.0 } else { 10.0 };
+        let (x, y, phi_deg) = end_of_hook(x, y, 0.0, axle);
+        assert_at(robot, x, y, phi_deg);
+    }
+}
