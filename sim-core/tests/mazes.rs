@@ -41,6 +41,9 @@ impl Drawing {
         if rows.first().is_some_and(|row| row.iter().any(|c| !matches!(c, '_' | ' '))) {
             rows.insert(0, Vec::new());
         }
+        if !rows.is_empty() {
+            rows = in_usual_columns(&rows);
+        }
         let width = |row: &Vec<char>| {
             let cells = (0..row.len()).filter(|&place| match row[place] {
                 ' ' | '.' => false,
@@ -106,6 +109,31 @@ impl Drawing {
             }
         }
         reached
+    }
+}
+
+/// The rows with walls in even places, from 0: a drawing whose walls are all in odd places is indented, and one whose
+/// walls are in the places 0, 3, 6, ... has cells of two characters.
+fn in_usual_columns(rows: &[Vec<char>]) -> Vec<Vec<char>> {
+    let walls = || rows.iter().flat_map(|row| (0..row.len()).filter(|&place| row[place] == '|'));
+    if walls().all(|place| place % 2 == 0) {
+        rows.to_vec()
+    } else if walls().all(|place| place % 2 == 1) && rows.iter().all(|row| row.first().is_none_or(|&c| c == ' ')) {
+        rows.iter().map(|row| row.iter().copied().skip(1).collect()).collect()
+    } else if walls().all(|place| place % 3 == 0) {
+        let narrow = |cell: &[char]| {
+            let inner = cell.iter().skip(1);
+            let letter = inner.clone().find(|c| c.is_ascii_alphabetic()).copied();
+            let is_floor = inner.clone().any(|&c| c == '_');
+            let character = match letter {
+                Some(letter) => Some(if is_floor { letter.to_ascii_uppercase() } else { letter }),
+                None => is_floor.then_some('_').or(inner.clone().next().copied()),
+            };
+            [cell[0]].into_iter().chain(character)
+        };
+        rows.iter().map(|row| row.chunks(3).flat_map(narrow).collect()).collect()
+    } else {
+        rows.to_vec()
     }
 }
 
@@ -297,7 +325,11 @@ fn a_gap_is_found_and_a_wall_is_not_driven_through() {
     assert_eq!(reached, [BTreeSet::from([(1, 0), (1, 1), (2, 0), (2, 1)])]);
     let (_, reached) = compare("open.maz", &closed.replacen("|_|_|", "|_|_", 1));
     assert!(reached[0].contains(&(2, 2)) && reached[0].contains(&(0, -1)), "all around: {reached:?}");
-    // An upper case letter on the place of a wall closes the cell on its left below.
-    let (_, reached) = compare("letter.maz", " _____\n|  S| |\n| |   |\n|_____|\n");
-    assert!(!reached[0].contains(&(2, 0)) || reached[0].contains(&(1, 0)));
+    // The same with wide cells, and indented.
+    let wide = BTreeSet::from([(1, 0), (1, 1), (2, 0), (2, 1)]);
+    assert_eq!(compare("wide.maz", " _____\n| s   |\n|__|__|\n").1, [wide.clone()]);
+    assert_eq!(compare("indented.maz", "  ___\n |s  |\n |_|_|\n").1, [wide]);
+    // A letter on the place of a wall means the cell on its left, and in upper case closes that below.
+    let (_, reached) = compare("letter.maz", " _____\n| | S |\n|_|___|\n");
+    assert_eq!(reached, [BTreeSet::from([(1, 1), (1, 2), (2, 1), (2, 2)])]);
 }
