@@ -140,7 +140,11 @@ impl Reader {
                 Some(word) => format!("a wall of {count} numbers and the word `{}`", word.text),
                 None => format!("a wall of {count} numbers"),
             };
-            self.sink.warn(Code::WldWallArity, span, message, WALL_FORM);
+            let diagnostic = self.sink.warn(Code::WldWallArity, span, message, WALL_FORM);
+            if let ([x, y, phi], 3) = (words, count) {
+                let push = format!("`push {} {} {}`, if a frame is meant", x.text, y.text, phi.text);
+                diagnostic.suggestion = Some(push);
+            }
             return;
         }
         let quantities = &WALL[..words.len()];

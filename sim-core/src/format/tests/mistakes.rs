@@ -93,7 +93,7 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (Code::WldPopEmpty, "a.wld", "floor 1 1\npop\n"),
     (Code::WldPositionArity, "a.wld", "floor 1 1\nposition 1 2\n"),
     (Code::WldPushArity, "a.wld", "floor 1 1\npush\n0 0 1 1\npop\n"),
-    (Code::WldWallArity, "a.wld", "floor 1 1\n0 0 1\n0 0 1 1 wall\n"),
+    (Code::WldWallArity, "a.wld", "floor 1 1\n5000 0 0\n0 0 1 1 wall\n0 0 1 1 10\n0 0 1 1 10 200 255\n"),
     (Code::WldWallLength, "a.wld", "floor 1 1\n5 5 5 5\n"),
     (Code::WldWidthArity, "a.wld", "width\nheight 10\n"),
     (Code::WordExtra, "a.wld", "floor 1 1 1\npop up\n"),

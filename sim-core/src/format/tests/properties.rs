@@ -3,15 +3,19 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
+use glam::DVec3;
 use proptest::prelude::*;
 
 use super::super::*;
 use crate::unit::{metres_from_mm, radians_from_degrees};
 
-const VALID: [&str; 6] = [
+const VALID: [&str; 9] = [
     "floor 4000 3000\npush 10 20 90\n0 0 100 0\n0 0 10 10 5 200 1 2 3\npop\nposition 1 2 3\nfloor_texture \"a b.png\"\n",
     "360\n _____\n|S|  X|\n|o_.u_|\n|_____|\n720\n",
+    "  __ __\n |S |x |\n |__|__|\n",
     super::S4,
+    super::robi::VR,
+    super::robi::NEWEST,
     "world %sim%\\a.wld\nrobi a.robi 'b c.so' 1 2 3\nobject 1 2 3 0.1 x.ms3d\nsettings VIS\n",
     "maze m.maz\nsettings VIS trace\nrobot a.robi\nobject C:\\s/s.esObj\nS4 S 90 a.py\nlabbot 1 2 3 \"b c.x\"\nScout 1 2 3 02.x\n\
      Sign 5 5 0\ncan 1 2 3\nmarker 1 2 255 0 0 9\n",
@@ -55,6 +59,11 @@ fn read_all(text: &str) {
         assert!(world.starts.iter().all(|start| start.pose.position.is_finite()));
     }
     assert!(robi.diameter > 0.0 && robi.wheel.diameter > 0.0 && robi.wheel.track > 0.0 && robi.drive.wheelbase > 0.0);
+    assert!(robi.mass > 0.0 && robi.traction >= 0.0 && robi.max_speed > 0.0 && robi.max_turn > 0.0);
+    assert!(robi.diameter <= MAX_LENGTH && robi.drive.wheelbase.is_finite() && robi.axis_offset.is_finite());
+    assert!(robi.centre_of_mass.is_finite() && robi.colliders.iter().all(|collider| collider.reach().is_finite()));
+    assert!(robi.camera.is_none_or(|camera| camera.position.is_finite()));
+    assert!(robi.lidar.is_none_or(|lidar| lidar.points > 0 && lidar.sweep > 0.0 && lidar.tilt.is_finite()));
     assert!(robi.psds.iter().all(|psd| psd.position.is_finite() && psd.range > 0.0));
     assert!(sim.robots.iter().all(|robot| !matches!(robot.start, StartRef::Pose(pose) if !pose.position.is_finite())));
     for diagnostic in [of_world, of_maze, of_robi, of_companion, of_sim, of_object].concat() {
@@ -127,7 +136,18 @@ fn word() -> impl Strategy<Value = String> {
                 "\t",
                 "-0",
                 "1e9",
-                "OMNI_DRIVE"
+                "OMNI_DRIVE",
+                "ACKERMANN_DRIVE",
+                "collider",
+                "box",
+                "capsule",
+                "mass",
+                "axis",
+                "axel",
+                "turn",
+                "lidar",
+                "fisheye",
+                "model"
             ][..]
         )
         .prop_map(str::to_owned),
@@ -186,6 +206,40 @@ proptest! {
             })
             .collect();
         prop_assert_eq!(read, written);
+    }
+
+    /// Robots of EyeSim VR, of either form of `psd`: numbers in its axes are places in ours.
+    #[test]
+    fn robots_of_eyesim_vr_come_back(
+        sizes in prop::collection::vec(prop::array::uniform3(1..900_i32), 1..6),
+        at in prop::collection::vec(prop::array::uniform3(-900..900_i32), 6),
+        is_newest in any::<bool>(),
+    ) {
+        let mut text = String::from("drive DIFFERENTIAL_DRIVE\ndiameter 400\nwheel 50 3600 1000 45\n");
+        for (index, (size, [right, up, forward])) in sizes.iter().zip(&at).enumerate() {
+            let [x, y, z] = size;
+            writeln!(text, "collider box {x} {y} {z} {right} {up} {forward}").unwrap();
+            let id = index + 1;
+            if is_newest {
+                writeln!(text, "psd {id} PSD{id} {right} {up} {forward} 0 {x} 0").unwrap();
+            } else {
+                writeln!(text, "psd PSD{id} {id} {right} {up} {forward} {x}").unwrap();
+            }
+        }
+        let (robi, diagnostics) = read_robi("r", &text);
+        prop_assert_eq!(diagnostics, vec![]);
+        prop_assert_eq!(robi.wheel.track, 0.09);
+        let metres = |mm: i32| metres_from_mm(f64::from(mm));
+        for ((collider, psd), (size, place)) in robi.colliders.iter().zip(&robi.psds).zip(sizes.iter().zip(&at)) {
+            let [right, up, forward] = place.map(metres);
+            let [x, y, z] = size.map(metres);
+            let (centre, size_of) = (DVec3::new(forward, -right, up), DVec3::new(z, x, y));
+            prop_assert_eq!(*collider, Collider::Box { centre, size: size_of });
+            // A PSD's numbers are not in those axes.
+            prop_assert_eq!(psd.position, DVec3::new(right, up, forward));
+            prop_assert_eq!(psd.angle, radians_from_degrees(f64::from(size[0])));
+        }
+        prop_assert_eq!(robi.colliders.len(), sizes.len());
     }
 
     /// The walls of a maze are the drawn pieces, and no wall goes on where another ends.

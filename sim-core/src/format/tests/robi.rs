@@ -22,12 +22,12 @@ fn assert_close(a: f64, b: f64) {
     assert!((a - b).abs() < 1e-9, "{a} is not {b}");
 }
 
-const VR: &str = "drive DIFFERENTIAL_DRIVE\nname Probe\nmass 5 10 30 -50\nmodel \"a b.obj\" 14 20 30 0 90 0\n\
+pub(super) const VR: &str = "drive DIFFERENTIAL_DRIVE\nname Probe\nmass 5 10 30 -50\nmodel \"a b.obj\" 14 20 30 0 90 0\n\
     collider box 180 145 200 10 82 20\ncollider capsule 10 50 0 25 -60\ncollider sphere 10 -20 30 40\n\
     axis 22.5 10.8\npsd PSD_FRONT 1 30 0 80 0\npsd PSD_LEFT 2 45 27 40 90\ncamera 40 50 70 10 0 90 45\n\
     wheel 45 3600 540 70\nlidar 180 -10\n";
 
-const NEWEST: &str = "drive DIFFERENTIAL_DRIVE\nname Probe\nmass 50 0 30 -30\nmodel p.obj 0 0 0 0 90 0\n\
+pub(super) const NEWEST: &str = "drive DIFFERENTIAL_DRIVE\nname Probe\nmass 50 0 30 -30\nmodel p.obj 0 0 0 0 90 0\n\
     collider box 95 74 65 0 46 -50\naxis 22.7 10.8\npsd 1 PSD_FRONT 60 20 30 0 0 0\npsd 2 PSD_BACK 61 20 30 0 180 0\n\
     camera 0 62 60 0 -5 482 162\nfisheye 150\nwheel 54 3600 1100 45\n";
 

@@ -1,0 +1,53 @@
+//! Mazes that are not drawn as EyeSim draws them.
+
+use glam::DVec2;
+
+use super::super::*;
+use super::{codes, ends};
+
+#[test]
+fn an_even_indentation_moves_the_maze() {
+    let (maze, diagnostics) = read_maze("m.maz", "   _\n  |S|\n  |_|\n1000\n");
+    assert_eq!((codes(&diagnostics), maze.floor), (vec![], DVec2::new(2.0, 2.0)));
+    assert_eq!(maze.starts[0].pose.position, DVec2::new(1.5, 1.5));
+}
+
+#[test]
+fn an_odd_indentation_is_undone() {
+    let straight = read_maze("m.maz", " ___\n|S| |\n|_x_|\n").0;
+    let (mut indented, diagnostics) = read_maze("m.maz", "  ___\n |S| |\n |_x_|\n");
+    assert_eq!(codes(&diagnostics), ["maz-indent"]);
+    assert_eq!((ends(&indented), indented.floor), (ends(&straight), straight.floor));
+    // The letter in a column of walls belongs to the cell on its left.
+    let places = |maze: &WorldSpec| maze.objects.iter().map(|object| object.pose.position).collect::<Vec<_>>();
+    assert_eq!(places(&indented), [DVec2::new(0.18, 0.18)]);
+    assert_eq!(places(&indented), places(&straight));
+    assert_eq!(indented.starts.remove(0).pose, straight.starts[0].pose);
+}
+
+#[test]
+fn cells_of_two_characters_are_read_as_they_are_drawn() {
+    let narrow = read_maze("m.maz", " ___\n|U| |\n|___|\n").0;
+    let (wide, diagnostics) = read_maze("m.maz", " _____\n| U|  |\n|_____|\n");
+    assert_eq!(codes(&diagnostics), ["maz-wide"]);
+    assert_eq!((ends(&wide), wide.floor), (ends(&narrow), narrow.floor));
+    assert_eq!(wide.starts[0].pose, narrow.starts[0].pose);
+}
+
+#[test]
+fn a_wall_off_every_grid_is_left_out() {
+    let (maze, diagnostics) = read_maze("m.maz", " _____\n|  || |\n|_____|\n");
+    assert_eq!((codes(&diagnostics), maze.floor.x), (vec!["maz-wall-column"], 3.0 * 0.36));
+}
+
+#[test]
+fn notches_beyond_the_border_are_cells() {
+    let (maze, diagnostics) = read_maze("m.maz", "   ___\n _|   |_\n|   o   |\n|_     _|\n  |___|\n100\n");
+    assert_eq!(diagnostics, []);
+    assert_eq!(maze.floor, DVec2::new(0.4, 0.4));
+    // The left goal: its back, its lower and its upper edge.
+    for wall in [[0.0, 0.1, 0.0, 0.3], [0.0, 0.1, 0.1, 0.1], [0.0, 0.3, 0.1, 0.3]] {
+        let near = |is: &[f64; 4]| is.iter().zip(wall).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(ends(&maze).iter().any(near), "no {wall:?} in {:?}", ends(&maze));
+    }
+}
