@@ -86,7 +86,7 @@ fn wrong_arguments_are_named_with_what_is_accepted() {
         (&["--slot", "-1"][..], "0.001"),
         (&["--until", "nan"][..], "seconds"),
         (&["--speed", "0"][..], "max"),
-        (&["--args", "9:x"][..], "robots 1 to 1"),
+        (&["--args", "9:x"][..], "robot 1 alone"),
         (&["--keys", "1:KEY9"][..], "KEY1"),
         (&["--costs", "none.toml"][..], "none.toml"),
     ] {

@@ -128,8 +128,13 @@ fn give_arguments(scene: &mut SceneSpec, options: &[String]) -> anyhow::Result<(
 
 /// The place of robot `robot` in the scene.
 fn index_of(scene: &SceneSpec, robot: u32) -> anyhow::Result<usize> {
-    let known = || anyhow!("there is no robot {robot}: the sim file has robots 1 to {}", scene.robots.len());
-    scene.robots.iter().position(|spec| spec.id.0 == robot).ok_or_else(known)
+    let known = match scene.robots.len() {
+        0 => "no robots".to_owned(),
+        1 => "robot 1 alone".to_owned(),
+        count => format!("robots 1 to {count}"),
+    };
+    let place = scene.robots.iter().position(|spec| spec.id.0 == robot);
+    place.ok_or_else(|| anyhow!("there is no robot {robot}: the scene has {known}"))
 }
 
 /// The robot's number before `separator`, if there is one, and the rest.
@@ -203,9 +208,13 @@ mod tests {
     #[test]
     fn programs_that_nobody_gets_are_refused() {
         let error = |options: &[&str]| programs(options).expect_err("refused");
-        assert_eq!(error(&["4=x.c"]), "--program: there is no robot 4: the sim file has robots 1 to 3");
+        assert_eq!(error(&["4=x.c"]), "--program: there is no robot 4: the scene has robots 1 to 3");
         assert_eq!(error(&["2=x.c", "2=y.c"]), "--program: robot 2 gets two programs");
         assert!(error(&["x.c", "y.c"]).contains("not `x.c` and `y.c`"));
+        let mut empty = SceneSpec::default();
+        let option = ProgramOption::parse("1=x.c").expect("a program");
+        let error_of_empty = give_programs(&mut empty, &[option]).expect_err("refused");
+        assert_eq!(format!("{error_of_empty:#}"), "--program: there is no robot 1: the scene has no robots");
         assert!(error(&["2=x.c", "3=x.c", "z.c"]).contains("every robot has a program; `--program 1=z.c` replaces"));
         assert!(ProgramOption::parse("2=").unwrap_err().contains("expected a program"));
     }

@@ -84,7 +84,7 @@ fn summary(report: &Report) -> String {
     let (simulated, real) = (report.sim_time_s, report.real_time_s);
     let factor = simulated / real;
     let speed = match factor {
-        factor if !factor.is_finite() => String::new(),
+        factor if !factor.is_finite() || simulated <= 0.0 => String::new(),
         factor if factor < 10.0 => format!(", {factor:.1} times real time"),
         factor => format!(", {factor:.0} times real time"),
     };

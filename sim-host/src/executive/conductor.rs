@@ -156,8 +156,11 @@ impl Conductor {
         &mut self.recorder
     }
 
-    /// Releases the first robots.
+    /// Releases the first robots, if there are any with a program.
     pub fn begin(&mut self, run: &Run) -> HandOver {
+        if self.is_over() {
+            run.bell().ring();
+        }
         self.go_on(run, None)
     }
 
