@@ -10,11 +10,12 @@ use sim_core::format::{
 
 /// Codes that a text alone cannot cause: they need bytes that are no text, an image, a folder, thousands of lines or a
 /// program.
-const WITHOUT_EXAMPLE: [Code; 8] = [
+const WITHOUT_EXAMPLE: [Code; 9] = [
     Code::FileEncoding,
     Code::FileKind,
     Code::FileMore,
     Code::FileUnreadable,
+    Code::FolderEmpty,
     Code::MeshSize,
     Code::ProgramMissing,
     Code::TextureFormat,
@@ -102,18 +103,15 @@ fn looks(robi: &str, files: &dyn Files) -> Vec<Diagnostic> {
 
 /// A page: its lines before the examples, and the examples.
 struct Page {
-    text: String,
+    text: &'static str,
     wrong: Option<Example>,
     right: Option<Example>,
 }
 
 impl Page {
     fn of(code: Code) -> Self {
-        let path = folder().join(format!("{code}.md"));
-        let text = fs::read_to_string(&path).unwrap_or_else(|error| {
-            panic!("{}: {error}; each code has a page: what it means, why it matters, an example", path.display())
-        });
-        let [wrong, right] = ["wrong", "right"].map(|role| example(&text, role));
+        let text = code.page();
+        let [wrong, right] = ["wrong", "right"].map(|role| example(text, role));
         Self { text, wrong, right }
     }
 

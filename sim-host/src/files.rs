@@ -1,5 +1,6 @@
 //! The file system as the readers of sim-core see it.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -16,6 +17,8 @@ const MAX_BYTES: u64 = 256 << 20;
 #[derive(Clone, Debug, Default)]
 pub struct DiskFiles {
     home: Option<String>,
+    /// Files whose real names are no text, or have back slashes in them.
+    real: BTreeMap<String, PathBuf>,
 }
 
 impl DiskFiles {
@@ -24,17 +27,27 @@ impl DiskFiles {
     pub fn of_environment() -> Self {
         let named = std::env::var_os(HOME_VARIABLE).filter(|home| !home.is_empty()).map(PathBuf::from);
         let home = named.or_else(above_binary).or_else(checkout);
-        Self { home: home.map(|home| slashed(&home)) }
+        Self { home: home.map(|home| slashed(&home)), real: BTreeMap::new() }
     }
 
     /// Files with the installation in `home`.
     pub fn with_home(home: &Path) -> Self {
-        Self { home: Some(slashed(home)) }
+        Self { home: Some(slashed(home)), real: BTreeMap::new() }
+    }
+
+    /// The name under which a reader finds the file `path`, whatever characters or bytes its real name consists of.
+    pub fn name(&mut self, path: &Path) -> String {
+        let name = slashed(path);
+        if path.to_str() != Some(name.as_str()) {
+            self.real.insert(name.clone(), path.to_owned());
+        }
+        name
     }
 }
 
 impl Files for DiskFiles {
     fn read(&self, path: &str) -> Result<Vec<u8>, FileError> {
+        let path = self.real.get(path).map_or(Path::new(path), PathBuf::as_path);
         let metadata = fs::metadata(path).map_err(file_error)?;
         if !metadata.is_file() {
             return Err(FileError::Unreadable("it is not a file".to_owned()));

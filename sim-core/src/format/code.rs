@@ -27,6 +27,13 @@ macro_rules! codes {
                 }
             }
 
+            /// Its page in docs/formats/codes/, in Markdown: what it means, why it matters, an example.
+            pub const fn page(self) -> &'static str {
+                match self {
+                    $(Code::$variant => include_str!(concat!("../../../docs/formats/codes/", $name, ".md")),)+
+                }
+            }
+
             /// What it means, in one line without a full stop.
             pub const fn meaning(self) -> &'static str {
                 match self {
@@ -37,7 +44,8 @@ macro_rules! codes {
     };
 }
 
-// In alphabetical order. A new code needs its page, docs/formats/codes/CODE.md, whose first lines repeat the meaning.
+// In alphabetical order. A new code needs its page, docs/formats/codes/CODE.md, or nothing compiles; its third line repeats the
+// meaning, and its examples are tried by tests/codes.rs.
 codes! {
     EsobjArity = "esobj-arity": "a keyword of an object file with a wrong number of values",
     EsobjColliderKind = "esobj-collider-kind": "a collider of an unknown shape or axis",
@@ -52,6 +60,7 @@ codes! {
     FileMoved = "file-moved": "an absolute path leads nowhere, but there is such a file near the one that mentions it",
     FileNameMissing = "file-name-missing": "a file name is missing or empty",
     FileUnreadable = "file-unreadable": "a file is there but cannot be read",
+    FolderEmpty = "folder-empty": "a folder without a file that eyesim reads",
     MazBlank = "maz-blank": "a blank line inside a maze",
     MazBorder = "maz-border": "the upper border of a maze is missing",
     MazCellTwice = "maz-cell-twice": "two cell sizes that differ in one maze",

@@ -1,5 +1,7 @@
 //! What a reader has to say about a text: where, how bad, what was expected.
 
+use std::borrow::Cow;
+
 use serde::Serialize;
 
 use super::Code;
@@ -145,7 +147,7 @@ impl Sink {
         self.report(Severity::Error, code, span, message, expected)
     }
 
-    /// All diagnostics, in the order of the text.
+    /// All diagnostics, in the order of the text; what they quote is cut where it is long.
     pub(super) fn finish(mut self) -> Vec<Diagnostic> {
         self.diagnostics.sort_by_key(|diagnostic| diagnostic.span);
         self.diagnostics.extend(self.last_left_out.map(|last| Diagnostic {
@@ -157,6 +159,7 @@ impl Sink {
         }));
         for Diagnostic { message, expected, suggestion, .. } in &mut self.diagnostics {
             for words in [message, expected].into_iter().chain(suggestion) {
+                shorten(words);
                 if words.contains(is_unprintable) {
                     *words = words.chars().map(printable).collect();
                 }
@@ -176,4 +179,26 @@ fn is_unprintable(character: char) -> bool {
 /// The character, or `\u{1b}` and the like for one that is unprintable.
 fn printable(character: char) -> String {
     if is_unprintable(character) { character.escape_unicode().to_string() } else { character.to_string() }
+}
+
+/// Bytes of a word and of a message that fill no screen.
+const MAX_WORD: usize = 300;
+const MAX_MESSAGE: usize = 3000;
+
+/// Cuts out the middles of words, then of the whole message, where they are too long: a file may consist of one word.
+fn shorten(text: &mut String) {
+    if text.len() > MAX_WORD {
+        *text = text.split_inclusive(' ').map(|word| cut(word, MAX_WORD)).collect();
+        *text = cut(text, MAX_MESSAGE).into_owned();
+    }
+}
+
+/// The first and the last sixth of a `text` that has more than `max` bytes.
+fn cut(text: &str, max: usize) -> Cow<'_, str> {
+    if text.len() <= max {
+        return Cow::Borrowed(text);
+    }
+    let head = text.floor_char_boundary(max / 6);
+    let tail = text.ceil_char_boundary(text.len() - max / 6);
+    Cow::Owned(format!("{}…{}", &text[..head], &text[tail..]))
 }

@@ -16,6 +16,9 @@ pub(super) struct Line<'a> {
     number: u32,
 }
 
+/// Words that are told apart in one line, so that a file of a single line does not fill the memory.
+const MAX_WORDS: usize = 1000;
+
 /// A word of a line, without its quotes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Word<'a> {
@@ -62,7 +65,7 @@ impl<'a> Line<'a> {
     }
 
     /// The words: separated by blanks and tabs, `"..."` and `'...'` are one word, a comment begins with `;` or with `#` at
-    /// the start of a word.
+    /// the start of a word. No line of any format has [`MAX_WORDS`]: what follows them is not looked at.
     pub(super) fn words(&self) -> Vec<Word<'a>> {
         let mut words = Vec::new();
         let mut characters = self.text.char_indices().zip(1..).peekable();
@@ -71,7 +74,7 @@ impl<'a> Line<'a> {
                 characters.next();
                 continue;
             }
-            if matches!(character, ';' | '#') {
+            if matches!(character, ';' | '#') || words.len() == MAX_WORDS {
                 break;
             }
             let quote = matches!(character, '"' | '\'').then_some(character);

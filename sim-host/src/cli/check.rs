@@ -1,43 +1,34 @@
 //! `eyesim check`: reads files with all that they name, and prints what is wrong in them.
 
-use std::collections::BTreeMap;
-use std::fmt::Write;
-use std::path::PathBuf;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use sim_core::format::{self, Code, Diagnostic, Files, InputFile, Loaded, RobotSpec, SceneSpec, Severity, Span};
 
+use super::diagnostic::{self, Colour, Format, Screen, plural};
 use crate::files::{DiskFiles, slashed};
 use crate::program::find::{SearchPath, find_program};
 
 /// Exit code when there are errors, or warnings under `--strict`.
 const EXIT_MISTAKES: u8 = 2;
 
-/// Columns of a source line that are shown at most.
-const SHOWN_COLUMNS: usize = 120;
-
 /// Arguments of `eyesim check`.
 #[derive(Args)]
 pub struct CheckArgs {
-    /// Files to check: .sim (with all that it names), .robi (with its .toml), .wld, .maz, .esObj
+    /// Files to check: .sim (with all that it names), .robi (with its .toml), .wld, .maz, .esObj; of a folder all such files
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// How the diagnostics are printed
-    #[arg(long, value_enum, default_value = "text")]
+    #[arg(long, value_enum, default_value_t)]
     pub format: Format,
+    /// When colours are used
+    #[arg(long, value_enum, default_value_t, value_name = "WHEN")]
+    pub color: Colour,
     /// Warnings, too, lead to exit code 2
     #[arg(long)]
     pub strict: bool,
-}
-
-/// How diagnostics are printed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Format {
-    /// For people: `file:line:column: severity[code]: message`, then the line itself
-    Text,
-    /// One array of objects
-    Json,
 }
 
 /// Tells whether a robot's program can be found; if not, the message says what was tried.
@@ -46,30 +37,42 @@ pub type FindProgram<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Result<(), String> 
 /// Runs the command: 0, or 2 where there are errors (under `--strict`: or warnings).
 ///
 /// # Errors
-/// If the working folder is unknown or the diagnostics cannot be turned into JSON.
+/// If the working folder is unknown or nothing can be printed.
 pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
-    let names: Vec<String> = args.files.iter().map(|file| slashed(file)).collect();
-    let files = DiskFiles::of_environment();
+    let mut files = DiskFiles::of_environment();
+    let (names, empty) = expand(&args.files, &mut files);
+    let find = finder(&files)?;
+    let mut checked = check(&names, &files, &*find);
+    checked.diagnostics.extend(empty);
+    let screen = Screen::of_stdout(args.color);
+    let mut text = diagnostic::render(&checked.diagnostics, &checked.inputs, args.format, screen)?;
+    if args.format != Format::Json {
+        text.push_str(&format!("{}\n", checked.summary()));
+        if let Some(first) = checked.diagnostics.first().filter(|_| args.format.is_human(screen)) {
+            text.push_str(&format!("`eyesim explain {}` tells more\n", first.code));
+        }
+    }
+    diagnostic::print(&text)?;
+    Ok(if checked.is_rejected(args.strict) { ExitCode::from(EXIT_MISTAKES) } else { ExitCode::SUCCESS })
+}
+
+/// Looks for programs where `eyesim run` does.
+///
+/// # Errors
+/// If the working folder is unknown.
+pub fn finder(files: &DiskFiles) -> anyhow::Result<Box<FindProgram<'static>>> {
     let working_folder = std::env::current_dir()?;
-    let find = |scene: &SceneSpec, robot: &RobotSpec| {
+    let installation = files.home().map(PathBuf::from);
+    Ok(Box::new(move |scene, robot| {
         let search = SearchPath {
             sim_folder: Some(PathBuf::from(&scene.folder)),
             working_folder: working_folder.clone(),
             folders: Vec::new(),
-            installation: files.home().map(PathBuf::from),
+            installation: installation.clone(),
         };
         let Some(program) = &robot.program else { return Ok(()) };
         find_program(&program.text, &search).map(drop).map_err(|error| error.to_string())
-    };
-    let checked = check(&names, &files, &find);
-    match args.format {
-        Format::Json => println!("{}", serde_json::to_string_pretty(&checked.diagnostics)?),
-        Format::Text => {
-            print!("{}", render(&checked.diagnostics, &checked.inputs));
-            println!("{}", checked.summary());
-        }
-    }
-    Ok(if checked.is_rejected(args.strict) { ExitCode::from(EXIT_MISTAKES) } else { ExitCode::SUCCESS })
+    }))
 }
 
 /// What a check has found in all files together.
@@ -84,38 +87,35 @@ pub struct Checked {
 impl Checked {
     /// True when there are errors, or when `strict` and there are warnings.
     pub fn is_rejected(&self, strict: bool) -> bool {
-        format::has_errors(&self.diagnostics) || strict && !self.diagnostics.is_empty()
+        is_rejected(&self.diagnostics, strict)
     }
 
-    fn add(&mut self, loaded: Loaded) {
-        let new = loaded.diagnostics.into_iter().filter(|diagnostic| !self.diagnostics.contains(diagnostic));
-        let new: Vec<Diagnostic> = new.collect();
-        self.diagnostics.extend(new);
-        let new = loaded.inputs.into_iter().filter(|input| self.inputs.iter().all(|old| old.path != input.path));
-        let new: Vec<InputFile> = new.collect();
-        self.inputs.extend(new);
-    }
-
-    fn summary(&self) -> String {
-        let count = |severity| self.diagnostics.iter().filter(|diagnostic| diagnostic.severity == severity).count();
-        let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
+    /// `2 files checked: no mistakes`, or how many of which severity in how many of them.
+    pub fn summary(&self) -> String {
         let files = plural(self.inputs.len(), "file");
-        match (errors, warnings) {
-            (0, 0) => format!("{files} checked: no mistakes"),
-            _ => format!("{files} checked: {}, {}", plural(errors, "error"), plural(warnings, "warning")),
+        if self.diagnostics.is_empty() {
+            return format!("{files} checked: no mistakes");
         }
+        format!("{files} checked: {}", diagnostic::count(&self.diagnostics))
     }
 }
 
-fn plural(count: usize, noun: &str) -> String {
-    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+/// True when `diagnostics` are such that a scene is not run: errors, or when `strict` anything.
+pub fn is_rejected(diagnostics: &[Diagnostic], strict: bool) -> bool {
+    format::has_errors(diagnostics) || strict && !diagnostics.is_empty()
 }
 
 /// Checks the files `names` with all that they name.
 pub fn check(names: &[String], files: &dyn Files, find_program: &FindProgram<'_>) -> Checked {
     let mut checked = Checked::default();
+    // A file may be named by several others, and be one of `names` itself.
+    let mut said: BTreeSet<(String, Span, Code, String)> = BTreeSet::new();
+    let mut read: BTreeSet<String> = BTreeSet::new();
     for name in names {
-        checked.add(check_one(name, files, find_program));
+        let loaded = check_one(name, files, find_program);
+        let is_new = |d: &Diagnostic| said.insert((d.file.clone(), d.span, d.code, d.message.clone()));
+        checked.diagnostics.extend(loaded.diagnostics.into_iter().filter(is_new));
+        checked.inputs.extend(loaded.inputs.into_iter().filter(|input| read.insert(input.path.clone())));
     }
     checked
 }
@@ -133,32 +133,30 @@ fn check_one(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> L
     }
 }
 
-fn unknown_kind(name: &str) -> Diagnostic {
-    Diagnostic {
-        severity: Severity::Error,
-        code: Code::FileKind,
-        file: name.to_owned(),
-        span: Span::default(),
-        message: "the name does not say which kind of file this is".to_owned(),
-        expected: "a name that ends in .sim, .robi, .toml, .wld, .maz, .maze or .esObj".to_owned(),
-        suggestion: None,
-    }
-}
+/// Extensions of the files that are taken from a folder. A companion is read with its robi.
+const EXTENSIONS: [&str; 6] = ["sim", "wld", "maz", "maze", "robi", "esObj"];
 
 fn check_sim(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
     let mut loaded = format::load_sim(name, files);
-    let mut told: Vec<&str> = Vec::new();
-    for robot in &loaded.scene.robots {
-        // Many robots may run the same program.
-        let Some(program) = robot.program.as_ref().filter(|program| !told.contains(&program.text.as_str())) else {
-            continue;
-        };
-        told.push(&program.text);
-        if let Err(message) = find_program(&loaded.scene, robot) {
-            loaded.diagnostics.push(Diagnostic {
-                severity: Severity::Error,
+    // EyeSim reads the file and places the robot all the same.
+    let missing = missing_programs(&loaded.scene, Severity::Warning, find_program);
+    loaded.diagnostics.extend(missing);
+    loaded
+}
+
+/// What is said about the programs that the files of a scene name and that are not found, each once, in the order of the robots.
+pub fn missing_programs(scene: &SceneSpec, severity: Severity, find_program: &FindProgram<'_>) -> Vec<Diagnostic> {
+    let mut tried: BTreeSet<&str> = BTreeSet::new();
+    let mut missing = Vec::new();
+    for robot in &scene.robots {
+        // Many robots may run the same program. One that the command line names has no place in a file.
+        let of_file = robot.program.as_ref().filter(|program| program.span.line > 0);
+        let Some(program) = of_file.filter(|program| tried.insert(&program.text)) else { continue };
+        if let Err(message) = find_program(scene, robot) {
+            missing.push(Diagnostic {
+                severity,
                 code: Code::ProgramMissing,
-                file: name.to_owned(),
+                file: scene.file.clone(),
                 span: program.span,
                 message,
                 expected: "a library, a C file or a Cargo package folder".to_owned(),
@@ -166,47 +164,78 @@ fn check_sim(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> L
             });
         }
     }
-    loaded
+    missing
 }
 
-/// The `diagnostics` for people: each with the line of the source that it is about, from `inputs`.
-pub fn render(diagnostics: &[Diagnostic], inputs: &[InputFile]) -> String {
-    let texts: BTreeMap<&str, String> =
-        inputs.iter().map(|input| (input.path.as_str(), format::decode(&input.bytes).0)).collect();
-    let mut out = String::new();
-    for diagnostic in diagnostics {
-        let _ = writeln!(out, "{diagnostic}");
-        if let Some(text) = texts.get(diagnostic.file.as_str()).filter(|_| diagnostic.span.line > 0) {
-            out.push_str(&source_line(text, diagnostic.span));
+/// A diagnostic on the file or folder `name` as a whole.
+fn on_file(code: Code, name: &str, message: &str, expected: &str) -> Diagnostic {
+    let (message, expected) = (message.to_owned(), expected.to_owned());
+    let (file, span) = (name.to_owned(), Span::default());
+    Diagnostic { severity: Severity::Error, code, file, span, message, expected, suggestion: None }
+}
+
+fn unknown_kind(name: &str) -> Diagnostic {
+    let expected = "a name that ends in .sim, .robi, .toml, .wld, .maz, .maze or .esObj";
+    on_file(Code::FileKind, name, "the name does not say which kind of file this is", expected)
+}
+
+/// The files that `paths` mean, as the readers name them: of a folder, all below it that are of a known kind. Folders that hold
+/// none, or that cannot be read, are reported.
+fn expand(paths: &[PathBuf], files: &mut DiskFiles) -> (Vec<String>, Vec<Diagnostic>) {
+    let mut names = Vec::new();
+    let mut diagnostics = Vec::new();
+    for path in paths {
+        if !path.is_dir() {
+            names.push(files.name(path));
+            continue;
         }
-        let _ = writeln!(out, "   = expected: {}", diagnostic.expected);
-        if let Some(suggestion) = &diagnostic.suggestion {
-            let _ = writeln!(out, "   = suggestion: {suggestion}");
+        let before = (names.len(), diagnostics.len());
+        walk(path, &mut |found| names.push(files.name(found)), &mut |folder, error| {
+            let message = format!("the folder cannot be read: {error}");
+            let expected = "a folder that can be read";
+            diagnostics.push(on_file(Code::FileUnreadable, &slashed(folder), &message, expected));
+        });
+        if (names.len(), diagnostics.len()) == before {
+            let expected = format!("a folder with files that end in .{}", EXTENSIONS.join(", ."));
+            let message = "there is no file in this folder that eyesim reads";
+            diagnostics.push(on_file(Code::FolderEmpty, &slashed(path), message, &expected));
         }
     }
-    out.chars().map(printable).collect()
+    (names, diagnostics)
 }
 
-/// The line of `span` with carets below it; a long line is cut out around them.
-fn source_line(text: &str, span: Span) -> String {
-    let column = span.column as usize - 1;
-    let line_start = text.get(..span.start).and_then(|before| before.rfind(['\n', '\r'])).map_or(0, |place| place + 1);
-    let line = text[line_start..].trim_start_matches('\u{feff}').split(['\n', '\r']).next().unwrap_or_default();
-    let marked = text.get(span.start..span.end).unwrap_or_default();
-    let width = marked.split(['\n', '\r']).next().unwrap_or_default().chars().count().max(1);
-    let first = if column + width > SHOWN_COLUMNS { column.saturating_sub(SHOWN_COLUMNS / 4) } else { 0 };
-    let shown: String = line.chars().skip(first).take(SHOWN_COLUMNS).collect();
-    // Tabs stay tabs, so that the carets stand where the terminal puts the words.
-    let indent: String =
-        line.chars().skip(first).take(column - first).map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
-    let carets = "^".repeat(width.min(SHOWN_COLUMNS.saturating_sub(column - first).max(1)));
-    let margin = span.line.to_string().len();
-    format!("{:margin$} |\n{} | {shown}\n{:margin$} | {indent}{carets}\n", "", span.line, "")
+/// Visits all files of a known kind below `folder`, in the order of their names. Hidden folders, and folders behind links (which may
+/// lead in circles), are left out.
+fn walk(folder: &Path, file: &mut dyn FnMut(&Path), unreadable: &mut dyn FnMut(&Path, &std::io::Error)) {
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        let listed = std::fs::read_dir(&folder).and_then(Iterator::collect::<std::io::Result<Vec<_>>>);
+        let mut entries = match listed {
+            Ok(entries) => entries,
+            Err(error) => {
+                unreadable(&folder, &error);
+                continue;
+            }
+        };
+        entries.sort_by_key(std::fs::DirEntry::file_name);
+        let mut below = Vec::new();
+        for entry in entries {
+            // `./a.wld` and `a.wld` are one file.
+            let path = entry.path();
+            let path = path.strip_prefix(".").unwrap_or(&path);
+            let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+            if is_folder && !entry.file_name().as_encoded_bytes().starts_with(b".") {
+                below.push(path.to_owned());
+            } else if !is_folder && is_known(path) && path.is_file() {
+                file(path);
+            }
+        }
+        folders.extend(below.into_iter().rev());
+    }
 }
 
-/// A terminal must not be steered by a file.
-fn printable(character: char) -> char {
-    if character.is_control() && !matches!(character, '\t' | '\n') { '\u{fffd}' } else { character }
+fn is_known(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known)))
 }
 
 #[cfg(test)]
@@ -249,7 +278,9 @@ mod tests {
         assert_eq!(places, expected);
         assert!(placed.iter().all(|diagnostic| !diagnostic.expected.is_empty()));
         assert!(checked.is_rejected(false), "a floor of negative size loses the file");
-        let text = render(&checked.diagnostics, &checked.inputs);
+        let screen = Screen { is_terminal: true, width: 100, has_colour: false };
+        let text =
+            diagnostic::render(&checked.diagnostics, &checked.inputs, Format::Human, screen).expect("plain text");
         insta::assert_snapshot!(text.replace(&slashed(folder.path()), "."));
     }
 
@@ -313,22 +344,5 @@ mod tests {
         let args = parse(&["check", "a.sim", "b.wld", "--format", "json", "--strict"]).expect("a good command line");
         assert_eq!((args.files.len(), args.format, args.strict), (2, Format::Json, true));
         assert!(parse(&["check"]).is_err(), "at least one file");
-    }
-
-    #[test]
-    fn carets_stand_below_the_word() {
-        let span = Span { start: 6, end: 9, line: 2, column: 5 };
-        assert_eq!(source_line("a\r\té bcd\n", span), "  |\n2 | \té bcd\n  | \t   ^^^\n");
-        let long = "x".repeat(500);
-        let span = Span { start: 400, end: 500, line: 1, column: 401 };
-        let shown = source_line(&long, span);
-        assert!(shown.lines().all(|line| line.len() < 130) && shown.contains("^^^"), "{shown}");
-    }
-
-    #[test]
-    fn escape_sequences_of_a_file_do_not_reach_the_terminal() {
-        let input = InputFile { path: "a.wld".to_owned(), bytes: b"floor 1 1\n\x1b[2J 1\n".to_vec() };
-        let (_, diagnostics) = format::read_world("a.wld", "floor 1 1\n\x1b[2J 1\n");
-        assert!(!render(&diagnostics, &[input]).contains('\x1b'));
     }
 }

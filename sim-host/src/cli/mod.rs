@@ -9,6 +9,9 @@ use clap::{Parser, Subcommand};
 
 pub mod cc;
 pub mod check;
+pub mod diagnostic;
+pub mod excerpt;
+pub mod explain;
 pub mod new;
 pub mod options;
 pub mod progress;
@@ -41,6 +44,8 @@ enum Command {
     Run(Box<run::RunArgs>),
     /// Read files and print what is wrong in them
     Check(check::CheckArgs),
+    /// Say what a diagnostic's code means, why it matters and what would be right
+    Explain(explain::ExplainArgs),
     /// Build a robot program from C sources by hand
     Cc(cc::CcArgs),
     /// Write a new robot program with a robi, a world and a sim that run at once
@@ -52,6 +57,7 @@ pub fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(args) => run::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Explain(args) => explain::run(&args),
         Command::Cc(args) => cc::run(&args),
         Command::New(args) => new::run(&args),
     };

@@ -10,11 +10,12 @@ use std::sync::Arc;
 use anyhow::{Context, bail};
 use clap::Args;
 use parking_lot::Mutex;
-use sim_core::format::{Files, InputFile, Loaded, SceneSpec, load_sim};
+use sim_core::format::{Diagnostic, Files, InputFile, Loaded, SceneSpec, Severity, load_sim};
 use sim_core::pose::Pose;
 use sim_core::scene::Walls;
 use sim_core::time::Time;
 
+use super::diagnostic::{self, Colour, Format};
 use super::options::{Options, ProgramOption};
 use super::progress::{Building, Counts, Progress};
 use super::table::{self, Screen};
@@ -22,7 +23,7 @@ use super::{EXIT_INTERRUPTED, EXIT_PROGRAM, EXIT_USAGE, check};
 use crate::executive::conductor::End;
 use crate::executive::run::{Ended, Limits, Parts, RobotEnd, Run};
 use crate::executive::thread::ThreadExecutor;
-use crate::files::{DiskFiles, slashed};
+use crate::files::DiskFiles;
 use crate::program::{Builder, Cache, SearchPath, ShimKit, Tools};
 use crate::record::report::{Input, REPORT_SCHEMA, RobotReport};
 use crate::record::trace::{TraceHeader, TraceRobot};
@@ -37,6 +38,9 @@ const DEFAULT_UNTIL: f64 = 600.0;
 pub struct RunArgs {
     /// The sim file
     pub sim: PathBuf,
+    /// Do not run a scene that has warnings
+    #[arg(long)]
+    pub strict: bool,
     /// Write the report as JSON
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
@@ -105,14 +109,26 @@ pub enum Speed {
 /// Files or arguments that are wrong.
 pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     expect_sim(&args.sim)?;
-    let files = DiskFiles::of_environment();
-    let mut loaded = load_sim(&slashed(&args.sim), &files);
-    eprint!("{}", check::render(&loaded.diagnostics, &loaded.inputs));
-    if loaded.has_errors() {
-        return Ok(ExitCode::from(EXIT_USAGE));
-    }
+    let mut files = DiskFiles::of_environment();
+    let mut loaded = load_sim(&files.name(&args.sim), &files);
+    tell(&loaded.diagnostics, &loaded.inputs, args.strict)?;
     let options = Options::new(args, &mut loaded.scene)?;
+    let missing = check::missing_programs(&loaded.scene, Severity::Error, &*check::finder(&files)?);
+    tell(&missing, &loaded.inputs, args.strict)?;
     simulate(args, &options, &files, &loaded)
+}
+
+/// Shows what is wrong with the scene, and refuses to run it if it is an error or, when `strict`, anything.
+fn tell(diagnostics: &[Diagnostic], inputs: &[InputFile], strict: bool) -> anyhow::Result<()> {
+    if diagnostics.is_empty() {
+        return Ok(());
+    }
+    let screen = diagnostic::Screen::of_stderr(Colour::Auto);
+    eprint!("{}", diagnostic::render(diagnostics, inputs, Format::Auto, screen)?);
+    if check::is_rejected(diagnostics, strict) {
+        bail!("the scene is not run: {}", diagnostic::count(diagnostics));
+    }
+    Ok(())
 }
 
 /// Refuses what is named in place of a sim file, such as the program itself, before it is read as one.

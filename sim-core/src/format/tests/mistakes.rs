@@ -216,3 +216,18 @@ fn a_flood_of_mistakes_is_cut_off() {
     assert_eq!((last.code, last.severity), (Code::FileMore, Severity::Error));
     assert_eq!(last.message, "1000 more mistakes in this file are left out");
 }
+
+#[test]
+fn what_a_message_quotes_is_cut() {
+    let word = "é".repeat(1_000_000);
+    let (_, diagnostics) =
+        read_world("a.wld", &format!("floor 1 1\n{word}\n0 0 1 {word}\n0 0 1 1{}\n", "0".repeat(99_999)));
+    assert_eq!(codes_of(&diagnostics), [Code::WldKeyword, Code::NumberInvalid, Code::NumberRange]);
+    assert!(diagnostics[0].message.starts_with("unknown keyword `ééé"), "{}", diagnostics[0].message);
+    assert!(diagnostics[0].message.ends_with("ééé`"), "{}", diagnostics[0].message);
+    assert!(diagnostics.iter().all(|diagnostic| diagnostic.message.len() < 400), "{diagnostics:?}");
+}
+
+fn codes_of(diagnostics: &[Diagnostic]) -> Vec<Code> {
+    diagnostics.iter().map(|diagnostic| diagnostic.code).collect()
+}

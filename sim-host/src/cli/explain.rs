@@ -1,0 +1,180 @@
+//! `eyesim explain`: what a diagnostic's code means.
+
+use std::process::ExitCode;
+
+use clap::Args;
+use owo_colors::{OwoColorize, Style};
+use sim_core::format::{Code, Severity, UnknownCode};
+
+use super::EXIT_USAGE;
+use super::diagnostic::{Colour, Screen, print};
+
+/// Columns of prose.
+const MAX_WIDTH: usize = 100;
+/// Before the lines of an example.
+const INDENT: &str = "    ";
+
+/// Arguments of `eyesim explain`.
+#[derive(Args)]
+pub struct ExplainArgs {
+    /// A code such as wld-wall-arity; without one, all codes are listed
+    pub code: Option<String>,
+    /// When colours are used
+    #[arg(long, value_enum, default_value_t, value_name = "WHEN")]
+    pub color: Colour,
+}
+
+/// Runs the command: 0, or 2 where there is no such code.
+///
+/// # Errors
+/// If nothing can be printed.
+pub fn run(args: &ExplainArgs) -> anyhow::Result<ExitCode> {
+    let screen = Screen::of_stdout(args.color);
+    match args.code.as_deref().map(named).transpose() {
+        Ok(Some(code)) => print(&page(code, screen))?,
+        Ok(None) => print(&list("", screen))?,
+        Err(error) => {
+            let family = family(&error.name);
+            eprint!("error: {error}; there are\n{}", list(family, Screen::of_stderr(args.color)));
+            return Ok(ExitCode::from(EXIT_USAGE));
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The code that `text` means: alone, or as it stands in a message, `error[CODE]`.
+fn named(text: &str) -> Result<Code, UnknownCode> {
+    let inner = text.split_once('[').map_or(text, |(_, rest)| rest.trim_end_matches([':', ']']));
+    inner.trim().to_lowercase().parse()
+}
+
+/// What the codes begin with that are most like `name`: its first part, if any does.
+fn family(name: &str) -> &str {
+    let family = name.split('-').next().unwrap_or_default();
+    if Code::ALL.iter().any(|code| code.name().split('-').next() == Some(family)) { family } else { "" }
+}
+
+/// All codes that begin with `family`, with their meanings.
+fn list(family: &str, screen: Screen) -> String {
+    let codes = || Code::ALL.iter().filter(|code| code.name().starts_with(family));
+    let width = codes().map(|code| code.name().len()).max().unwrap_or_default();
+    let line = |code: &Code| format!("{}  {}\n", format!("{code:width$}").style(screen.bold()), code.meaning());
+    codes().map(line).collect()
+}
+
+/// The page of a code as it is read on a terminal: paragraphs filled, examples indented, links as file names.
+fn page(code: Code, screen: Screen) -> String {
+    let width = screen.width.min(MAX_WIDTH);
+    let mut out = String::new();
+    let mut blocks = code.page().split("```");
+    while let Some(prose) = blocks.next() {
+        for paragraph in prose.split("\n\n").map(str::trim).filter(|paragraph| !paragraph.is_empty()) {
+            out.push_str(&filled(paragraph, width, screen));
+            out.push('\n');
+        }
+        let Some((tag, example)) = blocks.next().and_then(|block| block.split_once('\n')) else { continue };
+        let role = tag.split(' ').nth(1).unwrap_or(tag);
+        out.push_str(&format!("{}\n", format!("{role}:").style(screen.bold())));
+        out.extend(example.lines().map(|line| format!("{INDENT}{line}\n")));
+        out.push('\n');
+    }
+    out.trim_end().to_owned() + "\n"
+}
+
+/// A paragraph in lines of at most `width` columns.
+fn filled(paragraph: &str, width: usize, screen: Screen) -> String {
+    if let Some(heading) = paragraph.strip_prefix("# ") {
+        return format!("{}\n", heading.style(screen.bold()));
+    }
+    let text = plain_links(paragraph);
+    let mut lines = String::new();
+    let mut column = 0;
+    for word in text.split_whitespace() {
+        let (shown, style) = emphasis(word, screen);
+        let length = console::measure_text_width(&shown);
+        if column > 0 {
+            let is_full = column + 1 + length > width;
+            lines.push(if is_full { '\n' } else { ' ' });
+            column = if is_full { 0 } else { column + 1 };
+        }
+        lines.push_str(&shown.style(style).to_string());
+        column += length;
+    }
+    lines + "\n"
+}
+
+/// A word without its asterisks, and the style that they, or a severity, give it.
+fn emphasis(word: &str, screen: Screen) -> (String, Style) {
+    if !word.contains("**") {
+        return (word.to_owned(), Style::new());
+    }
+    let text = word.replace("**", "");
+    let style = match text.trim_end_matches(':') {
+        "error" => screen.severity(Severity::Error),
+        "warning" => screen.severity(Severity::Warning),
+        _ => screen.bold(),
+    };
+    (text, style)
+}
+
+/// `[text](../wld.md#push)` as `text (docs/formats/wld.md#push)`; a link to another code as its name.
+fn plain_links(text: &str) -> String {
+    let mut parts = text.split('[');
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        match part.split_once("](").and_then(|(name, rest)| Some((name, rest.split_once(')')?))) {
+            Some((name, (target, rest))) => {
+                out.push_str(name);
+                if let Some(target) = target.strip_prefix("../") {
+                    let path =
+                        target.strip_prefix("../").map_or(format!("docs/formats/{target}"), |t| format!("docs/{t}"));
+                    out.push_str(&format!(" ({path})"));
+                }
+                out.push_str(rest);
+            }
+            None => {
+                out.push('[');
+                out.push_str(part);
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCREEN: Screen = Screen { is_terminal: false, width: 60, has_colour: false };
+
+    #[test]
+    fn a_page_is_readable_without_markdown() {
+        insta::assert_snapshot!(page(Code::WldWallArity, SCREEN));
+    }
+
+    #[test]
+    fn every_page_fits_and_has_no_marks_left() {
+        for code in Code::ALL {
+            let text = page(*code, SCREEN);
+            let prose = text.lines().filter(|line| !line.starts_with(INDENT));
+            assert!(prose.clone().all(|line| line.chars().count() <= 60), "{text}");
+            assert!(prose.clone().all(|line| !line.contains("**") && !line.contains("](")), "{text}");
+            assert!(text.starts_with(code.name()) && text.contains("\nSee "), "{text}");
+        }
+    }
+
+    #[test]
+    fn codes_are_understood_as_they_are_copied() {
+        for text in ["wld-wall-arity", "WLD-WALL-ARITY", "warning[wld-wall-arity]", "error[wld-wall-arity]:"] {
+            assert_eq!(named(text), Ok(Code::WldWallArity), "{text}");
+        }
+        assert_eq!(named("wld-wall-airty").expect_err("misspelt").nearest, Some(Code::WldWallArity));
+    }
+
+    #[test]
+    fn lists_are_of_all_codes_or_of_a_family() {
+        assert_eq!(list("", SCREEN).lines().count(), Code::ALL.len());
+        assert_eq!((family("wld-wal"), family("maz"), family("banana"), family("")), ("wld", "maz", "", ""));
+        assert!(list("wld", SCREEN).lines().all(|line| line.starts_with("wld-")));
+    }
+}

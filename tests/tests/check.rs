@@ -1,0 +1,260 @@
+//! `eyesim check` and `eyesim explain`: forms, exit codes, folders, and files that are none.
+
+use std::fs;
+use std::os::unix::ffi::OsStrExt;
+use std::os::unix::fs::PermissionsExt;
+
+use serde_json::Value;
+use tests::{Ran, Scratch};
+
+const GOOD: &str = "floor 1000 1000\n";
+/// One warning, in line 2.
+const WARNED: &str = "floor 1000 1000\n0 0 1000\n";
+/// One error, in line 2.
+const WRONG: &str = "floor 1000 1000\nposition inf 0 0\n";
+
+fn with(files: &[(&str, &str)]) -> Scratch {
+    let scratch = Scratch::new();
+    for (name, text) in files {
+        scratch.write(name, text);
+    }
+    scratch
+}
+
+fn check(scratch: &Scratch, args: &[&str]) -> Ran {
+    let all: Vec<&str> = [&["check"], args].concat();
+    let ran = scratch.eyesim(&all);
+    assert!(!ran.stderr.contains("panicked"), "{ran:#?}");
+    ran
+}
+
+fn json(ran: &Ran) -> Vec<Value> {
+    serde_json::from_str(&ran.stdout).unwrap_or_else(|error| panic!("{error}: {ran:#?}"))
+}
+
+/// The codes that are said about one file.
+fn codes(scratch: &Scratch, name: &str) -> Vec<String> {
+    let ran = check(scratch, &[name, "--format", "json"]);
+    json(&ran).iter().map(|diagnostic| diagnostic["code"].as_str().expect("a code").to_owned()).collect()
+}
+
+#[test]
+fn the_exit_code_tells_errors_and_under_strict_warnings() {
+    let scratch = with(&[("good.wld", GOOD), ("warned.wld", WARNED), ("wrong.wld", WRONG)]);
+    for (args, code) in [
+        (&["good.wld"][..], 0),
+        (&["good.wld", "--strict"], 0),
+        (&["warned.wld"], 0),
+        (&["warned.wld", "--strict"], 2),
+        (&["wrong.wld"], 2),
+        (&["good.wld", "warned.wld", "wrong.wld"], 2),
+        (&["missing.wld"], 2),
+        (&["."], 2),
+        (&[], 2),
+    ] {
+        for format in ["human", "short", "json"] {
+            let ran = check(&scratch, &[args, &["--format", format]].concat());
+            assert_eq!(ran.code, Some(code), "{args:?} {ran:#?}");
+        }
+    }
+}
+
+#[test]
+fn without_a_terminal_there_is_one_line_for_each_mistake() {
+    let scratch = with(&[("warned.wld", WARNED), ("wrong.wld", WRONG)]);
+    let ran = check(&scratch, &["wrong.wld", "warned.wld"]);
+    let expected = "wrong.wld:2:10: error[number-range]: x `inf` is out of range\n\
+                    warned.wld:2:1: warning[wld-wall-arity]: a wall of 3 numbers\n\
+                    2 files checked: 1 error, 1 warning in 2 files\n";
+    assert_eq!(ran.stdout, expected);
+    assert_eq!(check(&scratch, &["wrong.wld", "warned.wld", "--format", "short"]).stdout, expected);
+}
+
+#[test]
+fn people_see_the_line_and_no_colour_unless_they_want_it() {
+    let scratch = with(&[("warned.wld", WARNED)]);
+    let plain = check(&scratch, &["warned.wld", "--format", "human"]).stdout;
+    for part in
+        ["! warning[wld-wall-arity]: a wall of 3 numbers", "╭─[warned.wld:2:1]", "2 │ 0 0 1000", "help: expected"]
+    {
+        assert!(plain.contains(part), "{part} in {plain}");
+    }
+    assert!(plain.ends_with("1 warning in 1 file\n`eyesim explain wld-wall-arity` tells more\n"), "{plain}");
+    assert!(!plain.contains('\x1b'), "{plain:?}");
+    let coloured = check(&scratch, &["warned.wld", "--format", "human", "--color", "always"]).stdout;
+    assert!(coloured.contains("\x1b[38;5;32;1mwarning[wld-wall-arity]\x1b[0m"), "{coloured:?}");
+    let narrow = scratch.command(&["check", "warned.wld", "--format", "human"]).env("COLUMNS", "40").output();
+    let narrow = Ran::from(narrow.expect("eyesim starts")).stdout;
+    let reports = narrow.split("1 file checked").next().expect("reports");
+    assert!(reports.lines().all(|line| line.chars().count() <= 40) && reports.lines().count() > 8, "{narrow}");
+}
+
+#[test]
+fn json_is_an_array_with_the_documented_keys() {
+    let scratch = with(&[("warned.wld", WARNED), ("good.wld", GOOD)]);
+    let said = json(&check(&scratch, &["warned.wld", "--format", "json"]));
+    let keys: Vec<&str> = said[0].as_object().expect("an object").keys().map(String::as_str).collect();
+    let mut expected =
+        ["severity", "code", "file", "start", "end", "line", "column", "message", "expected", "suggestion"];
+    expected.sort_unstable();
+    assert_eq!(keys, expected);
+    assert_eq!(
+        (&said[0]["line"], &said[0]["start"], &said[0]["code"]),
+        (&2.into(), &16.into(), &"wld-wall-arity".into())
+    );
+    assert_eq!(check(&scratch, &["good.wld", "--format", "json"]).stdout, "[]\n");
+}
+
+#[test]
+fn a_folder_stands_for_all_files_below_it() {
+    let scratch = with(&[
+        ("b.wld", WARNED),
+        ("a/c.MAZ", " _\n|_|\n"),
+        ("a/notes.txt", "nothing"),
+        (".git/d.wld", WRONG),
+        ("e/scene.sim", "world ../b.wld\nrobi r.robi prog.c 500 500 0\n"),
+        ("e/r.robi", "wheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n"),
+        ("e/r.toml", "[drive]\nlag = 1\n"),
+        ("e/prog.c", "int main() { return 0; }\n"),
+    ]);
+    std::os::unix::fs::symlink(scratch.path(), scratch.path().join("a/circle")).expect("a link");
+    let ran = check(&scratch, &[".", "--format", "short"]);
+    let lines: Vec<&str> = ran.stdout.lines().collect();
+    assert_eq!(lines.len(), 3, "{ran:#?}");
+    assert!(lines[0].starts_with("b.wld:2:1: warning[wld-wall-arity]"), "{ran:#?}");
+    assert!(lines[1].starts_with("e/r.toml:2:1: warning[toml-key]"), "{ran:#?}");
+    assert_eq!(lines[2], "5 files checked: 2 warnings in 2 files");
+    fs::create_dir(scratch.path().join("empty")).expect("a folder");
+    assert_eq!(codes(&scratch, "empty"), ["folder-empty"]);
+    assert_eq!(check(&scratch, &["empty"]).code, Some(2));
+}
+
+#[test]
+fn a_missing_program_is_a_warning_to_check_and_an_error_to_run() {
+    let sim = "world a.wld\nrobi r.robi gone.c 500 500 0\nrobi r.robi lost.c 200 200 0\n";
+    let robi =
+        "diameter 100\nwheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
+    let scratch = with(&[("a.sim", sim), ("a.wld", GOOD), ("r.robi", robi)]);
+    let ran = check(&scratch, &["a.sim"]);
+    assert_eq!(ran.code, Some(0), "{ran:#?}");
+    assert!(ran.stdout.contains("a.sim:2:13: warning[program-missing]: program `gone.c` is not found"), "{ran:#?}");
+    let ran = scratch.eyesim(&["run", "a.sim"]);
+    assert_eq!(ran.code, Some(2), "{ran:#?}");
+    for place in ["a.sim:2:13: error[program-missing]", "a.sim:3:13: error[program-missing]"] {
+        assert!(ran.stderr.contains(place), "{ran:#?}");
+    }
+    assert!(ran.stderr.ends_with("error: the scene is not run: 2 errors in 1 file\n"), "{ran:#?}");
+}
+
+#[test]
+fn a_strict_run_does_not_start_with_a_warning() {
+    let sim = "world a.wld\nrobi r.robi p.c 500 500 0\n";
+    let robi =
+        "diameter 100\nwheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
+    let scratch = with(&[("a.sim", sim), ("a.wld", WARNED), ("r.robi", robi), ("p.c", "int main() { return 0; }\n")]);
+    let ran = scratch.eyesim(&["run", "a.sim", "--strict"]);
+    assert_eq!((ran.code, ran.stdout.as_str()), (Some(2), ""), "{ran:#?}");
+    assert!(ran.stderr.contains("a.wld:2:1: warning[wld-wall-arity]"), "{ran:#?}");
+    assert!(ran.stderr.ends_with("error: the scene is not run: 1 warning in 1 file\n"), "{ran:#?}");
+    let ran = scratch.eyesim(&["run", "a.sim"]);
+    assert_eq!(ran.code, Some(0), "{ran:#?}");
+    assert!(ran.stderr.contains("a.wld:2:1: warning[wld-wall-arity]"), "{ran:#?}");
+}
+
+#[test]
+fn files_that_are_none_are_reported() {
+    let scratch = with(&[("empty.wld", ""), ("empty.sim", ""), ("empty.maz", ""), ("empty.robi", "")]);
+    scratch.write("nul.wld", "floor 9 9\n\0\0\n");
+    scratch.write("cr.wld", "floor 9 9\r0 0 1\r");
+    fs::write(scratch.path().join("latin.wld"), b"floor 9 9\n; gr\xfcn\n").expect("a file");
+    fs::create_dir(scratch.path().join("folder.wld")).expect("a folder");
+    fs::create_dir_all(scratch.path().join("world.sim")).expect("a folder");
+    scratch.write("named.sim", "world folder.wld\nrobi empty.robi p.c 1 1 0\n");
+    assert_eq!(codes(&scratch, "empty.wld"), ["wld-floor-missing"]);
+    assert_eq!(codes(&scratch, "empty.sim"), ["sim-world-missing"]);
+    assert_eq!(codes(&scratch, "empty.maz"), ["maz-empty"]);
+    assert_eq!(codes(&scratch, "empty.robi"), ["robi-wheel-missing", "robi-drive-missing"]);
+    assert_eq!(codes(&scratch, "nul.wld"), ["wld-keyword"]);
+    assert_eq!(codes(&scratch, "cr.wld"), ["wld-wall-arity"]);
+    assert_eq!(codes(&scratch, "latin.wld"), ["file-encoding"]);
+    assert_eq!(codes(&scratch, "folder.wld"), ["folder-empty"]);
+    assert_eq!(codes(&scratch, "a.xyz"), ["file-kind"]);
+    assert!(codes(&scratch, "named.sim").contains(&"file-unreadable".to_owned()));
+    // All of it again as people see it.
+    let ran = check(&scratch, &[".", "--format", "human"]);
+    assert!(ran.stdout.contains("cr.wld:2:1") && !ran.stdout.contains('\0'), "{ran:#?}");
+}
+
+#[test]
+fn a_file_that_may_not_be_read_is_reported() {
+    let scratch = with(&[("locked.wld", GOOD)]);
+    let path = scratch.path().join("locked.wld");
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o000)).expect("permissions");
+    if fs::read(&path).is_ok() {
+        println!("skipped: this user may read everything");
+        return;
+    }
+    assert_eq!(codes(&scratch, "locked.wld"), ["file-unreadable"]);
+}
+
+#[test]
+fn file_names_need_not_be_text() {
+    let scratch = Scratch::new();
+    let names: [&[u8]; 2] = [b"a\xff.wld", b"back\\slash.wld"];
+    for name in names {
+        fs::write(scratch.path().join(std::ffi::OsStr::from_bytes(name)), WARNED).expect("a file");
+    }
+    for name in names {
+        let mut command = scratch.command(&["check", "--strict"]);
+        let ran = Ran::from(command.arg(std::ffi::OsStr::from_bytes(name)).output().expect("eyesim starts"));
+        assert_eq!(ran.code, Some(2), "{ran:#?}");
+        assert!(ran.stdout.contains(":2:1: warning[wld-wall-arity]"), "{ran:#?}");
+    }
+    let ran = check(&scratch, &["."]);
+    assert!(ran.stdout.ends_with("2 files checked: 2 warnings in 2 files\n"), "{ran:#?}");
+}
+
+/// No screen and no memory is filled with a file of one line.
+#[test]
+fn one_line_of_many_megabytes_is_no_trouble() {
+    let scratch = Scratch::new();
+    let size = 20 << 20;
+    scratch.write("word.wld", &format!("floor 9 9\n{}", "x".repeat(size)));
+    scratch.write("numbers.wld", &format!("floor 9 9\n{}", "1 ".repeat(size / 2)));
+    scratch.write("quote.sim", &format!("world \"{}", "y ".repeat(size / 2)));
+    scratch.write("row.maz", &format!(" _\n|{}", "|_".repeat(size / 2)));
+    scratch.write("key.robi", &"z".repeat(size));
+    for name in ["word.wld", "numbers.wld", "quote.sim", "row.maz", "key.robi"] {
+        for format in ["human", "short", "json"] {
+            let ran = check(&scratch, &[name, "--format", format]);
+            assert!(ran.code.is_some() && ran.stdout.len() < 1 << 20, "{name} {} bytes", ran.stdout.len());
+        }
+    }
+}
+
+#[test]
+fn output_that_nobody_reads_is_no_failure() {
+    let scratch = with(&[("many.wld", &"0 0 1\n".repeat(900))]);
+    let mut child = scratch
+        .command(&["check", "many.wld", "many.wld"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("eyesim starts");
+    drop(child.stdout.take());
+    let ran = Ran::from(child.wait_with_output().expect("it ends"));
+    assert_eq!((ran.code, ran.stderr.as_str()), (Some(0), ""), "{ran:#?}");
+}
+
+#[test]
+fn codes_are_explained() {
+    let scratch = Scratch::new();
+    let ran = scratch.eyesim(&["explain", "wld-wall-arity"]);
+    assert_eq!(ran.code, Some(0), "{ran:#?}");
+    assert!(ran.stdout.starts_with("wld-wall-arity\n\nwarning: a wall of neither 4, 6 nor 9 numbers\n"), "{ran:#?}");
+    let all = scratch.eyesim(&["explain"]).stdout;
+    assert!(all.lines().count() > 50 && all.contains("wld-wall-arity"), "{all}");
+    let ran = scratch.eyesim(&["explain", "wld-wall-airty"]);
+    assert_eq!((ran.code, ran.stdout.as_str()), (Some(2), ""), "{ran:#?}");
+    assert!(ran.stderr.contains("no code `wld-wall-airty`, but there is `wld-wall-arity`"), "{ran:#?}");
+}
