@@ -288,7 +288,7 @@ mod tests {
     fn a_sim_is_checked_with_its_programs() {
         let sim = "world a.wld\nrobi r.robi p.so 100 1 0\nrobi r.robi p.so 400 2 0\n";
         let robi = "wheel 54 3600 1000 90\ndrive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
-        let (folder, names) = folder(&[("s.sim", sim), ("r.robi", robi), ("a.wld", "floor 10 10")]);
+        let (folder, names) = folder(&[("s.sim", sim), ("r.robi", robi), ("a.wld", "floor 1000 1000")]);
         let files = DiskFiles::with_home(folder.path());
         let checked = check(&names, &files, &find_all);
         assert_eq!(checked.diagnostics, []);
