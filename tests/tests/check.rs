@@ -171,7 +171,7 @@ fn files_that_are_none_are_reported() {
     fs::create_dir_all(scratch.path().join("world.sim")).expect("a folder");
     scratch.write("named.sim", "world folder.wld\nrobi empty.robi p.c 1 1 0\n");
     assert_eq!(codes(&scratch, "empty.wld"), ["wld-floor-missing"]);
-    assert_eq!(codes(&scratch, "empty.sim"), ["sim-world-missing"]);
+    assert_eq!(codes(&scratch, "empty.sim"), ["sim-world-missing", "sim-robot-missing"]);
     assert_eq!(codes(&scratch, "empty.maz"), ["maz-empty"]);
     assert_eq!(codes(&scratch, "empty.robi"), ["robi-wheel-missing", "robi-drive-missing"]);
     assert_eq!(codes(&scratch, "nul.wld"), ["wld-keyword"]);
