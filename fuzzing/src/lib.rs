@@ -32,6 +32,7 @@ pub const TARGETS: &[Target] = &[
     Target::new("maze", reader::maze),
     Target::new("robi", reader::robi),
     Target::new("companion", reader::companion),
+    Target::new("esobj", reader::esobj),
     Target::new("sim", reader::sim),
     Target::new("mesh", reader::mesh),
     Target::new("load_sim", reader::load_sim),

@@ -29,6 +29,13 @@ pub fn robi(input: &[u8]) {
     spec::robi(&robi);
 }
 
+pub fn esobj(input: &[u8]) {
+    let (content, _) = format::decode(input);
+    let (object, diagnostics) = format::read_esobj("a.esObj", &content);
+    text::check(&content, &diagnostics);
+    spec::object_type(&object);
+}
+
 pub fn companion(input: &[u8]) {
     let (content, _) = format::decode(input);
     let mut robi = RobiSpec::with_defaults("a.robi");

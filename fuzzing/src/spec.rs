@@ -60,7 +60,7 @@ pub fn sim(sim: &SimSpec, lines: &Lines<'_>) {
         assert!(!path.text.trim().is_empty(), "{path:?}");
         inside(path.span, lines, path);
     }
-    for robot in &sim.robots {
+    for robot in sim.robots.iter().chain(&sim.named) {
         inside(robot.span, lines, &robot);
         inside(robot.kind.written().span, lines, &robot);
         assert!(!robot.kind.written().text.trim().is_empty(), "{robot:?}");

@@ -103,8 +103,12 @@ impl Reader {
             }
             "name" => {
                 let form = "`name NAME`, between double quotes if it has blanks";
-                if let Some([name]) = self.words(first, rest, 1, form) {
-                    self.object.name = name.text.to_owned();
+                match self.words(first, rest, 1, form) {
+                    Some([name]) if name.text.trim().is_empty() => {
+                        self.sink.warn(Code::EsobjArity, name.span, "the name is empty", form);
+                    }
+                    Some([name]) => self.object.name = name.text.to_owned(),
+                    _ => {}
                 }
             }
             "scale" => {

@@ -180,7 +180,7 @@ impl Reader {
     fn named(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
         let is_pose = count_numbers(rest) >= 3;
         let is_letter = rest.first().and_then(letter).is_some_and(|letter| START_LETTERS.contains(&letter));
-        if is_pose || is_letter {
+        if (is_pose || is_letter) && !first.text.trim().is_empty() {
             if let Some(line) = self.placement(first, rest, PLACE_NAMED) {
                 self.sim.named.push(line);
             }
