@@ -58,8 +58,11 @@ impl Files for Corpus {
     }
 }
 
-/// What is said about the sim file itself, in order: severity, code and line, the same in lines that follow each other once.
-fn said(file: &str, loaded: &Loaded) -> Vec<(char, &'static str, u32)> {
+/// What is said about a line: `E` or `W` for the severity, the code, the line.
+type Said = (char, &'static str, u32);
+
+/// What is said about the sim file itself, in order; what follows itself, once.
+fn said(file: &str, loaded: &Loaded) -> Vec<Said> {
     let of_sim = loaded.diagnostics.iter().filter(|diagnostic| diagnostic.file == file);
     let mut said: Vec<_> = of_sim
         .map(|diagnostic| {
@@ -73,7 +76,7 @@ fn said(file: &str, loaded: &Loaded) -> Vec<(char, &'static str, u32)> {
 }
 
 /// The corpus has these defects, and its other scenes none.
-const DEFECTS: &[(&str, &[(char, &str, u32)])] = &[
+const DEFECTS: &[(&str, &[Said])] = &[
     // Paths of the machine on which they were saved; the files have come along.
     ("vr-2018/123.sim", &[('W', "sim-robot-missing", 0), ('W', "file-moved", 4)]),
     ("vr-2018/Test Assets/MySim.sim", &[('W', "file-moved", 4)]),
