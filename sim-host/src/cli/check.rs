@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use sim_core::format::{self, Code, Diagnostic, Files, InputFile, Loaded, RobotSpec, SceneSpec, Severity, Span};
+use sim_core::format::{
+    self, Code, Diagnostic, Files, InputFile, Loaded, MeshReader, RobotSpec, SceneSpec, Severity, Span,
+};
 
 use super::diagnostic::{self, Colour, Format, Screen, plural};
 use crate::files::{DiskFiles, slashed};
@@ -124,11 +126,14 @@ fn check_one(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> L
     let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
     match extension.to_lowercase().as_str() {
         "sim" => check_sim(name, files, find_program),
-        "wld" => format::load_world(name, files),
+        "wld" => with_looks(format::load_world(name, files), files, |_| ()),
         "maz" | "maze" => format::load_maze(name, files),
-        "esobj" => format::load_object(name, files).1,
-        "robi" => format::load_robi(name, files).1,
-        "toml" => format::load_robi(&format!("{stem}.robi"), files).1,
+        "esobj" => {
+            let (object, loaded) = format::load_object(name, files);
+            with_looks(loaded, files, |reader| object.iter().for_each(|object| drop(reader.object(object))))
+        }
+        "robi" => check_robi(name, files),
+        "toml" => check_robi(&format!("{stem}.robi"), files),
         _ => Loaded { diagnostics: vec![unknown_kind(name)], ..Loaded::default() },
     }
 }
@@ -137,10 +142,29 @@ fn check_one(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> L
 const EXTENSIONS: [&str; 6] = ["sim", "wld", "maz", "maze", "robi", "esObj"];
 
 fn check_sim(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
-    let mut loaded = format::load_sim(name, files);
+    let mut loaded = with_looks(format::load_sim(name, files), files, |_| ());
     // EyeSim reads the file and places the robot all the same.
     let missing = missing_programs(&loaded.scene, Severity::Warning, find_program);
     loaded.diagnostics.extend(missing);
+    loaded
+}
+
+fn check_robi(name: &str, files: &dyn Files) -> Loaded {
+    let (robi, loaded) = format::load_robi(name, files);
+    with_looks(loaded, files, |reader| robi.iter().for_each(|robi| drop(reader.robot(robi))))
+}
+
+/// Adds what is wrong with the meshes and images of a scene, and of what `others` asks for.
+fn with_looks(mut loaded: Loaded, files: &dyn Files, others: impl FnOnce(&mut MeshReader<'_>)) -> Loaded {
+    let mut reader = MeshReader::new(files);
+    let SceneSpec { world, robots, objects, .. } = &loaded.scene;
+    drop(reader.floor(world));
+    robots.iter().for_each(|robot| drop(reader.robot(&robot.robi)));
+    objects.iter().for_each(|object| drop(reader.object(&object.kind)));
+    others(&mut reader);
+    let (diagnostics, inputs) = reader.finish();
+    loaded.diagnostics.extend(diagnostics);
+    loaded.inputs.extend(inputs);
     loaded
 }
 
