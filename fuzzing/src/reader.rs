@@ -53,7 +53,7 @@ pub fn sim(input: &[u8]) {
 
 pub fn load_sim(input: &[u8]) {
     let archive = Archive::new(input);
-    let loaded = format::load_sim(archive.first(), &archive);
+    let loaded = format::load_scene(archive.first(), &archive);
     spec::scene(&loaded.scene);
     for robot in &loaded.scene.robots {
         spec::robi(&robot.robi);

@@ -5,12 +5,13 @@ use std::fs;
 use std::path::PathBuf;
 
 use sim_core::format::{
-    Code, Diagnostic, FileError, Files, MeshReader, Severity, load_maze, load_object, load_robi, load_sim, load_world,
+    Code, Diagnostic, FileError, Files, MeshReader, Severity, load_maze, load_object, load_robi, load_scene, load_world,
 };
 
-/// Codes that a text alone cannot cause: they need bytes that are no text, an image, a folder, thousands of lines or a
-/// program.
-const WITHOUT_EXAMPLE: [Code; 9] = [
+/// Codes that a text alone cannot cause: they need bytes that are no text, an image, a folder, thousands of lines or
+/// robots, a program or the functions of RoBIOS.
+const WITHOUT_EXAMPLE: [Code; 11] = [
+    Code::CostFunction,
     Code::FileEncoding,
     Code::FileKind,
     Code::FileMore,
@@ -18,6 +19,7 @@ const WITHOUT_EXAMPLE: [Code; 9] = [
     Code::FolderEmpty,
     Code::MeshSize,
     Code::ProgramMissing,
+    Code::SceneCount,
     Code::TextureFormat,
     Code::TextureSize,
 ];
@@ -68,7 +70,7 @@ impl Example {
         let mut files = Folder(folder.collect());
         files.0.insert(name.clone(), self.text.clone());
         match self.kind.as_str() {
-            "sim" => load_sim(&name, &files).diagnostics,
+            "sim" | "scene.toml" => load_scene(&name, &files).diagnostics,
             "wld" => load_world(&name, &files).diagnostics,
             "maz" => load_maze(&name, &files).diagnostics,
             "esObj" => load_object(&name, &files).1.diagnostics,

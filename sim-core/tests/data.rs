@@ -5,7 +5,7 @@ use std::{fs, panic};
 
 use glam::DVec2;
 use sim_core::format::{
-    self, Diagnostic, FileError, Files, RobiSpec, Severity, WallSpec, WorldSpec, load_maze, load_robi, load_sim,
+    self, Diagnostic, FileError, Files, RobiSpec, Severity, WallSpec, WorldSpec, load_maze, load_robi, load_scene,
     load_world,
 };
 use sim_core::math;
@@ -67,7 +67,7 @@ fn name(path: &Path) -> String {
 fn load(path: &Path) -> Vec<Diagnostic> {
     let name = name(path);
     match path.extension().and_then(|extension| extension.to_str()).unwrap_or_default() {
-        "sim" => load_sim(&name, &disk()).diagnostics,
+        "sim" => load_scene(&name, &disk()).diagnostics,
         "robi" => load_robi(&name, &disk()).1.diagnostics,
         "maz" | "maze" => load_maze(&name, &disk()).diagnostics,
         "wld" => load_world(&name, &disk()).diagnostics,

@@ -5,7 +5,7 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use sim_core::format::{Code, FileError, Files, Loaded, Severity, load_object, load_sim};
+use sim_core::format::{Code, FileError, Files, Loaded, Severity, load_object, load_scene};
 
 /// The corpus beside the repository, with one of its folders as the installation.
 struct Corpus {
@@ -127,7 +127,7 @@ fn every_scene_has_the_defects_that_it_has() {
     assert!(files.len() >= 38, "only {} scenes", files.len());
     assert!(defects.keys().all(|name| files.iter().any(|file| file == name)), "a scene of the list is missing");
     for file in files {
-        let loaded = load_sim(&file, &corpus);
+        let loaded = load_scene(&file, &corpus);
         let expected = defects.get(file.as_str()).copied().unwrap_or_default();
         assert_eq!(said(&file, &loaded), expected, "{file}");
         let missing = |code| loaded.diagnostics.iter().any(|diagnostic| diagnostic.code == code);
@@ -140,7 +140,7 @@ fn every_scene_has_the_defects_that_it_has() {
 fn every_line_that_places_something_does() {
     let Some(corpus) = Corpus::find() else { return };
     for file in corpus.files("sim") {
-        let loaded = load_sim(&file, &corpus);
+        let loaded = load_scene(&file, &corpus);
         if loaded.has_errors() || loaded.diagnostics.iter().any(|found| found.code == Code::SimTypeUnknown) {
             continue;
         }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 
-use sim_core::format::load_sim;
+use sim_core::format::load_scene;
 use sim_host::files::DiskFiles;
 use sim_host::program::{Builder, Cache, Loader, Prepared, SearchPath, ShimKit, Tools, find_program, prepare};
 
@@ -27,7 +27,7 @@ fn new(place: &Path, name: &str, language: &str) -> Arc<Prepared> {
         .expect("eyesim runs");
     assert!(eyesim.status.success(), "{}", String::from_utf8_lossy(&eyesim.stderr));
     let sim = folder.join(name).join(format!("{name}.sim"));
-    let loaded = load_sim(&sim.display().to_string(), &DiskFiles::default());
+    let loaded = load_scene(&sim.display().to_string(), &DiskFiles::default());
     assert!(loaded.diagnostics.is_empty(), "{:?}", loaded.diagnostics);
     let search = SearchPath { sim_folder: sim.parent().map(Path::to_owned), ..SearchPath::default() };
     let found = find_program(loaded.scene.robots[0].program_name(), &search).unwrap_or_else(|error| panic!("{error}"));

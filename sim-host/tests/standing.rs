@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use sim_core::format::{Loaded, SceneSpec, load_sim};
+use sim_core::format::{Loaded, SceneSpec, load_scene};
 use sim_core::time::Time;
 use sim_host::executive::conductor::End;
 use sim_host::executive::run::{Ended, Limits, Parts, Run};
@@ -56,7 +56,7 @@ fn scene(programs: [&str; 3]) -> (tempfile::TempDir, SceneSpec) {
         std::fs::write(folder.path().join(name), text).expect("a file");
     }
     let Loaded { scene, diagnostics, .. } =
-        load_sim(&folder.path().join("scene.sim").display().to_string(), &DiskFiles::default());
+        load_scene(&folder.path().join("scene.sim").display().to_string(), &DiskFiles::default());
     assert!(diagnostics.is_empty(), "{diagnostics:?}");
     (folder, scene)
 }

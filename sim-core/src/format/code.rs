@@ -47,6 +47,7 @@ macro_rules! codes {
 // In alphabetical order. A new code needs its page, docs/formats/codes/CODE.md, or nothing compiles; its third line repeats the
 // meaning, and its examples are tried by tests/codes.rs.
 codes! {
+    CostFunction = "cost-function": "a cost table names a function that there is not",
     EsobjArity = "esobj-arity": "a keyword of an object file with a wrong number of values",
     EsobjColliderKind = "esobj-collider-kind": "a collider of an unknown shape or axis",
     EsobjColliderMissing = "esobj-collider-missing": "an object file without a collider",
@@ -105,6 +106,8 @@ codes! {
     RobiTrackWide = "robi-track-wide": "in a file of EyeSim VR the wheels would stand outside the body",
     RobiWheelArity = "robi-wheel-arity": "`wheel` with too few values",
     RobiWheelMissing = "robi-wheel-missing": "a robot file without a `wheel` line",
+    SceneCount = "scene-count": "more robots than a scene may have",
+    SceneRoom = "scene-room": "a layout has no room for all its robots",
     SimKeyword = "sim-keyword": "an unknown keyword in a sim file",
     SimMarkerArity = "sim-marker-arity": "`marker` with a wrong number of values",
     SimObjectArity = "sim-object-arity": "`object` with a wrong number of values",
@@ -129,6 +132,8 @@ codes! {
     SimWorldTwice = "sim-world-twice": "a second world in one scene",
     TextureFormat = "texture-format": "an image of a kind that is not read, or a broken one",
     TextureSize = "texture-size": "an image that is too large",
+    TomlChoice = "toml-choice": "a word that is none of those a key may have",
+    TomlConflict = "toml-conflict": "two keys that exclude each other",
     TomlKey = "toml-key": "an unknown key in a TOML file",
     TomlMissing = "toml-missing": "a required key is missing in a TOML file",
     TomlSyntax = "toml-syntax": "a file that is not TOML",

@@ -30,38 +30,43 @@ pub fn read_companion(file: &str, text: &str, robi: &mut RobiSpec) -> Vec<Diagno
 impl Reader<'_> {
     fn companion(&mut self, table: &DeTable<'_>, robi: &mut RobiSpec) {
         let mut root = Section::root(table);
-        if let Some(section) = self.section(&mut root, "body") {
-            self.body(section, robi);
-        }
         if let Some(section) = self.section(&mut root, "drive") {
             self.drive(section, robi);
         }
         if let Some(section) = self.section(&mut root, "psd") {
             self.psd(section, robi);
         }
-        if let Some(section) = self.section(&mut root, "lidar") {
-            self.lidar(section, robi);
-        }
-        for section in self.sections(&mut root, "infrared") {
-            robi.infrareds.extend(self.infrared(section));
-        }
-        for section in self.sections(&mut root, "bumper") {
-            robi.bumpers.extend(self.bumper(section));
-        }
-        for section in self.sections(&mut root, "servo") {
-            robi.servos.extend(self.servo(section));
-        }
-        if let Some(section) = self.section(&mut root, "compass") {
-            robi.compass = Some(self.compass(section));
-        }
-        if let Some(section) = self.section(&mut root, "input") {
-            self.input(section, robi);
-        }
-        if let Some(section) = self.section(&mut root, "hdt") {
-            self.hdt(section, robi);
-        }
+        self.devices(&mut root, robi);
         self.unknown_keys(&root);
         self.doubles(robi);
+    }
+
+    /// What a companion says in the same words as a scene that describes the type in place.
+    pub(super) fn devices(&mut self, parent: &mut Section<'_, '_>, robi: &mut RobiSpec) {
+        if let Some(section) = self.section(parent, "body") {
+            self.body(section, robi);
+        }
+        if let Some(section) = self.section(parent, "lidar") {
+            self.lidar(section, robi);
+        }
+        for section in self.sections(parent, "infrared") {
+            robi.infrareds.extend(self.infrared(section));
+        }
+        for section in self.sections(parent, "bumper") {
+            robi.bumpers.extend(self.bumper(section));
+        }
+        for section in self.sections(parent, "servo") {
+            robi.servos.extend(self.servo(section));
+        }
+        if let Some(section) = self.section(parent, "compass") {
+            robi.compass = Some(self.compass(section));
+        }
+        if let Some(section) = self.section(parent, "input") {
+            self.input(section, robi);
+        }
+        if let Some(section) = self.section(parent, "hdt") {
+            self.hdt(section, robi);
+        }
     }
 
     fn body(&mut self, mut section: Section<'_, '_>, robi: &mut RobiSpec) {
@@ -82,12 +87,17 @@ impl Reader<'_> {
     }
 
     fn drive(&mut self, mut section: Section<'_, '_>, robi: &mut RobiSpec) {
-        let drive = &mut robi.drive;
-        self.set(&mut section, "wheelbase_mm", &Quantity::size("wheelbase"), &mut drive.wheelbase);
-        let steer = Quantity::angle("largest steering angle").within(0.1, 85.0);
-        self.set(&mut section, "max_steer_deg", &steer, &mut drive.max_steer);
-        self.set(&mut section, "wheel_lag_ms", &Quantity::milliseconds("lag of the wheels"), &mut drive.wheel_lag);
+        self.drive_keys(&mut section, robi);
         self.unknown_keys(&section);
+    }
+
+    /// What the drive has besides its kind and its devices.
+    pub(super) fn drive_keys(&mut self, section: &mut Section<'_, '_>, robi: &mut RobiSpec) {
+        let drive = &mut robi.drive;
+        self.set(section, "wheelbase_mm", &Quantity::size("wheelbase"), &mut drive.wheelbase);
+        let steer = Quantity::angle("largest steering angle").within(0.1, 85.0);
+        self.set(section, "max_steer_deg", &steer, &mut drive.max_steer);
+        self.set(section, "wheel_lag_ms", &Quantity::milliseconds("lag of the wheels"), &mut drive.wheel_lag);
     }
 
     /// `range_mm` for all sensors, and a table for each that differs.
@@ -213,7 +223,7 @@ impl Reader<'_> {
     }
 
     /// Devices that a program could not tell apart.
-    fn doubles(&mut self, robi: &RobiSpec) {
+    pub(super) fn doubles(&mut self, robi: &RobiSpec) {
         let infrareds = robi.infrareds.iter().map(|device| ("infrared", &device.name, device.id, device.span));
         let bumpers = robi.bumpers.iter().map(|device| ("bumper", &device.name, device.id, device.span));
         let servos = robi.servos.iter().map(|device| ("servo", &device.name, device.id, device.span));
@@ -229,7 +239,7 @@ impl Reader<'_> {
         }
     }
 
-    fn device(&mut self, section: &mut Section<'_, '_>) -> (Option<String>, Option<i32>) {
+    pub(super) fn device(&mut self, section: &mut Section<'_, '_>) -> (Option<String>, Option<i32>) {
         let name = self.text(section, "name");
         if name.is_none() && !section.has("name") {
             self.missing(section, "name");

@@ -186,6 +186,11 @@ impl Quantity {
         Self::new(name, "ms", 0.0, 3.6e6, seconds_from_ms)
     }
 
+    /// A span of time in seconds.
+    pub(super) const fn seconds(name: &'static str) -> Self {
+        Self::new(name, "s", 0.0, 1e9, std::convert::identity)
+    }
+
     /// A mass above 0 in kilograms.
     pub(super) const fn mass(name: &'static str) -> Self {
         Self::new(name, "kg", 1e-6, 1e6, std::convert::identity)

@@ -8,10 +8,12 @@ use glam::DVec2;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::spec::{
-    DEFAULT_WALL_HEIGHT, ObjectType, PathRef, RobiSpec, SceneSpec, SimSpec, TypeRef, WallSpec, WorldKind, WorldSpec,
+    CostsRef, DEFAULT_WALL_HEIGHT, ObjectType, PathRef, RobiSpec, RunSpec, SceneSpec, SimSpec, TypeRef, WallSpec,
+    WorldKind, WorldSpec,
 };
 use super::{
-    Span, clearance, line, path, place, read_companion, read_esobj, read_maze, read_robi, read_sim, read_world,
+    Span, clearance, line, path, place, read_companion, read_costs, read_esobj, read_maze, read_robi, read_scene,
+    read_sim, read_world,
 };
 
 /// The file system as the readers see it; paths have slashes.
@@ -68,20 +70,29 @@ impl Loaded {
     }
 }
 
-/// Reads a sim file and all worlds, robis and object files that it names. Programs and meshes are not looked for.
+/// Reads a scene, of our own form where its name ends in `.toml`, else a sim file, and all worlds, robis and object files that
+/// it names. Programs and meshes are not looked for.
 ///
 /// Robots without a pose take the starts of the world in order, or that of their letter. A type is read once, however many robots
 /// or objects have it. A robot or an object that starts inside something else is warned about.
-pub fn load_sim(path: &str, files: &dyn Files) -> Loaded {
+pub fn load_scene(path: &str, files: &dyn Files) -> Loaded {
+    load_scene_with(path, None, files)
+}
+
+/// The same, with a seed that goes before the scene's own: random layouts are drawn from it.
+pub fn load_scene_with(path: &str, seed: Option<u64>, files: &dyn Files) -> Loaded {
     let mut loader = Loader::new(files);
     let Some(text) = loader.root(path) else {
         return loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() });
     };
-    let (sim, diagnostics) = read_sim(path, &text);
+    let is_toml = path::extension(path) == "toml";
+    let (mut sim, diagnostics) = if is_toml { read_scene(path, &text) } else { read_sim(path, &text) };
     loader.diagnostics.extend(diagnostics);
+    sim.run.seed = seed.or(sim.run.seed);
     let folder = path::folder_of(path).to_owned();
     let world = loader.world(&sim, &folder);
     let placed = place::place(&mut loader, &sim, &folder, world.as_ref());
+    let costs = sim.run.costs.take().and_then(|costs| loader.costs(path, &folder, costs));
     let scene = SceneSpec {
         file: path.to_owned(),
         folder,
@@ -90,7 +101,7 @@ pub fn load_sim(path: &str, files: &dyn Files) -> Loaded {
         objects: placed.objects,
         markers: sim.markers,
         settings: sim.settings,
-        run: sim.run,
+        run: RunSpec { costs, ..sim.run },
     };
     loader.diagnostics.extend(clearance::check(&scene, placed.of_world));
     loader.finish(scene)
@@ -304,6 +315,9 @@ impl<'a> Loader<'a> {
 
     /// The world that the sim file names; `None`, with an error, if there is none.
     fn world(&mut self, sim: &SimSpec, folder: &str) -> Option<WorldSpec> {
+        if let Some(world) = &sim.inline.world {
+            return Some(world.clone());
+        }
         let Some(line) = &sim.world else {
             // A line that could not be read has its own error.
             if super::has_errors(&self.diagnostics) {
@@ -329,6 +343,18 @@ impl<'a> Loader<'a> {
         };
         self.diagnostics.extend(diagnostics);
         Some(world)
+    }
+
+    /// The cost table of the scene `file`; one that is a file is read.
+    fn costs(&mut self, file: &str, folder: &str, costs: CostsRef) -> Option<CostsRef> {
+        let CostsRef::File(reference) = costs else {
+            return Some(costs);
+        };
+        let (path, bytes) = self.find(file, folder, &reference)?;
+        let text = self.take(&path, bytes);
+        let (table, diagnostics) = read_costs(&path, &text);
+        self.diagnostics.extend(diagnostics);
+        Some(CostsRef::Table(table))
     }
 
     /// The robot type that `reference` in the sim file `file` names; reports if it is nowhere.

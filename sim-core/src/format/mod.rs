@@ -1,7 +1,7 @@
 //! Readers: texts of EyeSim files to specs in SI units, with diagnostics.
 //!
 //! Every reader is a total function: whatever the text, it returns a spec of finite numbers and says what is wrong with the
-//! text, all of it, and never panics. This room does no I/O: [`load_sim`] gets its files through [`Files`]. It looks for no
+//! text, all of it, and never panics. This room does no I/O: [`load_scene`] gets its files through [`Files`]. It looks for no
 //! programs and builds nothing. One reader for each kind of file reads the dialects of all EyeSims, which the number and the kind
 //! of the values tell apart. The formats are described in docs/formats/.
 
@@ -18,6 +18,7 @@ mod mesh;
 pub mod path;
 mod place;
 mod robi;
+mod scene;
 mod sim;
 mod spec;
 mod table;
@@ -30,10 +31,14 @@ pub use code::{Code, UnknownCode};
 pub use companion::read_companion;
 pub use diagnostic::{Diagnostic, Severity, Span, has_errors};
 pub use esobj::read_esobj;
-pub use load::{FileError, Files, InputFile, Loaded, decode, load_maze, load_object, load_robi, load_sim, load_world};
+pub use load::{
+    FileError, Files, InputFile, Loaded, decode, load_maze, load_object, load_robi, load_scene, load_scene_with,
+    load_world,
+};
 pub use maze::read_maze;
 pub use mesh::MeshReader;
 pub use robi::read_robi;
+pub use scene::{SCENE_EXTENSION, is_scene, read_costs, read_scene};
 pub use sim::read_sim;
 pub use spec::*;
 pub use world::read_world;

@@ -1,6 +1,7 @@
 //! From the lines of a sim file to robots and objects with their types and poses.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -8,9 +9,10 @@ use glam::DVec3;
 use super::code::Code;
 use super::diagnostic::Sink;
 use super::load::Loader;
+use super::scene::Room;
 use super::spec::{
-    ModelSpec, ObjectLine, ObjectSpec, ObjectType, PathRef, RobiSpec, RobotLine, RobotSpec, SimSpec, StartRef, TypeRef,
-    WorldSpec,
+    Collider, Layout, ModelSpec, ObjectLine, ObjectSpec, ObjectType, PathRef, RobiSpec, RobotLine, RobotSpec,
+    SceneForm, SimSpec, StartRef, TypeRef, WorldSpec,
 };
 use super::types::{Kind, Types};
 use super::{Severity, Span, builtin, path};
@@ -39,17 +41,22 @@ pub(super) fn place(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str, world:
         shapes: BTreeMap::new(),
         robots: Vec::new(),
         objects: Vec::new(),
+        scattered: Vec::new(),
         ids: 0,
     };
     placer.objects(world.map_or(&[], |world| &world.objects), loader);
     let of_world = placer.objects.len();
     placer.objects(&sim.objects, loader);
     placer.robots(loader);
+    placer.scatter();
     placer.objects[of_world..].sort_by_key(|object| object.span);
     loader.diagnostics.extend(placer.sink.finish());
     if placer.ids == 0 && !super::has_errors(&loader.diagnostics) {
         let mut sink = Sink::new(&sim.file);
-        let expected = "a line `NAME X Y PHI PROGRAM` or `robi FILE.robi PROGRAM`";
+        let expected = match sim.form {
+            SceneForm::Sim => "a line `NAME X Y PHI PROGRAM` or `robi FILE.robi PROGRAM`",
+            SceneForm::Toml => "a section `[[robot]]`",
+        };
         sink.warn(Code::SimRobotMissing, Span::default(), "the scene has no robot", expected);
         loader.diagnostics.extend(sink.finish());
     }
@@ -66,6 +73,8 @@ struct Placer<'a> {
     shapes: BTreeMap<String, Arc<ObjectType>>,
     robots: Vec<RobotSpec>,
     objects: Vec<ObjectSpec>,
+    /// Random layouts and which of the robots have them.
+    scattered: Vec<(Range<usize>, Layout)>,
     /// How many robots there are, with those that are lost.
     ids: usize,
 }
@@ -75,14 +84,27 @@ impl Placer<'_> {
         for line in lines {
             let kind = match &line.kind {
                 TypeRef::File(path) => self.object_of_file(loader, path),
-                TypeRef::Name(name) => match self.types.find(&mut self.sink, name) {
-                    Some(Kind::Object(object)) => Some(object),
-                    _ => None,
-                },
+                TypeRef::Name(name) => self.object_of_name(loader, name),
             };
             if let Some(kind) = kind {
                 let friction = line.friction.unwrap_or(kind.friction);
                 self.objects.push(ObjectSpec { kind, pose: line.pose, friction, span: line.span });
+            }
+        }
+    }
+
+    /// The object type that a scene or a maze names.
+    fn object_of_name(&mut self, loader: &mut Loader<'_>, name: &PathRef) -> Option<Arc<ObjectType>> {
+        match self.types.find(&mut self.sink, name) {
+            Some(Kind::Object(object)) => Some(object),
+            Some(Kind::Robot(_)) => {
+                let message = format!("`{}` is a robot, not an object", name.text);
+                self.sink.error(Code::SimTypeUnknown, name.span, message, "the name of an object type");
+                None
+            }
+            None => {
+                self.types.report_unknown(loader, &mut self.sink, Severity::Error, self.folder, name);
+                None
             }
         }
     }
@@ -120,12 +142,19 @@ impl Placer<'_> {
                 TypeRef::Name(name) => match self.types.find(&mut self.sink, name) {
                     Some(Kind::Robot(robi)) => Some(robi),
                     Some(Kind::Object(object)) => {
-                        self.named_object(line, object);
+                        if self.sim.form == SceneForm::Toml {
+                            let message = format!("`{}` is an object, not a robot", name.text);
+                            self.sink.error(Code::SimTypeUnknown, name.span, message, "the name of a robot type");
+                        } else {
+                            self.named_object(line, object);
+                        }
                         continue;
                     }
                     None => {
                         // Without a program it may have been an object, and EyeSim skips the line.
-                        let is_robot = line.program.is_some() || !matches!(line.start, StartRef::Pose(_));
+                        let is_robot = self.sim.form == SceneForm::Toml
+                            || line.program.is_some()
+                            || !matches!(line.start, StartRef::Pose(_));
                         let severity = if is_robot { Severity::Error } else { Severity::Warning };
                         self.types.report_unknown(loader, &mut self.sink, severity, self.folder, name);
                         self.ids += usize::from(is_robot);
@@ -137,14 +166,79 @@ impl Placer<'_> {
         }
     }
 
-    /// A robot of the type `robi`; `None` if that is missing, which has been told.
+    /// A robot of the type `robi`, or a group of them; `None` if that is missing, which has been told.
     fn robot(&mut self, line: &RobotLine, robi: Option<Arc<RobiSpec>>) {
+        let StartRef::Many { count, layout } = line.start else {
+            let start = self.start(line);
+            self.stand(line, robi.as_ref(), start);
+            return;
+        };
+        let first = self.robots.len();
+        for index in 0..count {
+            let start = match layout {
+                Layout::Starts => self.next(line.span),
+                // Where there is room shows when all others stand.
+                Layout::Random { .. } => Some(Pose::default()),
+                _ => layout.pose(index, count),
+            };
+            if start.is_none() {
+                self.ids += (count - index) as usize;
+                break;
+            }
+            self.stand(line, robi.as_ref(), start);
+        }
+        if matches!(layout, Layout::Random { .. }) && self.robots.len() > first {
+            self.scattered.push((first..self.robots.len(), layout));
+        }
+    }
+
+    fn stand(&mut self, line: &RobotLine, robi: Option<&Arc<RobiSpec>>, start: Option<Pose>) {
         let id = RobotId::from_index(self.ids);
         self.ids += 1;
-        let start = self.start(line);
         if let (Some(robi), Some(start)) = (robi, start) {
             let (program, arguments) = (line.program.clone(), line.arguments.clone());
-            self.robots.push(RobotSpec { id, robi, start, program, arguments, span: line.span });
+            self.robots.push(RobotSpec { id, robi: Arc::clone(robi), start, program, arguments, span: line.span });
+        }
+    }
+
+    /// Gives the robots of random layouts their places, in order of their ids; those without room are lost.
+    fn scatter(&mut self) {
+        let Some(world) = self.starts.world.filter(|_| !self.scattered.is_empty()) else { return };
+        let radius = |robot: &RobotSpec| 0.5 * robot.robi.diameter;
+        let reach = |object: &ObjectSpec| object.kind.colliders.iter().map(Collider::reach).fold(0.0, f64::max);
+        let clearance = |layout: &Layout| if let Layout::Random { clearance, .. } = layout { *clearance } else { 0.0 };
+        let robots = self.robots.iter().map(radius);
+        let widest = robots.chain(self.objects.iter().map(reach)).fold(0.0, f64::max);
+        let widest = widest + self.scattered.iter().map(|(_, layout)| clearance(layout)).fold(0.0, f64::max);
+        let mut room = Room::new(world, widest);
+        let mut is_scattered = vec![false; self.robots.len()];
+        self.scattered.iter().for_each(|(range, _)| is_scattered[range.clone()].fill(true));
+        for (robot, _) in self.robots.iter().zip(is_scattered).filter(|(_, is_scattered)| !is_scattered) {
+            room.take(robot.start.position, radius(robot));
+        }
+        for object in &self.objects {
+            room.take(object.pose.position, reach(object));
+        }
+        let seed = self.sim.run.seed.unwrap_or_default();
+        let mut lost = Vec::new();
+        for (range, layout) in &self.scattered {
+            let Layout::Random { area, clearance, heading } = *layout else { continue };
+            for index in range.clone() {
+                let robot = &mut self.robots[index];
+                let (radius, random) = (0.5 * robot.robi.diameter, (area, clearance, heading));
+                if let Some(start) = room.place(seed, robot.id, radius, random) {
+                    robot.start = start;
+                    continue;
+                }
+                let message = format!("there is room for {} of {} robots", index - range.start, range.len());
+                let expected = "fewer robots, a larger area or less clearance";
+                self.sink.error(Code::SceneRoom, robot.span, message, expected);
+                lost.push(index..range.end);
+                break;
+            }
+        }
+        for range in lost.into_iter().rev() {
+            self.robots.drain(range);
         }
     }
 
@@ -181,7 +275,12 @@ impl Placer<'_> {
         // Where the world is missing, that is what has to be mended.
         if let (None, Some(world)) = (start, self.starts.world) {
             let message = format!("no start is left for this robot: the world has {}", world.starts.len());
-            let expected = "`X Y PHI` on this line, `position X Y PHI` in the world or a start letter in the maze";
+            let expected = match self.sim.form {
+                SceneForm::Sim => {
+                    "`X Y PHI` on this line, `position X Y PHI` in the world or a start letter in the maze"
+                }
+                SceneForm::Toml => "`x_mm` and `y_mm`, a `layout`, or a start in the world",
+            };
             self.sink.error(Code::SimStartMissing, span, message, expected);
         }
         start

@@ -18,6 +18,7 @@ use crate::unit;
 use body::values_of;
 pub(super) use device::{LIDAR_SWEEP, LIDAR_TILT, MAX_LIDAR_POINTS};
 use dialect::Dialect;
+pub(super) use whole::WHEELBASE_OF_DIAMETER;
 
 /// Body of a robot that does not say, in metres. With the other defaults: a small robot with two wheels.
 const DEFAULT_DIAMETER: f64 = 0.18;

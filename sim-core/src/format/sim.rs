@@ -1,7 +1,7 @@
 //! Scenes: `.sim`, the world, the robots with their programs, the objects and the markers.
 //!
 //! One reader for all dialects: the number and the kind of a line's values tell them apart. Which line a name of a loaded type
-//! places, a robot or an object, shows only when the type's file is read; that is for [`super::load_sim`].
+//! places, a robot or an object, shows only when the type's file is read; that is for [`super::load_scene`].
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
@@ -21,7 +21,7 @@ const SETTINGS: [&str; 2] = ["VIS", "TRACE"];
 /// Colour of a marker that does not say: red, opaque. Source: our choice.
 const MARKER_COLOUR: [u8; 4] = [255, 0, 0, 255];
 
-/// Reads a sim file, and none of the files that it names (that is [`super::load_sim`]).
+/// Reads a sim file, and none of the files that it names (that is [`super::load_scene`]).
 pub fn read_sim(file: &str, text: &str) -> (SimSpec, Vec<Diagnostic>) {
     let mut reader = Reader { sink: Sink::new(file), sim: SimSpec { file: file.to_owned(), ..SimSpec::default() } };
     for line in line::lines(text) {

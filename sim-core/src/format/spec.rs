@@ -667,11 +667,23 @@ pub struct Settings {
     pub shows_trace: bool,
 }
 
-/// A sim file.
+/// In which form a scene is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SceneForm {
+    /// Lines of a `.sim`, where a type is loaded before it is used.
+    #[default]
+    Sim,
+    /// Our own, in TOML, where the order of the sections means nothing.
+    Toml,
+}
+
+/// A sim file or a scene of our own form.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SimSpec {
     /// Name of the file.
     pub file: String,
+    /// How it is written.
+    pub form: SceneForm,
     /// The world; `None` where no usable line names one.
     pub world: Option<WorldLine>,
     /// What the window shows.

@@ -9,12 +9,13 @@ use super::Span;
 use super::code::Code;
 use super::diagnostic::Sink;
 use super::line::{self, Quantity};
+use super::spec::PathRef;
 
 /// A text of TOML that is being read, and what is wrong with it.
 pub(super) struct Reader<'t> {
     pub(super) sink: Sink,
     /// The text without byte order mark.
-    text: &'t str,
+    pub(super) text: &'t str,
     /// Length of the byte order mark.
     offset: usize,
     starts: Vec<usize>,
@@ -41,7 +42,9 @@ impl<'a, 'i> Section<'a, 'i> {
 
     /// The value of a key, which is known from now on.
     pub(super) fn get(&mut self, key: &'static str) -> Option<&'a Spanned<DeValue<'i>>> {
-        self.known.push(key);
+        if !self.known.contains(&key) {
+            self.known.push(key);
+        }
         self.table.iter().find(|(name, _)| name.get_ref() == key).map(|(_, value)| value)
     }
 }
@@ -88,7 +91,7 @@ impl Reader<'_> {
         quantity: &Quantity,
     ) -> Option<f64> {
         if !section.has(key) {
-            section.known.push(key);
+            section.get(key);
             self.missing(section, key);
             return None;
         }
@@ -114,6 +117,10 @@ impl Reader<'_> {
         quantity: &Quantity,
     ) -> Option<f64> {
         let value = section.get(key)?;
+        self.as_number(key, value, quantity)
+    }
+
+    fn as_number(&mut self, key: &str, value: &Spanned<DeValue<'_>>, quantity: &Quantity) -> Option<f64> {
         let span = self.span(value.span());
         let Some(number) = float(value.get_ref()) else {
             self.wrong_type(key, value, &quantity.expected());
@@ -138,6 +145,22 @@ impl Reader<'_> {
         self.as_integer(key, value, low, high)
     }
 
+    /// An integer from 0 to 2^64 - 1.
+    pub(super) fn unsigned(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<u64> {
+        let value = section.get(key)?;
+        let expected = format!("an integer from 0 to {}", u64::MAX);
+        let DeValue::Integer(digits) = value.get_ref() else {
+            self.wrong_type(key, value, &expected);
+            return None;
+        };
+        let number = u64::from_str_radix(digits.as_str(), digits.radix()).ok();
+        if number.is_none() {
+            let message = format!("{key} `{digits}` is out of range");
+            self.sink.error(Code::NumberRange, self.span(value.span()), message, expected);
+        }
+        number
+    }
+
     pub(super) fn as_integer(&mut self, key: &str, value: &Spanned<DeValue<'_>>, low: i64, high: i64) -> Option<i64> {
         let expected = format!("an integer from {low} to {high}");
         let DeValue::Integer(digits) = value.get_ref() else {
@@ -160,6 +183,166 @@ impl Reader<'_> {
             self.wrong_type(key, value, "a text that is not empty, between double quotes");
         }
         text.map(str::to_owned)
+    }
+
+    /// A file, or a name of a type.
+    pub(super) fn reference(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<PathRef> {
+        let text = self.text(section, key)?;
+        let span = section.get(key).map_or(section.span, |value| self.span(value.span()));
+        Some(PathRef { text, span })
+    }
+
+    /// The same where it must be there.
+    pub(super) fn required_reference(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<PathRef> {
+        if !section.has(key) {
+            self.missing(section, key);
+        }
+        self.reference(section, key)
+    }
+
+    /// Texts, each of which may be empty.
+    pub(super) fn texts(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Vec<String> {
+        let Some(items) = self.array(section, key, "an array of texts") else {
+            return Vec::new();
+        };
+        let mut texts = Vec::with_capacity(items.len());
+        for item in items {
+            match item.get_ref().as_str() {
+                Some(text) => texts.push(text.to_owned()),
+                None => self.wrong_type(key, item, "a text between double quotes"),
+            }
+        }
+        texts
+    }
+
+    /// `true` or `false`.
+    pub(super) fn flag(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<bool> {
+        let value = section.get(key)?;
+        let DeValue::Boolean(flag) = value.get_ref() else {
+            self.wrong_type(key, value, "true or false");
+            return None;
+        };
+        Some(*flag)
+    }
+
+    /// One of some words: its place among them.
+    pub(super) fn choice(&mut self, section: &mut Section<'_, '_>, key: &'static str, words: &[&str]) -> Option<usize> {
+        let expected = format!("one of {}", words.join(", "));
+        let value = section.get(key)?;
+        let Some(text) = value.get_ref().as_str() else {
+            self.wrong_type(key, value, &expected);
+            return None;
+        };
+        let place = words.iter().position(|word| *word == text);
+        if place.is_none() {
+            let suggestion = line::nearest(text, words.iter().copied()).map(|word| format!("write `{word}`"));
+            let message = format!("`{text}` is no {key}");
+            self.sink.error(Code::TomlChoice, self.span(value.span()), message, expected).suggestion = suggestion;
+        }
+        place
+    }
+
+    /// The same where it must be there.
+    pub(super) fn required_choice(
+        &mut self,
+        section: &mut Section<'_, '_>,
+        key: &'static str,
+        words: &[&str],
+    ) -> Option<usize> {
+        if !section.has(key) {
+            self.missing(section, key);
+        }
+        self.choice(section, key, words)
+    }
+
+    /// An array of `N` numbers.
+    pub(super) fn numbers<const N: usize>(
+        &mut self,
+        section: &mut Section<'_, '_>,
+        key: &'static str,
+        quantities: &[Quantity; N],
+    ) -> Option<[f64; N]> {
+        let expected = format!("an array of {N} numbers");
+        let value = section.get(key)?;
+        let items = match value.get_ref() {
+            DeValue::Array(items) if items.len() == N => items,
+            DeValue::Array(items) => {
+                let message = format!("`{key}` has {} values", items.len());
+                self.sink.error(Code::TomlType, self.span(value.span()), message, expected);
+                return None;
+            }
+            _ => {
+                self.wrong_type(key, value, &expected);
+                return None;
+            }
+        };
+        let mut values = [0.0; N];
+        let mut is_complete = true;
+        for ((place, item), quantity) in values.iter_mut().zip(items).zip(quantities) {
+            match self.as_number(key, item, quantity) {
+                Some(value) => *place = value,
+                None => is_complete = false,
+            }
+        }
+        is_complete.then_some(values)
+    }
+
+    /// The same where it must be there.
+    pub(super) fn required_numbers<const N: usize>(
+        &mut self,
+        section: &mut Section<'_, '_>,
+        key: &'static str,
+        quantities: &[Quantity; N],
+    ) -> Option<[f64; N]> {
+        if !section.has(key) {
+            self.missing(section, key);
+        }
+        self.numbers(section, key, quantities)
+    }
+
+    /// `N` shades of colours, each 0 to 255.
+    pub(super) fn shades<const N: usize>(
+        &mut self,
+        section: &mut Section<'_, '_>,
+        key: &'static str,
+    ) -> Option<[u8; N]> {
+        let shades = self.numbers(section, key, &[Quantity::number("shade", 0.0, 255.0); N])?;
+        Some(shades.map(|shade| shade as u8))
+    }
+
+    /// An array.
+    pub(super) fn array<'a, 'i>(
+        &mut self,
+        section: &mut Section<'a, 'i>,
+        key: &'static str,
+        expected: &str,
+    ) -> Option<&'a [Spanned<DeValue<'i>>]> {
+        let value = section.get(key)?;
+        let DeValue::Array(items) = value.get_ref() else {
+            self.wrong_type(key, value, expected);
+            return None;
+        };
+        Some(items)
+    }
+
+    /// Reports those of the `keys` that a table has although `other` excludes them; true if it has none.
+    pub(super) fn exclude(&mut self, section: &mut Section<'_, '_>, other: &str, keys: &[&'static str]) -> bool {
+        let mut is_clean = true;
+        for key in keys {
+            if section.get(key).is_some() {
+                let span = self.key_span(section, key);
+                let message = format!("`{key}` and `{other}` exclude each other");
+                self.sink.error(Code::TomlConflict, span, message, format!("either `{key}` or `{other}`"));
+                is_clean = false;
+            }
+        }
+        is_clean
+    }
+
+    /// Where a key is written; the table where it is not.
+    pub(super) fn key_span(&self, section: &Section<'_, '_>, key: &str) -> Span {
+        let written = section.table.iter().find(|(name, _)| name.get_ref() == key);
+        written.map_or(section.span, |(name, _)| self.span(name.span()))
     }
 
     pub(super) fn section<'a, 'i>(

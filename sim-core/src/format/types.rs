@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::code::Code;
 use super::diagnostic::Sink;
 use super::load::Loader;
-use super::spec::{ObjectType, PathRef, RobiSpec, SimSpec};
+use super::spec::{ObjectType, PathRef, RobiSpec, SceneForm, SimSpec};
 use super::{Severity, Span, builtin, line, path, sim};
 
 /// A type of robot or of object.
@@ -39,6 +39,7 @@ pub(super) struct Types {
     by_lower_case: BTreeMap<String, Vec<String>>,
     /// What lines would load that name types which are not loaded; filled when the first such type is met.
     nearby: Option<BTreeMap<String, String>>,
+    form: SceneForm,
 }
 
 struct Known {
@@ -50,7 +51,7 @@ struct Known {
 impl Types {
     /// The built-in types and those that `sim` loads. Built-in names are reserved, and the first of two types of one name counts.
     pub(super) fn load(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str) -> Self {
-        let mut types = Self { by_name: BTreeMap::new(), by_lower_case: BTreeMap::new(), nearby: None };
+        let mut types = Self { by_name: BTreeMap::new(), by_lower_case: BTreeMap::new(), nearby: None, form: sim.form };
         let robots = builtin::ROBOTS.iter().filter_map(|name| builtin::robot(name)).map(|it| Kind::Robot(Arc::new(it)));
         let objects =
             builtin::OBJECTS.iter().filter_map(|name| builtin::object(name)).map(|it| Kind::Object(Arc::new(it)));
@@ -77,6 +78,12 @@ impl Types {
             if let Some(kind) = kind {
                 types.take(&mut sink, kind, path.span);
             }
+        }
+        for (robi, span) in &sim.inline.robot_types {
+            types.take(&mut sink, Kind::Robot(Arc::new(robi.clone())), *span);
+        }
+        for (object, span) in &sim.inline.object_types {
+            types.take(&mut sink, Kind::Object(Arc::new(object.clone())), *span);
         }
         loader.diagnostics.extend(sink.finish());
         types
@@ -117,7 +124,9 @@ impl Types {
             }
         }
         let known = known?;
-        if let Some(loaded) = known.loaded.filter(|loaded| loaded.start > reference.span.start) {
+        if let Some(loaded) =
+            known.loaded.filter(|loaded| self.form == SceneForm::Sim && loaded.start > reference.span.start)
+        {
             let message = format!("`{}` is loaded only further below, in line {}", reference.text, loaded.line);
             sink.warn(
                 Code::SimTypeBelow,
@@ -139,7 +148,10 @@ impl Types {
         reference: &PathRef,
     ) {
         let message = format!("there is no type `{}`", reference.text);
-        let expected = "LabBot, S4, Can, Soccer, Crate, Golf, or the name of a type that a line above loads";
+        let expected = match self.form {
+            SceneForm::Sim => "LabBot, S4, Can, Soccer, Crate, Golf, or the name of a type that a line above loads",
+            SceneForm::Toml => "LabBot, S4, Can, Soccer, Crate, Golf, a file, or the name of a type of the scene",
+        };
         let suggestion = self.suggestion(loader, folder, &reference.text);
         sink.report(severity, Code::SimTypeUnknown, reference.span, message, expected).suggestion = suggestion;
     }
@@ -151,7 +163,10 @@ impl Types {
         }
         let nearby = self.nearby.get_or_insert_with(|| nearby(loader, folder));
         if let Some(line) = nearby.get(name) {
-            return Some(format!("load it above with `{line}`"));
+            return Some(match self.form {
+                SceneForm::Sim => format!("load it above with `{line}`"),
+                SceneForm::Toml => format!("name its file: `{}`", line.split_once(' ').map_or("", |(_, file)| file)),
+            });
         }
         let names = self.by_name.keys().map(String::as_str).chain(sim::KEYWORDS);
         line::nearest(name, names).map(|name| format!("write `{name}`"))

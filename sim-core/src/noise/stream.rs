@@ -11,6 +11,8 @@ use crate::RobotId;
 pub enum Purpose {
     /// The generators that a robot's program draws from (`rand` of C and the like).
     Program = 1,
+    /// Where a robot of a random layout starts.
+    Layout = 2,
 }
 
 /// Random bits that are a function of their key alone.
@@ -38,6 +40,11 @@ impl Stream {
     /// The next 64 bits.
     pub fn bits(&mut self) -> u64 {
         self.generator.next_u64()
+    }
+
+    /// The next number from [0, 1), a multiple of 2^-53.
+    pub fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
 

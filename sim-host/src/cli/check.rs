@@ -6,12 +6,14 @@ use std::process::ExitCode;
 
 use clap::Args;
 use sim_core::format::{
-    self, Code, Diagnostic, Files, InputFile, Loaded, MeshReader, RobotSpec, SceneSpec, Severity, Span,
+    self, Code, CostTable, CostsRef, Diagnostic, Files, InputFile, Loaded, MeshReader, RobotSpec, SceneSpec, Severity,
+    Span,
 };
 
 use super::diagnostic::{self, Colour, Format, Screen, plural};
 use crate::files::{DiskFiles, slashed};
 use crate::program::find::{SearchPath, find_program};
+use crate::robios::cost;
 
 /// Exit code when there are errors, or warnings under `--strict`.
 const EXIT_MISTAKES: u8 = 2;
@@ -19,7 +21,8 @@ const EXIT_MISTAKES: u8 = 2;
 /// Arguments of `eyesim check`.
 #[derive(Args)]
 pub struct CheckArgs {
-    /// Files to check: .sim (with all that it names), .robi (with its .toml), .wld, .maz, .esObj; of a folder all such files
+    /// Files to check: .sim and .scene.toml (with all that they name), .robi (with its .toml), .wld, .maz, .esObj; of a
+    /// folder all such files
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// How the diagnostics are printed
@@ -133,19 +136,29 @@ fn check_one(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> L
             with_looks(loaded, files, |reader| object.iter().for_each(|object| drop(reader.object(object))))
         }
         "robi" => check_robi(name, files),
+        "toml" if is_scene(name, files) => check_sim(name, files, find_program),
         "toml" => check_robi(&format!("{stem}.robi"), files),
         _ => Loaded { diagnostics: vec![unknown_kind(name)], ..Loaded::default() },
     }
 }
 
-/// Extensions of the files that are taken from a folder. A companion is read with its robi.
+/// Whether the file is a scene in TOML; one that cannot be read is what its name says.
+fn is_scene(name: &str, files: &dyn Files) -> bool {
+    let text = files.read(name).map_or(String::new(), |bytes| format::decode(&bytes).0);
+    format::is_scene(name, &text)
+}
+
+/// Extensions of the files that are taken from a folder, besides `.scene.toml`. A companion is read with its robi.
 const EXTENSIONS: [&str; 6] = ["sim", "wld", "maz", "maze", "robi", "esObj"];
 
 fn check_sim(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
-    let mut loaded = with_looks(format::load_sim(name, files), files, |_| ());
+    let mut loaded = with_looks(format::load_scene(name, files), files, |_| ());
     // EyeSim reads the file and places the robot all the same.
     let missing = missing_programs(&loaded.scene, Severity::Warning, find_program);
     loaded.diagnostics.extend(missing);
+    if let Some(CostsRef::Table(table)) = &loaded.scene.run.costs {
+        loaded.diagnostics.extend(unknown_functions(table));
+    }
     loaded
 }
 
@@ -166,6 +179,19 @@ fn with_looks(mut loaded: Loaded, files: &dyn Files, others: impl FnOnce(&mut Me
     loaded.diagnostics.extend(diagnostics);
     loaded.inputs.extend(inputs);
     loaded
+}
+
+/// The entries of a cost table that no function of RoBIOS has.
+pub fn unknown_functions(table: &CostTable) -> impl Iterator<Item = Diagnostic> {
+    cost::mistakes(table).map(|(entry, _)| Diagnostic {
+        severity: Severity::Error,
+        code: Code::CostFunction,
+        file: table.file.clone(),
+        span: entry.span,
+        message: format!("there is no function `{}`", entry.function),
+        expected: "a function of RoBIOS, or the beginning of names and `*`".to_owned(),
+        suggestion: cost::most_similar(&entry.function).map(|name| format!("write `{name}`")),
+    })
 }
 
 /// What is said about the programs that the files of a scene name and that are not found, each once, in the order of the robots.
@@ -199,7 +225,7 @@ fn on_file(code: Code, name: &str, message: &str, expected: &str) -> Diagnostic 
 }
 
 fn unknown_kind(name: &str) -> Diagnostic {
-    let expected = "a name that ends in .sim, .robi, .toml, .wld, .maz, .maze or .esObj";
+    let expected = "a name that ends in .sim, .scene.toml, .robi, .toml, .wld, .maz, .maze or .esObj";
     on_file(Code::FileKind, name, "the name does not say which kind of file this is", expected)
 }
 
@@ -259,7 +285,11 @@ fn walk(folder: &Path, file: &mut dyn FnMut(&Path), unreadable: &mut dyn FnMut(&
 }
 
 fn is_known(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known)))
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    name.ends_with(format::SCENE_EXTENSION)
+        || path
+            .extension()
+            .is_some_and(|extension| EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known)))
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use anyhow::{Context, anyhow, bail, ensure};
 use sim_core::RobotId;
-use sim_core::format::{InputFile, RobotSpec, SceneSpec};
+use sim_core::format::{CostsRef, InputFile, RobotSpec, SceneSpec};
+use sim_core::time::Time;
 
 use super::run::RunArgs;
 use crate::files::slashed;
@@ -14,8 +15,17 @@ use crate::robios::cost::Costs;
 use crate::robios::key::{Press, parse_script};
 use crate::setup::program_of_command_line;
 
-/// What the arguments mean for the robots of the scene.
+/// Length of a slot where nobody says.
+const DEFAULT_SLOT: Time = Time::from_millis(50);
+
+/// What the scene and the arguments say about its run; the arguments go before.
 pub struct Options {
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Length of a slot.
+    pub slot: Time,
+    /// When the run ends; `None` where nobody says.
+    pub until: Option<Time>,
     /// Keys that are pressed.
     pub keys: Vec<Press>,
     /// What calls cost.
@@ -41,14 +51,21 @@ impl Options {
         }
         give_programs(scene, &args.programs)?;
         give_arguments(scene, &args.args)?;
-        let (costs, costs_input) = read_costs(args.costs.as_deref())?;
+        let (costs, costs_input) = match &args.costs {
+            Some(path) => read_costs(path)?,
+            None => (costs_of(scene)?, None),
+        };
+        let run = &scene.run;
+        let seed = args.seed.or(run.seed).unwrap_or_default();
+        let slot = args.slot.or(run.slot).unwrap_or(DEFAULT_SLOT);
+        let until = args.until.or(run.until);
         let robot = args.robot.map(|robot| index_of(scene, robot).context("--robot")).transpose()?;
         let filter = Filter {
             is_verbose: args.verbose,
             only: args.only.as_deref().map(Pattern::parse_list).unwrap_or_default(),
             robots: robot.into_iter().map(RobotId::from_index).collect(),
         };
-        Ok(Self { keys, costs, costs_input, filter })
+        Ok(Self { seed, slot, until, keys, costs, costs_input, filter })
     }
 }
 
@@ -147,13 +164,18 @@ fn split_robot(text: &str, separator: char) -> (Option<u32>, &str) {
     split().map_or((None, text), |(robot, rest)| (Some(robot), rest))
 }
 
-fn read_costs(path: Option<&Path>) -> anyhow::Result<(Costs, Option<InputFile>)> {
-    let Some(path) = path else { return Ok((Costs::default(), None)) };
+fn read_costs(path: &Path) -> anyhow::Result<(Costs, Option<InputFile>)> {
     let name = || format!("cost table `{}`", path.display());
     let bytes = std::fs::read(path).with_context(name)?;
     let text = std::str::from_utf8(&bytes).with_context(name)?;
     let costs = Costs::with(text).with_context(name)?;
     Ok((costs, Some(InputFile { path: slashed(path), bytes })))
+}
+
+/// The costs that the scene gives, before those that are compiled in.
+fn costs_of(scene: &SceneSpec) -> anyhow::Result<Costs> {
+    let Some(CostsRef::Table(table)) = &scene.run.costs else { return Ok(Costs::default()) };
+    Costs::of_table(table).with_context(|| format!("cost table in `{}`", table.file))
 }
 
 #[cfg(test)]

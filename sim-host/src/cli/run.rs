@@ -7,10 +7,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 use clap::Args;
 use parking_lot::Mutex;
-use sim_core::format::{Diagnostic, Files, InputFile, Loaded, SceneSpec, Severity, load_sim};
+use sim_core::format::{
+    CostsRef, Diagnostic, Files, InputFile, Loaded, SceneSpec, Severity, decode, is_scene, load_scene_with,
+};
 use sim_core::pose::Pose;
 use sim_core::scene::Walls;
 use sim_core::time::Time;
@@ -36,7 +38,8 @@ const DEFAULT_UNTIL: f64 = 600.0;
 /// Arguments of `eyesim run`.
 #[derive(Args)]
 pub struct RunArgs {
-    /// The sim file
+    /// The scene: a sim file, or one in TOML
+    #[arg(value_name = "SCENE")]
     pub sim: PathBuf,
     /// Do not run a scene that has warnings
     #[arg(long)]
@@ -50,16 +53,16 @@ pub struct RunArgs {
     /// Draw the world from above with the robots' paths as SVG
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Seed of all random numbers
-    #[arg(long, value_name = "NUMBER", default_value_t = 0)]
-    pub seed: u64,
-    /// Length of a time slot in milliseconds, a multiple of 0.001
-    #[arg(long, value_name = "MS", default_value = "50", value_parser = parse_slot, allow_hyphen_values = true)]
-    pub slot: Time,
+    /// Seed of all random numbers [default: that of the scene, else 0]
+    #[arg(long, value_name = "NUMBER")]
+    pub seed: Option<u64>,
+    /// Length of a time slot in milliseconds, a multiple of 0.001 [default: that of the scene, else 50]
+    #[arg(long, value_name = "MS", value_parser = parse_slot, allow_hyphen_values = true)]
+    pub slot: Option<Time>,
     /// Robots that run at one time [default: one for each processor]
     #[arg(long, value_name = "NUMBER")]
     pub threads: Option<NonZeroUsize>,
-    /// Simulated seconds at which the run ends [default: 600]
+    /// Simulated seconds at which the run ends [default: that of the scene, else 600]
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_hyphen_values = true)]
     pub until: Option<Time>,
     /// Simulated seconds for each second of real time, or `max`
@@ -77,7 +80,7 @@ pub struct RunArgs {
     /// Arguments of a robot's program in place of those of the sim file: `1:"--kp 0.5"`, without a number for all robots
     #[arg(long, value_name = "[ROBOT:]ARGUMENTS", allow_hyphen_values = true)]
     pub args: Vec<String>,
-    /// Virtual time that RoBIOS calls take, as TOML
+    /// Virtual time that RoBIOS calls take, as TOML, in place of the scene's
     #[arg(long, value_name = "FILE")]
     pub costs: Option<PathBuf>,
     /// Show no progress: neither what is being built nor how far the run is
@@ -108,9 +111,12 @@ pub enum Speed {
 /// # Errors
 /// Files or arguments that are wrong.
 pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
-    expect_sim(&args.sim)?;
+    expect_scene(&args.sim)?;
     let mut files = DiskFiles::of_environment();
-    let mut loaded = load_sim(&files.name(&args.sim), &files);
+    let mut loaded = load_scene_with(&files.name(&args.sim), args.seed, &files);
+    if let Some(CostsRef::Table(table)) = loaded.scene.run.costs.as_ref().filter(|_| args.costs.is_none()) {
+        loaded.diagnostics.extend(check::unknown_functions(table));
+    }
     tell(&loaded.diagnostics, &loaded.inputs, args.strict)?;
     let options = Options::new(args, &mut loaded.scene)?;
     let missing = check::missing_programs(&loaded.scene, Severity::Error, &*check::finder(&files)?);
@@ -131,15 +137,21 @@ fn tell(diagnostics: &[Diagnostic], inputs: &[InputFile], strict: bool) -> anyho
     Ok(())
 }
 
-/// Refuses what is named in place of a sim file, such as the program itself, before it is read as one.
-fn expect_sim(path: &Path) -> anyhow::Result<()> {
+/// Refuses what is named in place of a scene, such as the program itself, before it is read as one.
+fn expect_scene(path: &Path) -> anyhow::Result<()> {
     let name = path.display();
     if path.is_dir() {
-        bail!("`{name}` is a folder: name the sim file in it (NAME.sim)");
+        bail!("`{name}` is a folder: name the scene in it (NAME.sim or NAME.scene.toml)");
     }
-    if path.extension().is_some_and(|extension| !extension.eq_ignore_ascii_case("sim")) {
+    let extension = path.extension().unwrap_or_default();
+    if extension.eq_ignore_ascii_case("toml") {
+        // A file that cannot be read is told of by the reader.
+        let is_scene = std::fs::read(path).map_or(true, |bytes| is_scene(&path.to_string_lossy(), &decode(&bytes).0));
+        ensure!(is_scene, "`{name}` is no scene: it has none of `scene`, `world` and `robot` at its top level");
+    } else if !extension.is_empty() && !extension.eq_ignore_ascii_case("sim") {
         bail!(
-            "`{name}` is no sim file: expected NAME.sim, which names a world and, for each robot, a robi and a program"
+            "`{name}` is no scene: expected NAME.sim or NAME.scene.toml, which names a world and, for each robot, a type \
+             and a program"
         );
     }
     Ok(())
@@ -172,11 +184,11 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
         }
     };
     let robot_options =
-        RobotOptions { seed: args.seed, slot: args.slot, keys: &options.keys, is_verbose: args.verbose };
+        RobotOptions { seed: options.seed, slot: options.slot, keys: &options.keys, is_verbose: args.verbose };
     let (world, robots) = build_world(scene, &programs, &robot_options)?;
     let walls = Arc::clone(world.walls());
 
-    let until = args.until.unwrap_or(Time::from_seconds_ceil(DEFAULT_UNTIL));
+    let until = options.until.unwrap_or(Time::from_seconds_ceil(DEFAULT_UNTIL));
     let mut progress = if args.verbose || args.quiet { Progress::hidden() } else { Progress::new(until) };
     let Sinks { all, trails } = sinks(args, options, scene, &progress)?;
     let limits = Limits {
@@ -195,13 +207,13 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
         executor: Box::new(ThreadExecutor::new(robots.len(), programs.iter().count(), limits.lanes)),
         robots,
         costs: options.costs.clone(),
-        recorder: Recorder::new(args.seed, args.slot, all),
+        recorder: Recorder::new(options.seed, options.slot, all),
     };
     let ended = Run::execute(parts, &limits, |run| progress.update(run.slot_start(), || counts(run)))
         .context("cannot start the robots")?;
     progress.clear();
 
-    let report = report(args, scene, &ended, inputs);
+    let report = report(options, scene, &ended, inputs);
     let written = [
         args.report.as_ref().map(|path| report.write(path)),
         args.plot
@@ -210,7 +222,7 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
             .map(|(path, trails)| plot(scene, &walls, &trails.lock(), &ended.robots).write(path)),
     ];
     print(&table::render(&report, Screen::of_stdout()))?;
-    explain(args, &report, &ended);
+    explain(options, &report, &ended);
     // One file that cannot be written keeps no other from being written.
     written.into_iter().flatten().collect::<Result<(), _>>()?;
     Ok(exit_code(&ended))
@@ -286,7 +298,7 @@ fn sinks(args: &RunArgs, options: &Options, scene: &SceneSpec, progress: &Progre
             program: robot.program_name().to_owned(),
         };
         let robots = scene.robots.iter().map(robot).collect();
-        let header = TraceHeader { seed: args.seed, slot_us: args.slot.0, robots };
+        let header = TraceHeader { seed: options.seed, slot_us: options.slot.0, robots };
         all.push(Box::new(Trace::create(path, &header)?));
     }
     let trails = args.plot.is_some().then(|| {
@@ -327,7 +339,7 @@ fn inputs(scene: &[InputFile], costs: Option<&InputFile>, programs: &Programs) -
     inputs
 }
 
-fn report(args: &RunArgs, scene: &SceneSpec, ended: &Ended, inputs: Vec<Input>) -> Report {
+fn report(options: &Options, scene: &SceneSpec, ended: &Ended, inputs: Vec<Input>) -> Report {
     let robot = |(spec, end): (&sim_core::format::RobotSpec, &RobotEnd)| RobotReport {
         id: spec.id.0,
         name: spec.robi.name.clone(),
@@ -347,8 +359,8 @@ fn report(args: &RunArgs, scene: &SceneSpec, ended: &Ended, inputs: Vec<Input>) 
         eyesim_version: env!("CARGO_PKG_VERSION").into(),
         argv: std::env::args().collect(),
         inputs,
-        seed: args.seed,
-        slot_us: args.slot.0,
+        seed: options.seed,
+        slot_us: options.slot.0,
         sim_time_s: ended.time.seconds(),
         real_time_s: ended.real_time.as_secs_f64(),
         digest: ended.digest,
@@ -376,10 +388,12 @@ fn plot(scene: &SceneSpec, walls: &Walls, trails: &Trails, ends: &[RobotEnd]) ->
 }
 
 /// Says on standard error why the run ended where the table alone does not.
-fn explain(args: &RunArgs, report: &Report, ended: &Ended) {
+fn explain(options: &Options, report: &Report, ended: &Ended) {
     match &ended.end {
-        End::Until if args.until.is_none() => {
-            eprintln!("stopped after {DEFAULT_UNTIL} s of simulated time, since --until says nothing else");
+        End::Until if options.until.is_none() => {
+            eprintln!(
+                "stopped after {DEFAULT_UNTIL} s of simulated time, since neither the scene nor --until says anything else"
+            );
         }
         End::Record(error) => eprintln!("error: {error}"),
         End::Interrupted => eprintln!("interrupted"),

@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 
 use robios_sys::Robios6Call as Call;
+use sim_core::format::{CostEntry, CostTable};
 use sim_core::time::Time;
 use toml::Spanned;
 
@@ -72,14 +73,29 @@ impl Costs {
     /// # Errors
     /// The first [`CostError`] of the user's table.
     pub fn with(table: &str) -> Result<Self, CostError> {
-        let own = parse(table)?;
+        Ok(Self::with_entries(&parse(table)?))
+    }
+
+    /// The table that is compiled in, with the entries of a scene's `table` before it.
+    ///
+    /// # Errors
+    /// The first entry that fits no function.
+    pub fn of_table(table: &CostTable) -> Result<Self, CostError> {
+        if let Some((_, error)) = mistakes(table).next() {
+            return Err(error);
+        }
+        let of_robios6 = table.entries.iter().filter(|entry| entry.generation == ROBIOS6);
+        Ok(Self::with_entries(&of_robios6.map(|entry| (entry.function.clone(), entry.cost)).collect()))
+    }
+
+    fn with_entries(own: &BTreeMap<String, Time>) -> Self {
         let mut costs = Self::default();
         for call in Call::ALL {
-            if let Some(cost) = find(&own, call.name()) {
+            if let Some(cost) = find(own, call.name()) {
                 costs.robios6[call.index()] = cost;
             }
         }
-        Ok(costs)
+        costs
     }
 
     /// What `call` costs.
@@ -98,6 +114,19 @@ impl Default for Costs {
     }
 }
 
+/// The entries of a scene's table that fit no function.
+pub fn mistakes(table: &CostTable) -> impl Iterator<Item = (&CostEntry, CostError)> {
+    let of_robios6 = table.entries.iter().filter(|entry| entry.generation == ROBIOS6);
+    of_robios6.filter_map(|entry| Some((entry, unknown_function(&entry.function, entry.span.line as usize)?)))
+}
+
+/// The error of an entry in `line` whose `name` fits no function.
+fn unknown_function(name: &str, line: usize) -> Option<CostError> {
+    let is_known = Call::ALL.iter().any(|call| fits(name, call.name()));
+    let error = || CostError::Function { line, name: name.to_owned(), suggestion: most_similar(name) };
+    (!is_known).then(error)
+}
+
 /// The entries for RoBIOS 6, by name or pattern.
 fn parse(table: &str) -> Result<BTreeMap<String, Time>, CostError> {
     let line_of = |place: usize| 1 + table.as_bytes()[..place].iter().filter(|byte| **byte == b'\n').count();
@@ -113,9 +142,8 @@ fn parse(table: &str) -> Result<BTreeMap<String, Time>, CostError> {
             let micros = cost.get_ref().as_integer().filter(|micros| (1..=MAX_COST_US).contains(micros));
             let Some(micros) = micros else { return Err(CostError::Cost { line, name: name_of }) };
             if name.get_ref() == ROBIOS6 {
-                if !Call::ALL.iter().any(|call| fits(&name_of, call.name())) {
-                    let suggestion = most_similar(&name_of);
-                    return Err(CostError::Function { line, name: name_of, suggestion });
+                if let Some(error) = unknown_function(&name_of, line) {
+                    return Err(error);
                 }
                 entries.insert(name_of, Time(micros));
             }
@@ -137,7 +165,7 @@ fn fits(name: &str, function: &str) -> bool {
 }
 
 /// The function whose name is at most a third of its letters away from `name`.
-fn most_similar(name: &str) -> Option<&'static str> {
+pub fn most_similar(name: &str) -> Option<&'static str> {
     let name = name.to_lowercase();
     let similar = Call::ALL.iter().map(|call| (strsim::osa_distance(&name, &call.name().to_lowercase()), call.name()));
     similar.min_by_key(|(edits, _)| *edits).filter(|(edits, call)| *edits * 3 <= call.len()).map(|(_, call)| call)

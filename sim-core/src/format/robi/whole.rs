@@ -9,7 +9,7 @@ use crate::math;
 use crate::unit;
 
 /// Distance of the axles of an Ackermann robot, as a part of its diameter, where nothing says it.
-const WHEELBASE_OF_DIAMETER: f64 = 0.6;
+pub(crate) const WHEELBASE_OF_DIAMETER: f64 = 0.6;
 
 impl Reader {
     /// Says what the file lacks, and what EyeSim VR would not take.

@@ -25,7 +25,7 @@ fn load(text: &str) -> Loaded {
         ("sims/signs/stop.esObj", SIGN),
         ("worlds/Crate/Boxes.esObj", "name Crate1\nmass 1 0 0 0\ncollider box 0 100 0 360 200 360\nfixed\n"),
     ]);
-    load_sim("sims/a.sim", &files)
+    load_scene("sims/a.sim", &files)
 }
 
 /// The scene `text`, in which nothing is wrong.
@@ -102,7 +102,7 @@ fn a_type_without_a_name_is_named_by_its_file() {
         ("w.wld", "floor 9000 9000"),
         ("customObject.esObj", "mass 1\nsphere 0 50 0 50\n"),
     ]);
-    let loaded = load_sim("a.sim", &files);
+    let loaded = load_scene("a.sim", &files);
     assert_eq!((loaded.diagnostics, loaded.scene.objects.len()), (vec![], 1));
 }
 
@@ -159,7 +159,7 @@ fn a_mesh_alone_has_the_shape_of_the_built_in_object_of_its_name() {
 #[test]
 fn letters_of_a_maze_place_built_in_objects() {
     let files = Memory::new(&[("a.sim", "maze m.maz\nS4 S\n"), ("m.maz", " _____\n|S|o|X|\n|_|_|_|\n")]);
-    let loaded = load_sim("a.sim", &files);
+    let loaded = load_scene("a.sim", &files);
     assert_eq!(loaded.diagnostics, []);
     let names: Vec<&str> = loaded.scene.objects.iter().map(|object| object.kind.name.as_str()).collect();
     assert_eq!(names, ["Soccer", "Crate"]);

@@ -175,7 +175,7 @@ fn scene_diagnostics(text: &str) -> Vec<Diagnostic> {
         ("stop.esObj", "name StopSign\nmass 1\nsphere 0 5 0 5\n"),
         ("locked.wld", ""),
     ]);
-    load_sim("a.sim", &files).diagnostics
+    load_scene("a.sim", &files).diagnostics
 }
 
 fn describe(out: &mut String, text: &str, diagnostics: &[Diagnostic]) {

@@ -217,7 +217,7 @@ fn robots_take_the_starts_in_order() {
         ("/home/eyesim/robis/S4.robi", S4),
         ("/home/eyesim/robis/S4.toml", "psd.range_mm = 1500"),
     ]);
-    let loaded = load_sim("sims/a.sim", &files);
+    let loaded = load_scene("sims/a.sim", &files);
     assert_eq!(loaded.diagnostics, []);
     let starts: Vec<Pose> = loaded.scene.robots.iter().map(|robot| robot.start).collect();
     assert_eq!(starts, [Pose::new(0.5, 1.5, FRAC_PI_2), Pose::new(0.1, 0.2, -FRAC_PI_2), Pose::new(1.5, 1.5, 0.0)]);
@@ -233,7 +233,7 @@ fn robots_take_the_starts_in_order() {
 #[test]
 fn a_missing_file_lists_what_was_tried() {
     let files = Memory::new(&[("a/b.sim", "world w.wld\nrobi r.robi p.so 1 2 3\n"), ("a/v.wld", "")]);
-    let loaded = load_sim("a/b.sim", &files);
+    let loaded = load_scene("a/b.sim", &files);
     assert_eq!(codes(&loaded.diagnostics), ["file-missing", "file-missing"]);
     let message = &loaded.diagnostics[0].message;
     for place in ["`a/w.wld`", "`w.wld`", "`/home/eyesim/w.wld`", "`/home/eyesim/worlds/w.wld`"] {
@@ -250,7 +250,7 @@ fn names_from_windows_are_found_in_other_case() {
         ("worlds/field.wld", "floor 10 10"),
         ("s4.robi", S4),
     ]);
-    let loaded = load_sim("a.sim", &files);
+    let loaded = load_scene("a.sim", &files);
     assert_eq!(codes(&loaded.diagnostics), ["file-case", "file-case"]);
     assert!(!loaded.has_errors());
     assert_eq!(loaded.scene.robots.len(), 1);
@@ -263,7 +263,7 @@ fn a_robot_without_a_start_is_an_error() {
         ("w.wld", "floor 1000 1000\nposition 500 500 0\n"),
         ("S4.robi", S4),
     ]);
-    let loaded = load_sim("a.sim", &files);
+    let loaded = load_scene("a.sim", &files);
     assert_eq!(codes(&loaded.diagnostics), ["sim-start-missing"]);
     assert_eq!(loaded.diagnostics[0].span.line, 3);
 }
@@ -275,7 +275,7 @@ fn files_of_another_machine_are_found_beside_the_sim() {
         ("x/w.wld", "floor 1000 1000"),
         ("x/S4.robi", S4),
     ]);
-    let loaded = load_sim("x/a.sim", &files);
+    let loaded = load_scene("x/a.sim", &files);
     assert_eq!(codes(&loaded.diagnostics), ["file-moved", "file-moved"]);
     assert_eq!(loaded.scene.robots.len(), 1);
 }
@@ -287,7 +287,7 @@ fn a_robot_type_is_read_once_under_all_its_names() {
         ("w.wld", "floor 1000 1000"),
         ("S4.robi", &format!("{S4}frobnicate\n")),
     ]);
-    let loaded = load_sim("a.sim", &files);
+    let loaded = load_scene("a.sim", &files);
     assert_eq!(codes(&loaded.diagnostics), ["robi-keyword"]);
     assert_eq!((loaded.scene.robots.len(), loaded.inputs.len()), (3, 3));
 }

@@ -33,7 +33,7 @@ fn read_all(text: &str) {
     let (object, of_object) = read_esobj("f", text);
     // All that a scene places, with the files that it names there as well.
     let loaded =
-        load_sim("a.sim", &super::Memory::new(&[("a.sim", text), ("a.robi", super::S4), ("s.esObj", VALID[5])]));
+        load_scene("a.sim", &super::Memory::new(&[("a.sim", text), ("a.robi", super::S4), ("s.esObj", VALID[5])]));
     for placed in &loaded.scene.objects {
         assert!(placed.pose.position.is_finite() && placed.friction >= 0.0, "{placed:?}");
     }

@@ -1,0 +1,315 @@
+//! Types of robots and objects that a scene describes in place: all that a robi with its companion and an esObj can say.
+
+use glam::DVec3;
+use toml::de::DeValue;
+
+use super::inline_file;
+use crate::drive::DriveKind;
+use crate::format::code::Code;
+use crate::format::line::Quantity;
+use crate::format::read_robi;
+use crate::format::robi::WHEELBASE_OF_DIAMETER;
+use crate::format::spec::{
+    Axis, CameraSpec, Collider, DEFAULT_PSD_RANGE, DEFAULT_ROLLING, DriveSpec, InlineSpec, JointSpec, ModelSpec,
+    MotorSpec, ObjectType, PsdSpec, RobiSpec, SimSpec,
+};
+use crate::format::table::{Reader, Section};
+
+/// Kinds of drives.
+const DRIVES: [&str; 3] = ["differential", "ackermann", "omni"];
+/// The same in a robi.
+const DRIVE_WORDS: [&str; 3] = ["DIFFERENTIAL_DRIVE", "ACKERMANN_DRIVE", "OMNI_DRIVE"];
+/// Shapes of colliders.
+const SHAPES: [&str; 4] = ["box", "sphere", "capsule", "cylinder"];
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+const PLACE: [Quantity; 3] = [Quantity::coordinate("x"), Quantity::coordinate("y"), Quantity::coordinate("z")];
+const SIZES: [Quantity; 3] = [Quantity::size("size"), Quantity::size("size"), Quantity::size("size")];
+const TURNS: [Quantity; 3] = [Quantity::angle("turn"), Quantity::angle("turn"), Quantity::angle("turn")];
+
+/// Most pixels of an image's side.
+const MAX_PIXELS: i64 = 65_536;
+
+/// The wheelbase of a type that does not say, as in a robi.
+fn default_wheelbase(robi: &RobiSpec) -> f64 {
+    match robi.drive.kind {
+        DriveKind::Ackermann => WHEELBASE_OF_DIAMETER * robi.diameter,
+        _ => robi.wheel.track,
+    }
+}
+
+impl InlineSpec {
+    fn has_type(&self, name: &str) -> bool {
+        let robots = self.robot_types.iter().map(|(robi, _)| &robi.name);
+        robots.chain(self.object_types.iter().map(|(object, _)| &object.name)).any(|known| known == name)
+    }
+}
+
+impl Reader<'_> {
+    pub(super) fn robot_type(&mut self, mut section: Section<'_, '_>, sim: &mut SimSpec) {
+        if section.has("file") {
+            sim.robot_types.extend(self.reference(&mut section, "file"));
+            self.alone(&section);
+            return;
+        }
+        section.get("file");
+        let mut robi = RobiSpec::with_defaults(&sim.file);
+        let name = self.required_reference(&mut section, "name");
+        if let Some(name) = &name {
+            robi.name.clone_from(&name.text);
+            robi.file = inline_file(&sim.file, &name.text);
+        }
+        self.set(&mut section, "diameter_mm", &Quantity::size("diameter"), &mut robi.diameter);
+        self.set(&mut section, "max_speed_mm_per_s", &Quantity::speed("largest speed"), &mut robi.max_speed);
+        self.set(&mut section, "max_turn_deg_per_s", &Quantity::rate("largest turning speed"), &mut robi.max_turn);
+        self.set(&mut section, "axis_mm", &Quantity::coordinate("axis offset"), &mut robi.axis_offset);
+        if let Some([x, y, z]) = self.numbers(&mut section, "centre_of_mass_mm", &PLACE) {
+            robi.centre_of_mass = DVec3::new(x, y, z);
+        }
+        if let Some(model) = self.section(&mut section, "model") {
+            robi.model = self.model(model);
+        }
+        for collider in self.sections(&mut section, "collider") {
+            robi.colliders.extend(self.collider(collider));
+        }
+        if let Some(wheel) = self.section(&mut section, "wheel") {
+            self.wheel(wheel, &mut robi);
+        }
+        robi.drive.wheelbase = default_wheelbase(&robi);
+        if let Some(drive) = self.section(&mut section, "drive") {
+            self.drive_of_type(drive, &mut robi);
+        }
+        for psd in self.sections(&mut section, "psd") {
+            robi.psds.extend(self.psd_of_type(psd));
+        }
+        if let Some(camera) = self.section(&mut section, "camera") {
+            robi.camera = self.camera(camera);
+        }
+        self.devices(&mut section, &mut robi);
+        self.unknown_keys(&section);
+        self.doubles(&robi);
+        let Some(name) = name else { return };
+        if sim.inline.has_type(&name.text) {
+            let message = format!("a second type named `{}`; it is left out", name.text);
+            self.sink.warn(Code::SimTypeTwice, name.span, message, "each name once");
+            return;
+        }
+        sim.inline.robot_types.push((robi, section.span));
+    }
+
+    /// A type that is a file has no other keys.
+    fn alone(&mut self, section: &Section<'_, '_>) {
+        for (key, _) in section.table {
+            if key.get_ref() != "file" {
+                let span = self.span(key.span());
+                let message = format!("`{}` and `file` exclude each other", key.get_ref());
+                self.sink.error(Code::TomlConflict, span, message, "either `file` alone or the type in place");
+            }
+        }
+    }
+
+    fn wheel(&mut self, mut section: Section<'_, '_>, robi: &mut RobiSpec) {
+        let wheel = &mut robi.wheel;
+        self.set(&mut section, "diameter_mm", &Quantity::size("wheel diameter"), &mut wheel.diameter);
+        self.set(&mut section, "max_rate_deg_per_s", &Quantity::rate("largest rate"), &mut wheel.max_rate);
+        let ticks = Quantity::number("encoder ticks", 1e-3, 1e9);
+        self.set(&mut section, "ticks_per_turn", &ticks, &mut wheel.ticks_per_turn);
+        self.set(&mut section, "track_mm", &Quantity::size("track"), &mut wheel.track);
+        self.unknown_keys(&section);
+    }
+
+    fn drive_of_type(&mut self, mut section: Section<'_, '_>, robi: &mut RobiSpec) {
+        let kind = self.choice(&mut section, "kind", &DRIVES).unwrap_or_default();
+        // The names that a robi without names has.
+        let usual = read_robi("", &format!("drive {}\n", DRIVE_WORDS[kind])).0.drive;
+        robi.drive =
+            DriveSpec { kind: usual.kind, motors: usual.motors, steering: usual.steering, ..robi.drive.clone() };
+        let motors = self.sections(&mut section, "motor");
+        if !motors.is_empty() {
+            let expected = robi.drive.motors.len();
+            let count = motors.len();
+            let span = self.key_span(&section, "motor");
+            let motors: Vec<MotorSpec> = motors.into_iter().filter_map(|motor| self.motor(motor)).collect();
+            if count != expected {
+                let message = format!("the drive has {count} of {expected} motors");
+                self.sink.error(Code::RobiDriveArity, span, message, format!("{expected} motors"));
+            } else if motors.len() == expected {
+                robi.drive.motors = motors;
+            }
+        }
+        if let Some(steering) = self.reference(&mut section, "steering") {
+            if robi.drive.kind == DriveKind::Ackermann {
+                robi.drive.steering = Some(steering.text);
+            } else {
+                let message = "only an ackermann drive has a servo that steers; it is left out";
+                self.sink.warn(Code::TomlConflict, steering.span, message, "`kind = \"ackermann\"`");
+            }
+        }
+        robi.drive.wheelbase = default_wheelbase(robi);
+        self.drive_keys(&mut section, robi);
+        self.unknown_keys(&section);
+    }
+
+    fn motor(&mut self, mut section: Section<'_, '_>) -> Option<MotorSpec> {
+        let motor = self.required_reference(&mut section, "name").map(|name| name.text);
+        let encoder = self.text(&mut section, "encoder");
+        self.unknown_keys(&section);
+        Some(MotorSpec { motor: motor?, encoder })
+    }
+
+    fn psd_of_type(&mut self, mut section: Section<'_, '_>) -> Option<PsdSpec> {
+        let (name, id) = self.device(&mut section);
+        let position = self.position(&mut section);
+        let [mut angle, mut range] = [0.0, DEFAULT_PSD_RANGE];
+        self.set(&mut section, "angle_deg", &Quantity::angle("angle of the sensor"), &mut angle);
+        self.set(&mut section, "range_mm", &Quantity::size("range of the sensor"), &mut range);
+        self.unknown_keys(&section);
+        Some(PsdSpec { name: name?, id, position, angle, range, span: section.span })
+    }
+
+    fn camera(&mut self, mut section: Section<'_, '_>) -> Option<CameraSpec> {
+        let position = self.position(&mut section);
+        let pan = self.joint(&mut section, "pan_deg", "pan_servo");
+        let tilt = self.joint(&mut section, "tilt_deg", "tilt_servo");
+        let image = self.image(&mut section);
+        let fisheye = self.number(&mut section, "fisheye_deg", &Quantity::angle("field of view").within(1.0, 360.0));
+        self.unknown_keys(&section);
+        Some(CameraSpec { position, pan, tilt, image, fisheye, span: section.span })
+    }
+
+    fn joint(&mut self, section: &mut Section<'_, '_>, angle: &'static str, servo: &'static str) -> JointSpec {
+        let fixed = self.number(section, angle, &Quantity::angle("angle of the camera")).unwrap_or_default();
+        let Some(mut servo_section) = self.section(section, servo) else {
+            return JointSpec::Fixed(fixed);
+        };
+        self.exclude(section, servo, &[angle]);
+        let name = self.required_reference(&mut servo_section, "name").map(|name| name.text);
+        let end = Quantity::angle("end of the servo").within(-360.0, 360.0);
+        let from = self.required(&mut servo_section, "from_deg", &end);
+        let to = self.required(&mut servo_section, "to_deg", &end);
+        self.unknown_keys(&servo_section);
+        match (name, from, to) {
+            (Some(name), Some(from), Some(to)) => JointSpec::Servo { name, from, to },
+            _ => JointSpec::Fixed(fixed),
+        }
+    }
+
+    /// `image_px = [WIDTH, HEIGHT]`.
+    fn image(&mut self, section: &mut Section<'_, '_>) -> Option<[u32; 2]> {
+        let items = self.array(section, "image_px", "an array of 2 integers")?;
+        if items.len() != 2 {
+            let span = self.key_span(section, "image_px");
+            let message = format!("`image_px` has {} values", items.len());
+            self.sink.error(Code::TomlType, span, message, "an array of 2 integers");
+            return None;
+        }
+        let width = self.as_integer("image_px", &items[0], 1, MAX_PIXELS);
+        let height = self.as_integer("image_px", &items[1], 1, MAX_PIXELS);
+        Some([width? as u32, height? as u32])
+    }
+
+    fn position(&mut self, section: &mut Section<'_, '_>) -> DVec3 {
+        let mut position = DVec3::ZERO;
+        self.set(section, "x_mm", &PLACE[0], &mut position.x);
+        self.set(section, "y_mm", &PLACE[1], &mut position.y);
+        self.set(section, "z_mm", &PLACE[2], &mut position.z);
+        position
+    }
+
+    fn model(&mut self, mut section: Section<'_, '_>) -> Option<ModelSpec> {
+        let path = self.required_reference(&mut section, "file");
+        let offset = self.numbers(&mut section, "offset_mm", &PLACE).map_or(DVec3::ZERO, DVec3::from);
+        let turns = self.numbers(&mut section, "turns_deg", &TURNS).map_or(DVec3::ZERO, DVec3::from);
+        self.unknown_keys(&section);
+        Some(ModelSpec { path: path?, offset, turns })
+    }
+
+    fn collider(&mut self, mut section: Section<'_, '_>) -> Option<Collider> {
+        let kind = self.required_choice(&mut section, "kind", &SHAPES)?;
+        let centre = self.numbers(&mut section, "centre_mm", &PLACE).map_or(DVec3::ZERO, DVec3::from);
+        let radius = Quantity::size("radius");
+        let collider = match SHAPES[kind] {
+            "box" => {
+                let size = self.required_numbers(&mut section, "size_mm", &SIZES).map(DVec3::from);
+                size.map(|size| Collider::Box { centre, size })
+            }
+            "sphere" => {
+                let radius = self.required(&mut section, "radius_mm", &radius);
+                radius.map(|radius| Collider::Sphere { centre, radius })
+            }
+            "capsule" => {
+                let radius = self.required(&mut section, "radius_mm", &radius);
+                let height = self.required(&mut section, "height_mm", &Quantity::size("height"));
+                let axis = match self.choice(&mut section, "axis", &AXES) {
+                    Some(0) => Axis::X,
+                    Some(1) => Axis::Y,
+                    _ => Axis::Z,
+                };
+                // A shorter one is a sphere, as in robi files.
+                radius.zip(height).map(|(radius, height)| Collider::Capsule {
+                    centre,
+                    radius,
+                    height: height.max(2.0 * radius),
+                    axis,
+                })
+            }
+            _ => {
+                let radius = self.required(&mut section, "radius_mm", &radius);
+                let height = self.required(&mut section, "height_mm", &Quantity::size("height"));
+                radius.zip(height).map(|(radius, height)| Collider::Cylinder { centre, radius, height })
+            }
+        };
+        self.unknown_keys(&section);
+        collider
+    }
+
+    pub(super) fn object_type(&mut self, mut section: Section<'_, '_>, sim: &mut SimSpec) {
+        if section.has("file") {
+            sim.object_types.extend(self.reference(&mut section, "file"));
+            self.alone(&section);
+            return;
+        }
+        section.get("file");
+        let mut object = ObjectType::with_defaults(&sim.file);
+        let name = self.required_reference(&mut section, "name");
+        if let Some(name) = &name {
+            object.name.clone_from(&name.text);
+            object.file = inline_file(&sim.file, &name.text);
+        }
+        if let Some(model) = self.section(&mut section, "model") {
+            object.model = self.model(model);
+        }
+        let scale = Quantity::coordinate("length of the mesh's unit").within(1e-6, 1e9);
+        self.set(&mut section, "scale_mm", &scale, &mut object.scale);
+        let has_colliders = section.get("collider").is_some_and(|value| match value.get_ref() {
+            DeValue::Array(items) => !items.is_empty(),
+            _ => true,
+        });
+        if has_colliders {
+            object.colliders.clear();
+            for collider in self.sections(&mut section, "collider") {
+                object.colliders.extend(self.collider(collider));
+            }
+        }
+        self.set(&mut section, "mass_kg", &Quantity::mass("mass"), &mut object.mass);
+        if let Some([x, y, z]) = self.numbers(&mut section, "centre_of_mass_mm", &PLACE) {
+            object.centre_of_mass = DVec3::new(x, y, z);
+        }
+        object.is_fixed = self.flag(&mut section, "fixed").unwrap_or_default();
+        self.set(&mut section, "friction", &Quantity::number("friction", 0.0, 1e6), &mut object.friction);
+        let rolling = Quantity::number("rolling resistance", 0.0, 1e6);
+        let is_ball = object.colliders.iter().all(|collider| matches!(collider, Collider::Sphere { .. }));
+        object.rolling = self.number(&mut section, "rolling", &rolling).or(is_ball.then_some(DEFAULT_ROLLING));
+        self.set(&mut section, "restitution", &Quantity::number("restitution", 0.0, 1.0), &mut object.restitution);
+        object.colour = self.shades(&mut section, "colour").or(object.colour);
+        self.set(&mut section, "buoyancy_m3", &Quantity::number("volume", 0.0, 1e6), &mut object.buoyancy);
+        self.unknown_keys(&section);
+        let Some(name) = name else { return };
+        if sim.inline.has_type(&name.text) {
+            let message = format!("a second type named `{}`; it is left out", name.text);
+            self.sink.warn(Code::SimTypeTwice, name.span, message, "each name once");
+            return;
+        }
+        sim.inline.object_types.push((object, section.span));
+    }
+}
