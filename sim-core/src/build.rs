@@ -34,5 +34,7 @@ pub fn model(robi: &RobiSpec) -> Model {
         body_radius: robi.diameter / 2.0,
         wheel_lag: robi.drive.wheel_lag,
         max_steering: robi.drive.max_steer,
+        mass: robi.mass,
+        traction: robi.traction,
     }
 }

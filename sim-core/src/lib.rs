@@ -10,6 +10,7 @@ pub mod drive;
 pub mod format;
 pub mod math;
 pub mod noise;
+pub mod object;
 pub mod pose;
 pub mod scene;
 pub mod sensor;
@@ -40,5 +41,31 @@ impl std::fmt::Display for RobotId {
     /// `r1`, `r2`, ... as everywhere in the output.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "r{}", self.0)
+    }
+}
+
+/// The number of a movable object: 1, 2, ... in the order in which the scene places them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+pub struct ObjectId(pub u32);
+
+impl ObjectId {
+    /// Place of the object in any list that holds all objects in order of their ids.
+    pub fn index(self) -> usize {
+        self.0 as usize - 1
+    }
+
+    /// The id of the object at `index` in a list of all objects.
+    ///
+    /// # Panics
+    /// If there are more than `u32::MAX - 1` objects.
+    pub fn from_index(index: usize) -> Self {
+        Self(u32::try_from(index + 1).expect("a scene has fewer than 2^32 objects"))
+    }
+}
+
+impl std::fmt::Display for ObjectId {
+    /// `o1`, `o2`, ... as everywhere in the output.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "o{}", self.0)
     }
 }

@@ -4,6 +4,7 @@
 //! [`World::touching`]), each at its own virtual time. At the end of the slot [`World::advance`] settles the contacts
 //! between bodies, makes public what has changed, and goes on to the next slot.
 
+mod objects;
 mod settle;
 mod track;
 
@@ -12,12 +13,15 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::{
-    RobotId,
+    ObjectId, RobotId,
     contact::{Body, TOUCH, Thing},
     drive::{HISTORY, Leg, Motion},
+    object::{Properties, State, cast_disc},
+    pose::Pose,
     scene::{Bounds, Moving, Walls},
     time::Time,
 };
+use objects::Objects;
 use settle::{Settling, Truth};
 use track::Track;
 
@@ -44,7 +48,7 @@ pub struct Contact {
 }
 
 /// The static walls and the public trajectories of all robots, for the present slot and the 100 ms before.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct World {
     walls: Arc<Walls>,
     slot: Time,
@@ -58,6 +62,8 @@ pub struct World {
     /// For the next rebuild of an index.
     bounds: Vec<(RobotId, Bounds)>,
     truth: Truth,
+    /// The movable objects, in a scene that has any.
+    objects: Option<Box<Objects>>,
 }
 
 impl World {
@@ -77,6 +83,7 @@ impl World {
             resting: Moving::default(),
             bounds: Vec::new(),
             truth: Truth::default(),
+            objects: None,
         };
         for (index, motion) in motions.into_iter().enumerate() {
             assert_eq!(motion.id().index(), index, "robots are given in the order of their ids");
@@ -84,6 +91,61 @@ impl World {
         }
         world.refresh_index();
         world
+    }
+
+    /// This world with movable objects at rest at these poses, in the order of their ids from 1 on.
+    pub fn with_objects(mut self, objects: impl IntoIterator<Item = (Arc<Properties>, Pose)>) -> Self {
+        let mut objects = objects.into_iter().peekable();
+        if objects.peek().is_some() {
+            self.objects = Some(Box::new(Objects::new(&self.walls, objects)));
+        }
+        self
+    }
+
+    /// Number of movable objects.
+    pub fn object_count(&self) -> usize {
+        self.objects.as_ref().map_or(0, |objects| objects.len())
+    }
+
+    /// Pose of a movable object at `at`, as it was public at `at`: not more than 100 ms before the present slot.
+    ///
+    /// # Panics
+    /// If there is no such object.
+    pub fn object_pose(&self, object: ObjectId, at: Time) -> Pose {
+        self.objects().pose(object, at)
+    }
+
+    /// A movable object as of the last step of 1 ms that has ended.
+    ///
+    /// # Panics
+    /// If there is no such object.
+    pub fn object_state(&self, object: ObjectId) -> State {
+        self.objects().state(object)
+    }
+
+    /// Gives a movable object a velocity of its centre of mass, m/s, and a turning speed, rad/s, at the start of the slot.
+    ///
+    /// # Panics
+    /// If there is no such object.
+    pub fn set_object_velocity(&mut self, object: ObjectId, velocity: DVec2, omega: f64) {
+        let (now, end) = (self.now, self.slot_end());
+        let objects = self.objects.as_mut().expect("the scene has this object");
+        objects.set_velocity(object, velocity, omega, now);
+        objects.publish(now, end);
+    }
+
+    /// The movable objects that have moved in the slot that ended last, in ascending order.
+    pub fn moved_objects(&self) -> &[ObjectId] {
+        self.objects.as_ref().map_or(&[], |objects| objects.moved())
+    }
+
+    /// True while a movable object moves.
+    pub fn is_object_moving(&self) -> bool {
+        self.objects.as_ref().is_some_and(|objects| objects.is_moving())
+    }
+
+    fn objects(&self) -> &Objects {
+        self.objects.as_ref().expect("the scene has this object")
     }
 
     /// The static walls.
@@ -113,7 +175,7 @@ impl World {
     }
 
     /// What a ray from `origin` along the unit vector `direction` meets first within `range` metres at the instant `at`: a
-    /// wall or the body of another robot than `by`, by its public trajectory.
+    /// wall, the body of another robot than `by`, or an object, by their public trajectories.
     ///
     /// Source: Koestler & Bräunl, section 4.1. A ray that starts inside another body reads 0; of a wall and a body at the
     /// same distance the wall is met, of two bodies that of the lower id: our choice.
@@ -126,7 +188,7 @@ impl World {
                 return;
             }
             let track = &self.tracks[robot.index()];
-            let Some(distance) = disc_distance(origin, direction, track.centre(at), track.radius()) else { return };
+            let Some(distance) = cast_disc(origin, direction, track.centre(at), track.radius()) else { return };
             let thing = Thing::Robot(robot);
             let is_nearer = |hit: RayHit| distance < hit.distance || (distance == hit.distance && thing < hit.thing);
             if distance <= range && nearest.is_none_or(is_nearer) {
@@ -135,7 +197,11 @@ impl World {
         };
         self.resting.along_ray(origin, direction, reach, &mut look_at);
         self.moving.along_ray(origin, direction, reach, &mut look_at);
-        nearest
+        let Some(objects) = &self.objects else { return nearest };
+        let reach = nearest.map_or(range, |hit| hit.distance);
+        let object = objects.cast(origin, direction, reach, at);
+        let nearer = object.filter(|(distance, _)| nearest.is_none_or(|hit| *distance < hit.distance));
+        nearer.map(|(distance, object)| RayHit { distance, thing: Thing::Object(object) }).or(nearest)
     }
 
     /// The bodies of other robots that are in contact with `motion`'s at `at`, by their public trajectories and its own
@@ -168,7 +234,9 @@ impl World {
         active.sort_by_key(|motion| motion.id());
         let end = self.slot_end();
         let mut truth = std::mem::take(&mut self.truth);
-        Settling::new(&mut truth, self, active).run();
+        let mut objects = self.objects.take();
+        Settling::new(&mut truth, self, active).run(objects.as_deref_mut());
+        self.objects = objects;
         let mut contacts = Vec::new();
         for motion in active.iter_mut() {
             let robot = motion.id();
@@ -185,6 +253,9 @@ impl World {
         }
         self.truth = truth;
         self.now = end;
+        if let Some(objects) = &mut self.objects {
+            objects.publish(end, end + self.slot);
+        }
         for motion in active.iter_mut() {
             self.tracks[motion.id().index()].publish(motion, end, end + self.slot);
         }
@@ -192,8 +263,8 @@ impl World {
         contacts
     }
 
-    /// Goes on to the slot that starts at `slot_start`, when no robot is [active](Motion::is_active) and none is to wake
-    /// before.
+    /// Goes on to the slot that starts at `slot_start`, when no robot is [active](Motion::is_active), [no object
+    /// moves](World::is_object_moving) and no robot is to wake before.
     ///
     /// # Panics
     /// If `slot_start` is not the start of a slot, or lies before the present one.
@@ -202,6 +273,12 @@ impl World {
             slot_start >= self.now && slot_start.floor_to(self.slot) == slot_start,
             "{slot_start} starts no later slot"
         );
+        if slot_start > self.now
+            && let Some(objects) = &mut self.objects
+        {
+            objects.skip_to(slot_start);
+            objects.publish(slot_start, slot_start + self.slot);
+        }
         self.now = slot_start;
         self.refresh_index();
     }
@@ -239,19 +316,6 @@ impl World {
         self.resting.for_each_in(bounds, &mut visit);
         self.moving.for_each_in(bounds, &mut visit);
     }
-}
-
-/// Distance along a ray to a disc: 0 from inside, `None` when the ray misses it.
-fn disc_distance(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64) -> Option<f64> {
-    let offset = centre - origin;
-    if offset.length_squared() <= radius * radius {
-        return Some(0.0);
-    }
-    let along = offset.dot(direction);
-    // From the foot of the perpendicular, which keeps the digits of a disc far away.
-    let aside = (offset - direction * along).length_squared();
-    let half_chord = radius * radius - aside;
-    (along > 0.0 && half_chord >= 0.0).then(|| (along - half_chord.sqrt()).max(0.0))
 }
 
 /// The leg that holds at `at`: the last that has started, or the first.

@@ -32,6 +32,8 @@ fn model() -> Model {
         body_radius: RADIUS,
         wheel_lag: 0.0,
         max_steering: PI / 4.0,
+        mass: 1.0,
+        traction: 0.6,
     }
 }
 

@@ -28,6 +28,8 @@ fn model() -> Model {
         body_radius: 0.093,
         wheel_lag: 0.0,
         max_steering: PI / 4.0,
+        mass: 1.0,
+        traction: 0.6,
     }
 }
 

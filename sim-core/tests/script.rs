@@ -55,6 +55,8 @@ fn model() -> impl Strategy<Value = Model> {
         body_radius,
         wheel_lag,
         max_steering: PI / 4.0,
+        mass: 1.0,
+        traction: 0.6,
     })
 }
 

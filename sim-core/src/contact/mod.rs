@@ -13,7 +13,7 @@ pub use pair::{Rolling, first_touch};
 pub use path::Path;
 pub use wall::{WallContact, first_contact};
 
-use crate::{RobotId, scene::WallId};
+use crate::{ObjectId, RobotId, scene::WallId};
 
 /// Gap in metres that is contact. Source: design section 4.
 pub const SKIN: f64 = 1e-6;
@@ -32,6 +32,8 @@ pub enum Thing {
     Wall(WallId),
     /// The body of a robot.
     Robot(RobotId),
+    /// A movable object.
+    Object(ObjectId),
 }
 
 /// A thing in contact with a body, and where.

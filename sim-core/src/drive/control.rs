@@ -127,6 +127,8 @@ mod tests {
             body_radius: 0.15,
             wheel_lag,
             max_steering: 0.0,
+            mass: 1.0,
+            traction: 0.6,
         }
     }
 

@@ -13,6 +13,6 @@ mod stage;
 pub use command::{Command, CommandError};
 pub use control::Gains;
 pub use model::{DriveKind, Model, ModelError, Wheels};
-pub(crate) use motion::Leg;
 pub use motion::{HISTORY, Impact, Motion};
+pub(crate) use motion::{Leg, Thrust};
 pub use piece::{Cause, Piece, Rates, State};

@@ -45,6 +45,10 @@ pub struct Model {
     pub wheel_lag: f64,
     /// Greatest steering angle to either side, rad (Ackermann); 45 degrees on the classic servo.
     pub max_steering: f64,
+    /// Mass of the robot, kg; matters among movable objects only.
+    pub mass: f64,
+    /// Coefficient of friction between wheels and floor: what the wheels can push with, over the robot's weight.
+    pub traction: f64,
 }
 
 /// A value of a [`Model`] with which nothing can be computed.
@@ -90,6 +94,8 @@ impl Model {
         check("turn", self.max_turn, "a number greater than 0", self.max_turn > 0.0)?;
         check("wheel lag", self.wheel_lag, "0 or more", self.wheel_lag.is_finite() && self.wheel_lag >= 0.0)?;
         let steering_ok = self.max_steering >= 0.0 && self.max_steering < std::f64::consts::FRAC_PI_2;
+        positive("mass", self.mass)?;
+        check("traction", self.traction, "0 or more", self.traction.is_finite() && self.traction >= 0.0)?;
         check("maximum steering angle", self.max_steering, "0 to less than 90 degrees", steering_ok)
     }
 
@@ -169,6 +175,24 @@ impl Model {
         (displacement.speed() / self.max_speed).max(displacement.omega.abs() / self.max_turn).max(wheels)
     }
 
+    /// Moment of inertia about the centre, kg m²: that of an even disc.
+    pub fn inertia(&self) -> f64 {
+        0.5 * self.mass * self.body_radius * self.body_radius
+    }
+
+    /// Speed of the robot's mass at a twist of its centre, m/s: that of a straight drive of the same energy.
+    pub fn speed(&self, twist: Twist) -> f64 {
+        (twist.vx * twist.vx + twist.vy * twist.vy + self.inertia() / self.mass * twist.omega * twist.omega).sqrt()
+    }
+
+    /// Share of the twist `onto` in the twist `of`, both of one frame: what is left of it when the wheels allow no other
+    /// motion and the momentum along the path is kept; 0 for `onto` zero.
+    pub fn overlap(&self, of: Twist, onto: Twist) -> f64 {
+        let product = |a: Twist, b: Twist| self.mass * (a.vx * b.vx + a.vy * b.vy) + self.inertia() * a.omega * b.omega;
+        let whole = product(onto, onto);
+        if whole > 0.0 { product(of, onto) / whole } else { 0.0 }
+    }
+
     /// Greatest of the wheels' rates, as a multiple of the limit.
     pub(super) fn wheel_excess(&self, wheels: &Wheels) -> f64 {
         wheels.iter().fold(0.0, |most: f64, rate| most.max(rate.abs())) / self.max_wheel_rate
@@ -193,6 +217,8 @@ mod tests {
             body_radius: 0.15,
             wheel_lag: 0.0,
             max_steering: std::f64::consts::FRAC_PI_4,
+            mass: 1.0,
+            traction: 0.6,
         }
     }
 

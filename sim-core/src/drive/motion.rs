@@ -9,11 +9,11 @@ use super::{
     control::{Actuation, Gains},
     model::{Model, Wheels},
     piece::{Cause, State},
-    stage::{Stage, centre_of},
+    stage::{Grip, Stage, centre_of},
 };
 use crate::{
-    RobotId,
-    contact::{Body, Obstacle, Path, Thing},
+    ObjectId, RobotId,
+    contact::{APPROACH, Body, Obstacle, Path, Thing},
     math,
     pose::{Pose, Twist},
     scene::Walls,
@@ -76,6 +76,19 @@ impl Leg {
     }
 }
 
+/// How a robot goes on its own path at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Thrust {
+    /// Pose of its centre.
+    pub centre: Pose,
+    /// The twist of its centre that is ordered, in its own frame.
+    pub ordered: Twist,
+    /// The share of it with which it goes.
+    pub share: f64,
+    /// Seconds until it comes to rest by itself; infinite for none.
+    pub left: f64,
+}
+
 /// The motion of one robot in a static world, as a function of virtual time, with what it has been commanded.
 ///
 /// Instants that are asked for lie at most [`HISTORY`] before the present slot; those ahead are answered by the present
@@ -91,6 +104,10 @@ pub struct Motion {
     journal: Vec<(Time, Input)>,
     /// Start of the present slot: impacts before it are in the log.
     committed: Time,
+    /// Contacts with movable objects since then.
+    touches: Vec<Impact>,
+    /// When each movable object was touched last, of those of the last 100 ms.
+    touched: Vec<(ObjectId, Time)>,
     log: VecDeque<Impact>,
     contacts: u32,
     revision: u64,
@@ -109,7 +126,7 @@ impl Motion {
             ..State::default()
         };
         let orders = Orders { pending: Pending::Idle, steering: 0.0, gains: None };
-        let stage = Stage::open(&model, Time::ZERO, state, orders, Actuation::default(), &[]);
+        let stage = Stage::open(&model, Time::ZERO, state, orders, Actuation::default(), &[], Grip::FREE);
         Self {
             id,
             model,
@@ -117,6 +134,8 @@ impl Motion {
             stages: VecDeque::from([stage]),
             journal: Vec::new(),
             committed: Time::ZERO,
+            touches: Vec::new(),
+            touched: Vec::new(),
             log: VecDeque::new(),
             contacts: 0,
             revision: 0,
@@ -281,16 +300,17 @@ impl Motion {
     pub fn blocker(&self) -> Option<RobotId> {
         self.last().blocker().and_then(|obstacle| match obstacle.thing {
             Thing::Robot(id) => Some(id),
-            Thing::Wall(_) => None,
+            Thing::Wall(_) | Thing::Object(_) => None,
         })
     }
 
     /// True when the world has to be given this motion to advance: it has had an input in the present slot, or moves in it,
-    /// or waits for another robot to clear its way.
+    /// or waits for another robot or an object to clear its way.
     pub fn is_active(&self) -> bool {
         let piece = &self.last().piece;
         let rests = piece.rates.truth.is_zero() && piece.rates.wheels == [0.0; 4] || piece.has_ended(self.committed);
-        !self.journal.is_empty() || !rests || self.last().blocker().is_some() || self.has_ticks()
+        let waits = self.last().blocker().is_some() || self.last().is_held(self.committed);
+        !self.journal.is_empty() || !rests || waits || self.has_ticks()
     }
 
     // What follows is for the world.
@@ -349,7 +369,8 @@ impl Motion {
             return false;
         }
         let state = stage.piece.state(at);
-        let next = Stage::open(&self.model, at, state, stage.orders_at(at), stage.actuation_before(at), touching);
+        let orders = stage.orders_at(at);
+        let next = Stage::open(&self.model, at, state, orders, stage.actuation_before(at), touching, Grip::FREE);
         if next.blocker().is_some() {
             return false;
         }
@@ -363,8 +384,11 @@ impl Motion {
     /// Returns the impacts.
     pub(crate) fn commit(&mut self, end: Time) -> Vec<Impact> {
         let mut impacts = self.uncommitted(end);
+        impacts.append(&mut self.touches);
+        impacts.sort_by_key(|impact| impact.time);
+        self.touched.retain(|(_, last)| *last > end - HISTORY);
         for impact in &mut impacts {
-            if matches!(impact.thing, Thing::Robot(_)) {
+            if !matches!(impact.thing, Thing::Wall(_)) {
                 impact.known = end;
             }
             self.contacts += u32::from(impact.fresh);
@@ -381,7 +405,76 @@ impl Motion {
         impacts
     }
 
+    /// How the robot goes at `at`, for the movable objects in its way.
+    pub(crate) fn thrust(&mut self, at: Time) -> Thrust {
+        let model = Arc::clone(&self.model);
+        let stage = self.stage_at(at);
+        let is_held = stage.is_held(at);
+        let centre = centre_of(&model, &stage.piece.state(at).world_from_axle);
+        let left = stage.piece.after - (at - stage.piece.start).seconds();
+        let (ordered, share, left) = if is_held {
+            (stage.ordered_at_centre(&model), 0.0, f64::INFINITY)
+        } else if left <= 0.0 {
+            (Twist::ZERO, 1.0, 0.0)
+        } else {
+            (stage.ordered_at_centre(&model), stage.grip.share, left)
+        };
+        Thrust { centre, ordered, share, left }
+    }
+
+    /// From `at` on, an instant of the present slot, the robot gets along with `share` of what is ordered, 0 to 1; below 1
+    /// because it presses `obstacle`. Forgets what was planned after.
+    pub(crate) fn slow(&mut self, at: Time, share: f64, obstacle: Obstacle) {
+        let index = self.index_at(at);
+        let stage = &self.stages[index];
+        let grip = if share < 1.0 { Grip { share, obstacle: Some(obstacle) } } else { Grip::FREE };
+        let state = stage.piece.state(at);
+        let next = Stage::open(&self.model, at, state, stage.orders_at(at), stage.actuation_before(at), &[], grip);
+        self.stages.truncate(if stage.piece.start == at { index } else { index + 1 });
+        self.stages.push_back(next);
+        self.revision += 1;
+    }
+
+    /// What keeps the robot slow at `at`.
+    pub(crate) fn pressed(&mut self, at: Time) -> Option<Obstacle> {
+        self.stage_at(at).grip.obstacle
+    }
+
+    /// The body touches a movable object at `at`, an instant of the present slot.
+    pub(crate) fn touch(&mut self, at: Time, object: ObjectId, point: DVec2) {
+        let last = self.touched.iter_mut().find(|(other, _)| *other == object);
+        let is_known = last.as_ref().is_some_and(|(_, last)| *last > at - HISTORY);
+        match last {
+            Some((_, last)) => *last = at,
+            None => self.touched.push((object, at)),
+        }
+        if !is_known {
+            let towards = self.pose(at).inverse_transform_point(point);
+            self.touches.push(Impact {
+                time: at,
+                known: at,
+                thing: Thing::Object(object),
+                point,
+                bearing: math::atan2(towards.y, towards.x),
+                fresh: true,
+            });
+        }
+    }
+
     // Helpers.
+
+    /// What a command at `at` leaves of the grip of the stage before it: a robot that still presses its obstacle keeps the
+    /// speed that it has, along the new path; another one goes at once.
+    fn carried_grip(&self, stage: &Stage, at: Time, next: &Stage) -> Grip {
+        let Some(obstacle) = stage.grip.obstacle else { return Grip::FREE };
+        let towards = obstacle.point - next.path.origin;
+        if stage.grip.share >= 1.0 || next.path.velocity(0.0).dot(towards) <= APPROACH * towards.length() {
+            return Grip::FREE;
+        }
+        let present = if stage.piece.has_ended(at) { 0.0 } else { stage.grip.share };
+        let share = present * self.model.overlap(stage.ordered, next.ordered);
+        Grip { share: share.clamp(0.0, 1.0), obstacle: Some(obstacle) }
+    }
 
     fn last(&self) -> &Stage {
         self.stages.back().expect("a motion has a stage")
@@ -420,7 +513,12 @@ impl Motion {
         }
         let mut state = stage.piece.state(at);
         state.odometry = odometry.unwrap_or(state.odometry);
-        let mut next = Stage::open(&self.model, at, state, orders, stage.actuation_before(at), touching);
+        let before = stage.actuation_before(at);
+        let mut next = Stage::open(&self.model, at, state, orders, before, touching, Grip::FREE);
+        let grip = self.carried_grip(stage, at, &next);
+        if grip != Grip::FREE {
+            next = Stage::open(&self.model, at, state, orders, before, touching, grip);
+        }
         if let Some(blocker) = stage.blocker().filter(|_| is_blocked) {
             match &mut next.piece.cause {
                 Cause::Impact { with, fresh } if with.thing == blocker.thing => *fresh = false,

@@ -26,10 +26,28 @@ pub(super) struct Stage {
     pub during: Actuation,
     /// The centre's path.
     pub path: Path,
+    /// The twist of the axle that is ordered, which an object may slow.
+    pub ordered: Twist,
+    /// What movable objects leave of it.
+    pub grip: Grip,
     /// Walls have been looked for up to here, seconds since the start.
     pub explored: f64,
     /// The next ticks change nothing.
     steady: bool,
+}
+
+/// How fast a robot gets along its own path among movable objects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Grip {
+    /// Share of the ordered twist, 0 to 1.
+    pub share: f64,
+    /// What it presses, for a share below 1.
+    pub obstacle: Option<Obstacle>,
+}
+
+impl Grip {
+    /// Nothing is in the way.
+    pub const FREE: Self = Self { share: 1.0, obstacle: None };
 }
 
 /// Static contact is looked for this many seconds ahead at first, then twice as far each time.
@@ -45,19 +63,38 @@ impl Stage {
         orders: Orders,
         before: Actuation,
         touching: &[Body],
+        grip: Grip,
     ) -> Self {
         let during = actuate(model, start, &orders, before);
-        let (rates, after, cause) = motion_of(model, &orders, &during);
+        let ordered = ordered_twist(model, &orders, &during);
+        let (rates, after, cause) = motion_of(model, &orders, ordered, &during, grip.share);
         let centre = centre_of(model, &state.world_from_axle);
         let path = Path::new(&centre, rates.truth.at_offset(DVec2::new(-model.axis_offset, 0.0)));
         let piece = Piece { start, state, rates, after, cause };
         // Not even the start: a contact may stop it at once.
         let explored = if path.is_resting() { f64::INFINITY } else { -1.0 };
-        let mut stage = Self { piece, orders, before, during, path, explored, steady: false };
+        let mut stage = Self { piece, orders, before, during, path, ordered, grip, explored, steady: false };
         if let Some(obstacle) = stage.approached(model.body_radius, touching) {
             stage.stop(0.0, obstacle, true);
         }
+        if let Grip { share: 0.0, obstacle: Some(obstacle) } = grip
+            && !ordered.is_zero()
+            && !matches!(cause, Cause::Arrived(_))
+        {
+            stage.stop(0.0, obstacle, false);
+        }
         stage
+    }
+
+    /// The twist of the centre that is ordered, in the robot's frame.
+    pub fn ordered_at_centre(&self, model: &Model) -> Twist {
+        self.ordered.at_offset(DVec2::new(-model.axis_offset, 0.0))
+    }
+
+    /// True when the robot is held by a movable object at `at`.
+    pub fn is_held(&self, at: Time) -> bool {
+        matches!(self.piece.cause, Cause::Impact { with, .. } if matches!(with.thing, Thing::Object(_)))
+            && self.piece.has_ended(at)
     }
 
     /// The body of `touching` that the robot approaches as the stage begins, the first in their order.
@@ -144,7 +181,7 @@ impl Stage {
             return None;
         }
         let state = self.piece.state(tick);
-        Some(Self::open(model, tick, state, self.orders_at(tick), self.during, &[]))
+        Some(Self::open(model, tick, state, self.orders_at(tick), self.during, &[], self.grip))
     }
 
     /// The orders still to be obeyed at `at`.
@@ -212,23 +249,29 @@ fn actuate(model: &Model, start: Time, orders: &Orders, before: Actuation) -> Ac
     }
 }
 
-/// Rates, end and its cause in open space.
-fn motion_of(model: &Model, orders: &Orders, during: &Actuation) -> (Rates, f64, Cause) {
-    let belief = match orders.pending {
+/// The twist of the axle that the orders ask for.
+fn ordered_twist(model: &Model, orders: &Orders, during: &Actuation) -> Twist {
+    match orders.pending {
         // The twist itself, not what its wheels give back.
         Pending::Twist(twist) | Pending::Drive { rate: twist, .. } if model.wheel_lag == 0.0 => twist,
         _ => model.twist_from_wheels(&during.rates, orders.steering),
-    };
-    let rates = Rates { truth: belief, belief, wheels: during.rates };
+    }
+}
+
+/// Rates, end and its cause in a space without walls, with this share of the ordered twist.
+fn motion_of(model: &Model, orders: &Orders, ordered: Twist, during: &Actuation, share: f64) -> (Rates, f64, Cause) {
+    // Times 1 changes no bit.
+    let belief = ordered.scaled(share);
+    let rates = Rates { truth: belief, belief, wheels: during.rates.map(|rate| rate * share) };
     let Pending::Drive { whole, remaining, .. } = orders.pending else { return (rates, f64::INFINITY, Cause::Open) };
     let left = Pending::progress(whole, remaining);
-    let speed = Pending::progress(whole, belief);
+    let speed = Pending::progress(whole, ordered);
     if left <= 0.0 || (speed <= 0.0 && model.wheel_lag == 0.0) {
         (rates, 0.0, Cause::Arrived(if model.wheel_lag == 0.0 { remaining } else { Twist::ZERO }))
-    } else if speed <= 0.0 {
+    } else if speed <= 0.0 || share == 0.0 {
         (rates, f64::INFINITY, Cause::Open)
     } else {
-        let after = left / speed;
+        let after = left / (speed * share);
         (rates, after, Cause::Arrived(if model.wheel_lag == 0.0 { remaining } else { belief.scaled(after) }))
     }
 }

@@ -8,11 +8,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::{World, track::legs_bounds};
+use super::{World, objects::Objects, track::legs_bounds};
 use crate::{
     RobotId,
     contact::{APPROACH, Body, Obstacle, Path, Rolling, TOUCH, Thing, first_touch},
-    drive::{Leg, Motion},
+    drive::{Leg, Model, Motion, Thrust},
+    object::{GRAVITY, Pusher, STEP},
+    pose::Twist,
     scene::{Bounds, Moving},
     time::Time,
 };
@@ -35,13 +37,15 @@ pub(super) struct Truth {
     strays: BTreeSet<RobotId>,
 }
 
-/// What happens next: commands before contacts, then by ids.
+/// What happens next: commands before contacts, then by ids, steps of the objects last.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Event {
     /// The robot obeys the entry of its journal again.
     Input(RobotId, usize),
     /// Two bodies touch.
     Contact(RobotId, RobotId),
+    /// A step of the movable objects begins.
+    Step,
 }
 
 /// Seconds since the start of the slot, in an order that a map can keep.
@@ -69,6 +73,10 @@ pub(super) struct Settling<'a, 'm> {
     events: BTreeSet<(Instant, Event)>,
     /// The instant of each pair's contact, to remove it when one of the two is revised.
     contacts: BTreeMap<(RobotId, RobotId), Instant>,
+    /// Robots that come near movable objects in the slot.
+    near: BTreeSet<RobotId>,
+    /// Robots whose plans have changed since these were found.
+    changed: Vec<RobotId>,
 }
 
 impl<'a, 'm> Settling<'a, 'm> {
@@ -82,16 +90,33 @@ impl<'a, 'm> Settling<'a, 'm> {
             truth.places[motion.id().index()] = place as u32;
             motion.legs(start, end, &mut truth.legs[place]);
         }
-        Self { truth, world, active, start, end, events: BTreeSet::new(), contacts: BTreeMap::new() }
+        Self {
+            truth,
+            world,
+            active,
+            start,
+            end,
+            events: BTreeSet::new(),
+            contacts: BTreeMap::new(),
+            near: BTreeSet::new(),
+            changed: Vec::new(),
+        }
     }
 
     /// Settles all contacts within the slot.
-    pub fn run(&mut self) {
+    pub fn run(&mut self, mut objects: Option<&mut Objects>) {
         let legs = &self.truth.legs[..self.active.len()];
-        if self.world.tracks.len() < 2 || legs.iter().flatten().all(|leg| leg.path.is_resting()) {
-            return;
+        let has_contacts = self.world.tracks.len() > 1 && !legs.iter().flatten().all(|leg| leg.path.is_resting());
+        if let Some(objects) = &mut objects {
+            objects.skip_to(self.start);
+            let active: Vec<_> = self.active.iter().map(|motion| motion.id()).collect();
+            self.find_near(objects, &active);
+            self.queue_step(objects);
         }
-        self.find_all();
+        let has_steps = !self.events.is_empty();
+        if has_contacts || has_steps {
+            self.find_all();
+        }
         while let Some((instant, event)) = self.events.pop_first() {
             match event {
                 Event::Input(robot, entry) => self.obey(robot, entry, instant),
@@ -99,8 +124,142 @@ impl<'a, 'm> Settling<'a, 'm> {
                     self.contacts.remove(&(a, b));
                     self.collide(a, b, instant);
                 }
+                Event::Step => {}
+            }
+            let Some(objects) = &mut objects else { continue };
+            if event == Event::Step {
+                self.step(objects, instant);
+            }
+            // A body that has stopped elsewhere than it was to may have got another way.
+            let changed = std::mem::take(&mut self.changed);
+            self.find_near(objects, &changed);
+            let now = self.start + Time::from_seconds_ceil(instant.seconds());
+            objects.skip_to(now + STEP - Time(1));
+            self.queue_step(objects);
+        }
+        if let Some(objects) = objects {
+            objects.skip_to(self.end);
+        }
+    }
+
+    /// Finds those of the active robots `of` that come near movable objects which rest at the slot's start.
+    fn find_near(&mut self, objects: &Objects, of: &[RobotId]) {
+        for &robot in of {
+            if objects.is_near(self.bounds_of(robot)) {
+                self.near.insert(robot);
             }
         }
+    }
+
+    /// Queues the next step of the objects that ends in the slot, if anything moves or may be pushed.
+    fn queue_step(&mut self, objects: &Objects) {
+        let is_idle = self.near.is_empty() && objects.is_asleep();
+        if !is_idle && objects.next_step() + STEP <= self.end {
+            let seconds = (objects.next_step() - self.start).seconds();
+            self.events.insert((Instant::new(seconds), Event::Step));
+        }
+    }
+
+    /// One step of the movable objects, with the robots near them.
+    fn step(&mut self, objects: &mut Objects, instant: Instant) {
+        for bounds in objects.awake_bounds() {
+            let robots = self.robots_in(bounds);
+            self.near.extend(robots);
+        }
+        let at = objects.next_step().max(self.start);
+        let near: Vec<RobotId> = self.near.iter().copied().collect();
+        let thrusts: Vec<Option<Thrust>> = near.iter().map(|robot| self.thrust(*robot, at)).collect();
+        let is_idle = thrusts.iter().flatten().all(|thrust| thrust.ordered.is_zero());
+        if is_idle && objects.is_asleep() {
+            objects.skip_to(objects.next_step() + STEP);
+            return;
+        }
+        let mut robots = Vec::with_capacity(near.len());
+        let mut shares = Vec::with_capacity(near.len());
+        for (robot, thrust) in near.iter().zip(&thrusts) {
+            let (pusher, share) = self.pusher(*robot, thrust.as_ref(), at);
+            robots.push(pusher);
+            shares.push(share);
+        }
+        let pushes = objects.step(&robots).to_vec();
+        for (place, push) in pushes.into_iter().enumerate() {
+            let (robot, Some(thrust)) = (near[place], thrusts[place]) else { continue };
+            let active = self.truth.places[robot.index()] as usize;
+            let touched = push.touch.map(|touch| {
+                let point = robots[place].centre + touch.direction * robots[place].radius;
+                (touch.object, Obstacle { thing: Thing::Object(touch.object), point })
+            });
+            if let Some((object, obstacle)) = touched {
+                self.active[active].touch(at, object, obstacle.point);
+            }
+            if thrust.ordered.is_zero() {
+                continue;
+            }
+            let share = self.share_after(active, &thrust, &robots[place], shares[place], push.velocity, push.omega);
+            let obstacle = touched.map(|(_, obstacle)| obstacle).or_else(|| self.active[active].pressed(at));
+            if share != thrust.share
+                && let Some(obstacle) = obstacle
+            {
+                self.active[active].slow(at, share, obstacle);
+                self.replan(robot, instant.seconds());
+                self.revised(robot, instant.seconds());
+            }
+        }
+    }
+
+    /// How an active robot goes at `at`.
+    fn thrust(&mut self, robot: RobotId, at: Time) -> Option<Thrust> {
+        let place = self.truth.places[robot.index()];
+        (place != PASSIVE).then(|| self.active[place as usize].thrust(at))
+    }
+
+    /// A robot at the start of a step: with the share of the ordered twist that its traction gives it until the step's end.
+    fn pusher(&self, robot: RobotId, thrust: Option<&Thrust>, at: Time) -> (Pusher, f64) {
+        let radius = self.radius(robot);
+        let Some(thrust) = thrust else {
+            let centre = self.world.tracks[robot.index()].centre(at);
+            let still =
+                Pusher { robot, centre, velocity: DVec2::ZERO, omega: 0.0, radius, mass: 1.0, is_immovable: true };
+            return (still, 1.0);
+        };
+        let model = self.active[self.truth.places[robot.index()] as usize].model();
+        let share = (thrust.share + gain(model, thrust.ordered)).min(1.0);
+        // A robot that comes to rest within the step goes on for as long as it does.
+        let part = share * (thrust.left / STEP.seconds()).min(1.0);
+        let half_turn = 0.5 * thrust.ordered.omega * part * STEP.seconds();
+        let heading = thrust.centre.heading.turned(half_turn).direction();
+        let Twist { vx, vy, omega } = thrust.ordered.scaled(part);
+        let pusher = Pusher {
+            robot,
+            centre: thrust.centre.position,
+            velocity: heading.rotate(DVec2::new(vx, vy)),
+            omega,
+            radius,
+            mass: model.mass,
+            is_immovable: thrust.ordered.is_zero(),
+        };
+        (pusher, share)
+    }
+
+    /// The share of the ordered twist that a step leaves a robot which went into it with `share`.
+    fn share_after(
+        &self,
+        active: usize,
+        thrust: &Thrust,
+        before: &Pusher,
+        share: f64,
+        velocity: DVec2,
+        omega: f64,
+    ) -> f64 {
+        let model = self.active[active].model();
+        let twist = |velocity: DVec2, omega: f64| Twist { vx: velocity.x, vy: velocity.y, omega };
+        let went = twist(before.velocity, before.omega);
+        let lost = 1.0 - model.overlap(twist(velocity, omega), went);
+        // What traction has not used to get faster holds against the push.
+        let left = gain(model, thrust.ordered) - (share - thrust.share);
+        let after = (share * (1.0 - lost.max(0.0)) + left.max(0.0)).clamp(0.0, share);
+        // Slower than 0.1 mm/s is not at all: the solver's last digits.
+        if after * model.speed(thrust.ordered) < 1e-4 { 0.0 } else { after }
     }
 
     /// At the slot's end, after [`Settling::run`], lets bodies go on whose way has become free.
@@ -242,8 +401,14 @@ impl<'a, 'm> Settling<'a, 'm> {
         let place = self.truth.places[robot.index()] as usize;
         let motion = &mut self.active[place];
         motion.block(self.start, seconds, obstacle);
-        motion.legs(self.start, self.end, &mut self.truth.legs[place]);
-        // What was queued from an earlier stop is queued again.
+        self.replan(robot, seconds);
+    }
+
+    /// Takes a motion whose plan from `seconds` into the slot on is new, and queues what its program does after.
+    fn replan(&mut self, robot: RobotId, seconds: f64) {
+        let place = self.truth.places[robot.index()] as usize;
+        self.active[place].legs(self.start, self.end, &mut self.truth.legs[place]);
+        // What was queued from an earlier change is queued again.
         self.events.retain(|(_, event)| !matches!(event, Event::Input(other, _) if *other == robot));
         let journal = self.active[place].journal();
         let next = journal.partition_point(|(at, _)| (*at - self.start).seconds() <= seconds);
@@ -272,6 +437,7 @@ impl<'a, 'm> Settling<'a, 'm> {
 
     /// Looks for the contacts of a body whose motion has changed from `from` seconds on.
     fn revised(&mut self, robot: RobotId, from: f64) {
+        self.changed.push(robot);
         let bounds = self.bounds_of(robot);
         let indexed = self.truth.bounds[self.truth.places[robot.index()] as usize].1;
         if !(indexed.contains(bounds.min) && indexed.contains(bounds.max)) {
@@ -288,6 +454,13 @@ impl<'a, 'm> Settling<'a, 'm> {
 
     /// Robots other than `robot` whose bodies may come into `bounds` during the slot, in the order of their ids.
     fn neighbours(&self, robot: RobotId, bounds: Bounds) -> BTreeSet<RobotId> {
+        let mut others = self.robots_in(bounds);
+        others.remove(&robot);
+        others
+    }
+
+    /// Robots whose bodies may come into `bounds` during the slot, in the order of their ids.
+    fn robots_in(&self, bounds: Bounds) -> BTreeSet<RobotId> {
         let mut others = BTreeSet::new();
         self.truth.index.for_each_in(bounds, |other| {
             others.insert(other);
@@ -298,7 +471,6 @@ impl<'a, 'm> Settling<'a, 'm> {
             }
         });
         others.extend(self.truth.strays.iter().filter(|stray| self.bounds_of(**stray).overlaps(&bounds)));
-        others.remove(&robot);
         others
     }
 
@@ -317,4 +489,10 @@ impl<'a, 'm> Settling<'a, 'm> {
             .filter(|other| (other.centre - own.centre).length() <= own.radius + other.radius + TOUCH)
             .collect()
     }
+}
+
+/// The share of an ordered twist of the centre that traction can add within a step.
+fn gain(model: &Model, ordered: Twist) -> f64 {
+    let speed = model.speed(ordered);
+    if speed > 0.0 { model.traction * GRAVITY * STEP.seconds() / speed } else { 0.0 }
 }

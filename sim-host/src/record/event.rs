@@ -53,6 +53,8 @@ pub enum Obstacle {
     Wall,
     /// The robot with this number.
     Robot(u32),
+    /// The movable object with this number.
+    Object(u32),
 }
 
 /// Defines [`Event`] and what depends on the list of its variants.

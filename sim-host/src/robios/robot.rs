@@ -163,6 +163,7 @@ impl Robot {
         let with = match contact.with {
             Thing::Wall(_) => Obstacle::Wall,
             Thing::Robot(id) => Obstacle::Robot(id.0),
+            Thing::Object(id) => Obstacle::Object(id.0),
         };
         let event = Event::Contact { at_s: contact.time.seconds(), with, x_m: contact.point.x, y_m: contact.point.y };
         self.journal.record(contact.time, &event);

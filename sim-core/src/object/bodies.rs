@@ -1,0 +1,620 @@
+//! The rigid bodies of a scene's objects, and their steps.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use glam::DVec2;
+use rapier2d_f64::dynamics::{
+    CoefficientCombineRule, LockedAxes, MassProperties, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
+};
+use rapier2d_f64::geometry::{ColliderBuilder, ColliderHandle, ContactPair, Group, InteractionGroups};
+use rapier2d_f64::math::{Pose as RigidPose, Rotation, Vector};
+use rapier2d_f64::pipeline::PhysicsWorld;
+
+use super::{
+    Properties, STEP, Shape, State,
+    energy::{self, Member},
+    floor::{Velocity, split},
+};
+use crate::{
+    ObjectId, RobotId,
+    pose::{Heading, Pose},
+    scene::Walls,
+};
+
+/// A robot among the objects during a step: a disc.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pusher {
+    /// Whose body.
+    pub robot: RobotId,
+    /// Centre at the step's start, m.
+    pub centre: DVec2,
+    /// Mean velocity of the centre that it is on its way with, m/s.
+    pub velocity: DVec2,
+    /// Turning speed, rad/s.
+    pub omega: f64,
+    /// Radius, m.
+    pub radius: f64,
+    /// Mass, kg.
+    pub mass: f64,
+    /// True for a body that nothing pushes.
+    pub is_immovable: bool,
+}
+
+/// What a step has made of a robot's motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Push {
+    /// Velocity of the centre that the objects leave it, m/s.
+    pub velocity: DVec2,
+    /// Turning speed, rad/s.
+    pub omega: f64,
+    /// The object that it presses hardest, if it presses one.
+    pub touch: Option<Touch>,
+}
+
+/// An object in contact with a robot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// Which object.
+    pub object: ObjectId,
+    /// Impulse of the step, N s.
+    pub impulse: f64,
+    /// Direction from the robot's centre to the contact, a unit vector in the world.
+    pub direction: DVec2,
+}
+
+/// One object.
+struct Thing {
+    properties: Arc<Properties>,
+    gyration_squared: f64,
+    handle: RigidBodyHandle,
+    heading: Heading,
+    is_held: bool,
+}
+
+/// The objects of a scene as rigid bodies, with its walls.
+pub struct Bodies {
+    world: PhysicsWorld,
+    /// In the order of the ids.
+    things: Vec<Thing>,
+    robots: BTreeMap<RobotId, RigidBodyHandle>,
+    /// Robots that are in the world at present, in ascending order.
+    present: Vec<RobotId>,
+    awake: Vec<Awake>,
+    /// What each body is, by the index of its handle.
+    owners: Vec<Owner>,
+}
+
+/// An object awake before the step.
+struct Awake {
+    index: usize,
+    /// What the floor takes of its speed after the step, m/s.
+    after: f64,
+    /// For an object that is pushed from rest: the direction of the push, and where it stood.
+    pushed: Option<(DVec2, RigidPose)>,
+}
+
+/// What a rigid body stands for.
+#[derive(Clone, Copy, PartialEq)]
+enum Owner {
+    Wall,
+    Object(usize),
+    Robot(RobotId),
+}
+
+const WALLS: Group = Group::GROUP_1;
+const OBJECTS: Group = Group::GROUP_2;
+const ROBOTS: Group = Group::GROUP_3;
+
+/// Objects that have rested this long sleep, s.
+const SLEEPLESS: f64 = 0.02;
+
+impl Bodies {
+    /// The objects at rest at their poses, in the order of their ids from 1 on, among `walls`.
+    pub fn new(walls: &Walls, objects: impl IntoIterator<Item = (Arc<Properties>, Pose)>) -> Self {
+        let mut world = PhysicsWorld::new();
+        world.gravity = Vector::ZERO;
+        let parameters = &mut world.integration_parameters;
+        parameters.dt = STEP.seconds();
+        parameters.min_ccd_dt = 0.01 * STEP.seconds();
+        // Contacts of robots and crates are pushed apart within some ms instead of a tenth of a second.
+        parameters.contact_softness = SpringCoefficients::new(240.0, 10.0);
+        parameters.static_contact_softness = SpringCoefficients::new(480.0, 10.0);
+        parameters.normalized_allowed_linear_error = 1e-5;
+        parameters.normalized_max_corrective_velocity = 1.0;
+        // Contacts at their true place in each step, not as they were some mm ago.
+        parameters.contact_recycling = false;
+        let mut bodies = Self {
+            world,
+            things: Vec::new(),
+            robots: BTreeMap::new(),
+            present: Vec::new(),
+            awake: Vec::new(),
+            owners: Vec::new(),
+        };
+        bodies.insert_walls(walls);
+        for (properties, pose) in objects {
+            bodies.insert_object(properties, pose);
+        }
+        bodies
+    }
+
+    fn insert_walls(&mut self, walls: &Walls) {
+        let ground = self.world.insert_body(RigidBodyBuilder::fixed());
+        self.own(ground, Owner::Wall);
+        for wall in walls.segments() {
+            if !(wall.a.is_finite() && wall.b.is_finite()) {
+                continue;
+            }
+            let collider = ColliderBuilder::segment(vector(wall.a), vector(wall.b))
+                .restitution(1.0)
+                .restitution_combine_rule(CoefficientCombineRule::Min)
+                .friction(1.0)
+                .friction_combine_rule(CoefficientCombineRule::Min)
+                .collision_groups(groups(WALLS, OBJECTS));
+            self.world.insert_collider(collider, Some(ground));
+        }
+    }
+
+    fn insert_object(&mut self, properties: Arc<Properties>, pose: Pose) {
+        let mass = MassProperties::new(vector(properties.centre_of_mass), properties.mass, properties.inertia());
+        let body = RigidBodyBuilder::dynamic()
+            .pose(rigid_pose(&pose))
+            .additional_mass_properties(mass)
+            .ccd_enabled(true)
+            .can_sleep(true);
+        let handle = self.world.insert_body(body);
+        let activation = self.world.bodies[handle].activation_mut();
+        activation.normalized_linear_threshold = 1e-9;
+        activation.angular_threshold = 1e-9;
+        activation.time_until_sleep = SLEEPLESS;
+        for part in &properties.parts {
+            let shape = match part.shape {
+                Shape::Disc { radius } => ColliderBuilder::ball(radius),
+                Shape::Rectangle { half } => ColliderBuilder::cuboid(half.x, half.y),
+                Shape::Capsule { half_length, radius } => ColliderBuilder::capsule_x(half_length, radius),
+            };
+            let collider = shape
+                .position(rigid_pose(&part.object_from_part))
+                .density(0.0)
+                .restitution(properties.restitution)
+                .restitution_combine_rule(CoefficientCombineRule::Min)
+                .friction(properties.contact_friction)
+                .friction_combine_rule(CoefficientCombineRule::Min)
+                .collision_groups(groups(OBJECTS, Group::ALL));
+            self.world.insert_collider(collider, Some(handle));
+        }
+        self.own(handle, Owner::Object(self.things.len()));
+        let gyration_squared = properties.gyration_squared();
+        self.things.push(Thing { properties, gyration_squared, handle, heading: pose.heading, is_held: false });
+    }
+
+    fn own(&mut self, handle: RigidBodyHandle, owner: Owner) {
+        let index = handle.into_raw_parts().0 as usize;
+        self.owners.resize(self.owners.len().max(index + 1), Owner::Wall);
+        self.owners[index] = owner;
+    }
+
+    fn owner(&self, handle: RigidBodyHandle) -> Owner {
+        self.owners[handle.into_raw_parts().0 as usize]
+    }
+
+    /// Number of objects.
+    pub fn len(&self) -> usize {
+        self.things.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.things.is_empty()
+    }
+
+    /// The constant facts of an object.
+    pub fn properties(&self, object: ObjectId) -> &Arc<Properties> {
+        &self.things[object.index()].properties
+    }
+
+    /// Where an object is, and how it moves.
+    pub fn state(&self, object: ObjectId) -> State {
+        let thing = &self.things[object.index()];
+        let body = &self.world.bodies[thing.handle];
+        State {
+            world_from_object: Pose { position: plain(body.translation()), heading: thing.heading },
+            velocity: plain(body.linvel()),
+            omega: body.angvel(),
+        }
+    }
+
+    /// Gives an object a velocity of its centre of mass, m/s, and a turning speed, rad/s.
+    pub fn set_velocity(&mut self, object: ObjectId, velocity: DVec2, omega: f64) {
+        let handle = self.things[object.index()].handle;
+        let body = &mut self.world.bodies[handle];
+        body.set_linvel(vector(velocity), true);
+        body.set_angvel(omega, true);
+    }
+
+    /// True when an object sleeps: it has not moved for a while, and only a push wakes it.
+    pub fn is_asleep(&self, object: ObjectId) -> bool {
+        self.world.bodies[self.things[object.index()].handle].is_sleeping()
+    }
+
+    /// The objects that do not sleep, in ascending order.
+    pub fn awake(&self) -> impl Iterator<Item = ObjectId> + '_ {
+        (0..self.things.len()).map(ObjectId::from_index).filter(|&object| !self.is_asleep(object))
+    }
+
+    /// Kinetic energy of all objects, J.
+    pub fn energy(&self) -> f64 {
+        let of_thing = |thing: &Thing| {
+            let body = &self.world.bodies[thing.handle];
+            let inertia = thing.properties.mass * thing.gyration_squared;
+            0.5 * (thing.properties.mass * plain(body.linvel()).length_squared()
+                + inertia * body.angvel() * body.angvel())
+        };
+        self.things.iter().map(of_thing).sum()
+    }
+
+    /// Goes on by one [`STEP`] with these robots among the objects, in the order of their ids; tells what becomes of each
+    /// in `pushes`, in the same order.
+    pub fn step(&mut self, robots: &[Pusher], pushes: &mut Vec<Push>) {
+        self.place_robots(robots);
+        let mut before = self.velocities();
+        self.slow_before();
+        self.velocities_after_friction(&mut before);
+        self.world.step();
+        self.limit_energy(&before);
+        self.slow_after();
+        self.turn();
+        pushes.clear();
+        pushes.extend(robots.iter().map(|robot| self.push_of(robot.robot)));
+    }
+
+    /// Puts the robots where they are, and those that were there and are no more out of the world.
+    fn place_robots(&mut self, robots: &[Pusher]) {
+        for &robot in &self.present {
+            if robots.binary_search_by_key(&robot, |pusher| pusher.robot).is_err() {
+                self.world.bodies[self.robots[&robot]].set_enabled(false);
+            }
+        }
+        self.present.clear();
+        for pusher in robots {
+            self.present.push(pusher.robot);
+            if !self.robots.contains_key(&pusher.robot) {
+                self.insert_robot(pusher);
+            }
+            let body = &mut self.world.bodies[self.robots[&pusher.robot]];
+            if !body.is_enabled() {
+                body.set_enabled(true);
+            }
+            let pose = RigidPose::from_translation(vector(pusher.centre));
+            if *body.position() != pose {
+                body.set_position(pose, true);
+            }
+            let locked = if pusher.is_immovable { LockedAxes::all() } else { LockedAxes::empty() };
+            if body.locked_axes() != locked {
+                body.set_locked_axes(locked, true);
+            }
+            let (velocity, omega) =
+                if pusher.is_immovable { (DVec2::ZERO, 0.0) } else { (pusher.velocity, pusher.omega) };
+            let wakes = velocity != DVec2::ZERO || omega != 0.0;
+            body.set_linvel(vector(velocity), wakes);
+            body.set_angvel(omega, wakes);
+        }
+    }
+
+    fn insert_robot(&mut self, pusher: &Pusher) {
+        let inertia = 0.5 * pusher.mass * pusher.radius * pusher.radius;
+        let body = RigidBodyBuilder::dynamic()
+            .translation(vector(pusher.centre))
+            .additional_mass_properties(MassProperties::new(Vector::ZERO, pusher.mass, inertia));
+        let handle = self.world.insert_body(body);
+        let activation = self.world.bodies[handle].activation_mut();
+        activation.normalized_linear_threshold = 1e-9;
+        activation.angular_threshold = 1e-9;
+        activation.time_until_sleep = SLEEPLESS;
+        let collider = ColliderBuilder::ball(pusher.radius)
+            .density(0.0)
+            .restitution(1.0)
+            .restitution_combine_rule(CoefficientCombineRule::Min)
+            .friction(1.0)
+            .friction_combine_rule(CoefficientCombineRule::Min)
+            .collision_groups(groups(ROBOTS, OBJECTS));
+        self.world.insert_collider(collider, Some(handle));
+        self.own(handle, Owner::Robot(pusher.robot));
+        self.robots.insert(pusher.robot, handle);
+    }
+
+    /// The first part of floor friction; holds what static friction holds.
+    fn slow_before(&mut self) {
+        self.awake.clear();
+        for index in 0..self.things.len() {
+            let thing = &self.things[index];
+            let body = &self.world.bodies[thing.handle];
+            if body.is_sleeping() {
+                if self.things[index].is_held {
+                    self.set_held(index, false);
+                }
+                continue;
+            }
+            let whole = thing.properties.resistance.deceleration() * STEP.seconds();
+            let velocity = velocity_of(body);
+            let gyration_squared = thing.gyration_squared;
+            let (before, mut after) = split(velocity.sliding(gyration_squared), whole);
+            let mut pushed = None;
+            let mut is_held = false;
+            if velocity == Velocity::ZERO {
+                let push = self.possible_push(index) / thing.properties.mass;
+                let strength = push.length();
+                // What nothing leans on is free: it may have to be pushed out of a wall.
+                is_held = strength > 0.0 && strength <= whole;
+                if strength > whole {
+                    // Friction takes its part at once, so that it holds against the push and not only against its outcome.
+                    pushed = Some((push / strength, *body.position()));
+                    after = 0.0;
+                }
+            }
+            let body = &mut self.world.bodies[thing.handle];
+            if let Some((direction, _)) = pushed {
+                body.set_linvel(vector(-direction * whole), false);
+            } else if before > 0.0 {
+                set_velocity(body, velocity.slowed(before, gyration_squared));
+            }
+            if self.things[index].is_held != is_held {
+                self.set_held(index, is_held);
+            }
+            self.awake.push(Awake { index, after, pushed });
+        }
+    }
+
+    fn set_held(&mut self, index: usize, is_held: bool) {
+        let thing = &mut self.things[index];
+        thing.is_held = is_held;
+        let locked = if is_held { LockedAxes::all() } else { LockedAxes::empty() };
+        self.world.bodies[thing.handle].set_locked_axes(locked, false);
+    }
+
+    /// The most that its neighbours can give to an object at rest in the next step, N s.
+    ///
+    /// Below what friction can take in a step the object stays where it is, as when a robot without enough traction leans
+    /// against a crate.
+    fn possible_push(&self, index: usize) -> DVec2 {
+        let thing = &self.things[index];
+        let mut push = DVec2::ZERO;
+        for &collider in self.world.bodies[thing.handle].colliders() {
+            for pair in self.world.narrow_phase.contact_pairs_with(collider) {
+                push += self.possible_impulse(pair, collider, thing.properties.restitution);
+            }
+        }
+        push
+    }
+
+    /// The most that the other body of a pair can give to `collider`'s, which rests, in the next step, N s.
+    fn possible_impulse(&self, pair: &ContactPair, collider: ColliderHandle, restitution: f64) -> DVec2 {
+        let is_first = pair.collider1 == collider;
+        let other = if is_first { pair.collider2 } else { pair.collider1 };
+        let Some(parent) = self.world.colliders[other].parent() else { return DVec2::ZERO };
+        let body = &self.world.bodies[parent];
+        if body.is_fixed() || body.locked_axes() == LockedAxes::all() {
+            return DVec2::ZERO;
+        }
+        let mut hardest = (0.0, DVec2::ZERO);
+        for manifold in pair.manifolds() {
+            // From the first body to the second one: towards the object.
+            let towards = if is_first { -manifold.data.normal } else { manifold.data.normal };
+            for point in &manifold.points {
+                let world_from_other = self.world.colliders[other].position();
+                let local = if is_first { point.local_p2 } else { point.local_p1 };
+                let at = world_from_other.transform_point(local);
+                let approach = body.velocity_at_point(at).dot(towards);
+                let is_new = point.data.impulse == 0.0;
+                // The distance is that before the last step.
+                if 3.0 * approach * STEP.seconds() >= point.dist {
+                    let bounce = if is_new { restitution } else { 0.0 };
+                    let impulse = body.mass() * approach * (1.0 + bounce);
+                    if impulse > hardest.0 {
+                        hardest = (impulse, plain(towards) * impulse);
+                    }
+                }
+            }
+        }
+        hardest.1
+    }
+
+    /// The second part of floor friction.
+    fn slow_after(&mut self) {
+        for Awake { index, after, pushed } in &self.awake {
+            let thing = &self.things[*index];
+            let body = &mut self.world.bodies[thing.handle];
+            let velocity = velocity_of(body);
+            if let Some((direction, pose)) = pushed
+                && velocity.linear.dot(*direction) <= 0.0
+            {
+                // The push did not come, or friction was stronger.
+                body.set_position(*pose, false);
+                set_velocity(body, Velocity::ZERO);
+            } else if *after > 0.0 && velocity != Velocity::ZERO {
+                set_velocity(body, velocity.slowed(*after, thing.gyration_squared));
+            }
+        }
+    }
+
+    /// Counts the objects' turns.
+    fn turn(&mut self) {
+        for thing in &mut self.things {
+            let body = &self.world.bodies[thing.handle];
+            if !body.is_sleeping() {
+                let angle = crate::math::atan2(body.rotation().sin(), body.rotation().cos());
+                let turned = Heading::new(angle - thing.heading.remainder()).remainder();
+                thing.heading = thing.heading.turned(turned);
+            }
+        }
+    }
+
+    /// Velocities of all bodies, by the index of their handles.
+    fn velocities(&self) -> Vec<Velocity> {
+        let mut velocities = vec![Velocity::ZERO; self.owners.len()];
+        for (handle, body) in self.world.bodies.iter() {
+            velocities[handle.into_raw_parts().0 as usize] = velocity_of(body);
+        }
+        velocities
+    }
+
+    /// Takes what friction has left of the velocities; not those that stand for friction against a push.
+    fn velocities_after_friction(&self, velocities: &mut [Velocity]) {
+        for awake in self.awake.iter().filter(|awake| awake.pushed.is_none()) {
+            let handle = self.things[awake.index].handle;
+            velocities[handle.into_raw_parts().0 as usize] = velocity_of(&self.world.bodies[handle]);
+        }
+    }
+
+    /// Takes away what the step has added to the energy of each island of touching bodies.
+    fn limit_energy(&mut self, before: &[Velocity]) {
+        let mut islands = Islands::new(self.owners.len());
+        for pair in self.world.narrow_phase.contact_pairs() {
+            if !pair.has_any_active_contact() {
+                continue;
+            }
+            let parent = |collider| self.world.colliders.get(collider).and_then(|collider| collider.parent());
+            let (Some(a), Some(b)) = (parent(pair.collider1), parent(pair.collider2)) else { continue };
+            let index = |handle: RigidBodyHandle| handle.into_raw_parts().0 as usize;
+            match (self.is_fast(a), self.is_fast(b)) {
+                (true, true) => islands.join(index(a), index(b)),
+                (true, false) => islands.hold(index(a)),
+                (false, true) => islands.hold(index(b)),
+                (false, false) => {}
+            }
+        }
+        let mut members: BTreeMap<usize, (Vec<RigidBodyHandle>, Vec<Member>, f64)> = BTreeMap::new();
+        for (handle, body) in self.world.bodies.iter() {
+            if !self.is_fast(handle) || body.is_sleeping() || !body.is_enabled() {
+                continue;
+            }
+            let index = handle.into_raw_parts().0 as usize;
+            let member = Member {
+                mass: body.mass(),
+                inertia: self.inertia(handle),
+                centre: plain(body.center_of_mass()),
+                velocity: velocity_of(body),
+            };
+            let island = members.entry(islands.find(index)).or_default();
+            island.0.push(handle);
+            island.1.push(member);
+            island.2 += Member { velocity: before[index], ..member }.energy();
+        }
+        for (root, (handles, mut island, limit)) in members {
+            let energy: f64 = island.iter().map(Member::energy).sum();
+            if energy > limit {
+                energy::limit(&mut island, limit, islands.is_held(root));
+                for (handle, member) in handles.iter().zip(&island) {
+                    set_velocity(&mut self.world.bodies[*handle], member.velocity);
+                }
+            }
+        }
+    }
+
+    /// True for a body that a step can move.
+    fn is_fast(&self, handle: RigidBodyHandle) -> bool {
+        let body = &self.world.bodies[handle];
+        body.is_dynamic() && body.locked_axes().is_empty()
+    }
+
+    fn inertia(&self, handle: RigidBodyHandle) -> f64 {
+        match self.owner(handle) {
+            Owner::Object(index) => self.things[index].properties.mass * self.things[index].gyration_squared,
+            _ => {
+                let inverse = self.world.bodies[handle].mass_properties().local_mprops.inv_principal_inertia;
+                if inverse > 0.0 { 1.0 / inverse } else { 0.0 }
+            }
+        }
+    }
+
+    /// What the step has made of a robot.
+    fn push_of(&self, robot: RobotId) -> Push {
+        let body = &self.world.bodies[self.robots[&robot]];
+        let mut touch: Option<Touch> = None;
+        for &collider in body.colliders() {
+            for pair in self.world.narrow_phase.contact_pairs_with(collider) {
+                let is_first = pair.collider1 == collider;
+                let other = if is_first { pair.collider2 } else { pair.collider1 };
+                let impulse = pair.total_impulse();
+                let Some(parent) = self.world.colliders.get(other).and_then(|other| other.parent()) else { continue };
+                let Owner::Object(index) = self.owner(parent) else { continue };
+                let strength = impulse.length();
+                if strength > 0.0 && touch.is_none_or(|hardest| strength > hardest.impulse) {
+                    let direction = plain(impulse / strength) * if is_first { 1.0 } else { -1.0 };
+                    touch = Some(Touch { object: ObjectId::from_index(index), impulse: strength, direction });
+                }
+            }
+        }
+        Push { velocity: plain(body.linvel()), omega: body.angvel(), touch }
+    }
+}
+
+impl std::fmt::Debug for Bodies {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Bodies").field("objects", &self.things.len()).finish_non_exhaustive()
+    }
+}
+
+/// Sets of bodies that act on each other.
+struct Islands {
+    parents: Vec<usize>,
+    held: Vec<bool>,
+}
+
+impl Islands {
+    fn new(count: usize) -> Self {
+        Self { parents: (0..count).collect(), held: vec![false; count] }
+    }
+
+    fn find(&mut self, mut body: usize) -> usize {
+        while self.parents[body] != body {
+            self.parents[body] = self.parents[self.parents[body]];
+            body = self.parents[body];
+        }
+        body
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.find(a), self.find(b));
+        let (root, other) = (a.min(b), a.max(b));
+        self.parents[other] = root;
+        self.held[root] |= self.held[other];
+    }
+
+    fn hold(&mut self, body: usize) {
+        let root = self.find(body);
+        self.held[root] = true;
+    }
+
+    fn is_held(&mut self, body: usize) -> bool {
+        let root = self.find(body);
+        self.held[root]
+    }
+}
+
+fn groups(memberships: Group, filter: Group) -> InteractionGroups {
+    InteractionGroups { memberships, filter, ..InteractionGroups::default() }
+}
+
+fn vector(v: DVec2) -> Vector {
+    Vector::new(v.x, v.y)
+}
+
+fn plain(v: Vector) -> DVec2 {
+    DVec2::new(v.x, v.y)
+}
+
+fn rigid_pose(pose: &Pose) -> RigidPose {
+    let direction = pose.heading.direction();
+    RigidPose::from_parts(vector(pose.position), Rotation::from_cos_sin_unchecked(direction.x, direction.y))
+}
+
+fn velocity_of(body: &rapier2d_f64::dynamics::RigidBody) -> Velocity {
+    Velocity { linear: plain(body.linvel()), omega: body.angvel() }
+}
+
+fn set_velocity(body: &mut rapier2d_f64::dynamics::RigidBody, velocity: Velocity) {
+    body.set_linvel(vector(velocity.linear), false);
+    body.set_angvel(velocity.omega, false);
+}

@@ -1,0 +1,59 @@
+//! How an object is seen during a slot: as it was at the slot's start, slowed by the floor, met by nothing.
+
+use super::{Properties, State, floor::Velocity};
+use crate::{pose::Pose, scene::Bounds, time::Time};
+
+/// The public trajectory of an object from an instant on: straight, with constant decelerations until it rests.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drift {
+    /// When the state holds.
+    pub since: Time,
+    /// Where it starts.
+    pub state: State,
+    /// Deceleration of the centre of mass, m/s².
+    deceleration: f64,
+    /// Deceleration of the turn, rad/s².
+    slowing: f64,
+}
+
+impl Drift {
+    /// The trajectory of an object with this state at `since`.
+    pub fn new(since: Time, state: State, properties: &Properties) -> Self {
+        let velocity = Velocity { linear: state.velocity, omega: state.omega };
+        let (deceleration, slowing) =
+            velocity.decelerations(properties.resistance.deceleration(), properties.gyration_squared());
+        Self { since, state, deceleration, slowing }
+    }
+
+    /// Pose of the object at `at`; before the start, that of the start.
+    pub fn pose(&self, properties: &Properties, at: Time) -> Pose {
+        if self.state.is_resting() || at <= self.since {
+            return self.state.world_from_object;
+        }
+        let seconds = (at - self.since).seconds();
+        let State { world_from_object, velocity, omega } = self.state;
+        let speed = velocity.length();
+        let along = if speed > 0.0 { covered(speed, self.deceleration, seconds) / speed } else { 0.0 };
+        let turned = omega.signum() * covered(omega.abs(), self.slowing, seconds);
+        let centre = world_from_object.transform_point(properties.centre_of_mass) + velocity * along;
+        let heading = world_from_object.heading.turned(turned);
+        let moved = Pose { position: centre, heading };
+        Pose { position: moved.transform_point(-properties.centre_of_mass), heading }
+    }
+
+    /// A rectangle that holds the object until `until`.
+    pub fn bounds(&self, properties: &Properties, until: Time) -> Bounds {
+        if self.state.is_resting() {
+            return properties.bounds(&self.state.world_from_object);
+        }
+        let centre = |at: Time| self.pose(properties, at).transform_point(properties.centre_of_mass);
+        Bounds::of_points([centre(self.since), centre(until)])
+            .grown(properties.reach() + properties.centre_of_mass.length())
+    }
+}
+
+/// Way of something with this speed and deceleration in `seconds`.
+fn covered(speed: f64, deceleration: f64, seconds: f64) -> f64 {
+    let seconds = if deceleration > 0.0 { seconds.min(speed / deceleration) } else { seconds };
+    (speed - 0.5 * deceleration * seconds) * seconds
+}

@@ -1,0 +1,125 @@
+//! That no step raises the energy: what the solver added is taken away again, island by island.
+//!
+//! Motion relative to the rigid motion with the island's momentum and angular momentum is scaled; so momentum is kept. An
+//! island that touches what cannot be moved hands its momentum to that, and is scaled as a whole.
+
+use glam::DVec2;
+
+use super::floor::Velocity;
+
+/// A body in an island of bodies that act on each other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Member {
+    pub mass: f64,
+    pub inertia: f64,
+    pub centre: DVec2,
+    pub velocity: Velocity,
+}
+
+impl Member {
+    pub fn energy(&self) -> f64 {
+        0.5 * (self.mass * self.velocity.linear.length_squared()
+            + self.inertia * self.velocity.omega * self.velocity.omega)
+    }
+}
+
+/// Scales the velocities of an island so that its energy is at most `limit`; `is_held` when it touches what cannot move.
+pub(super) fn limit(members: &mut [Member], limit: f64, is_held: bool) {
+    let energy: f64 = members.iter().map(Member::energy).sum();
+    if energy <= limit {
+        return;
+    }
+    let common = if is_held { Rigid::default() } else { Rigid::of(members) };
+    let (mut shared, mut relative) = (0.0, 0.0);
+    for member in members.iter() {
+        let rigid = Member { velocity: common.at(member.centre), ..*member };
+        let rest = Velocity {
+            linear: member.velocity.linear - rigid.velocity.linear,
+            omega: member.velocity.omega - rigid.velocity.omega,
+        };
+        shared += rigid.energy();
+        relative += Member { velocity: rest, ..*member }.energy();
+    }
+    let factor = if relative > 0.0 { ((limit - shared).max(0.0) / relative).sqrt().min(1.0) } else { 0.0 };
+    // Of the motion in common only rounding has to be taken, or what the change of the arms in a step has added.
+    let shared_factor = if shared > limit { (limit / shared).sqrt() } else { 1.0 };
+    for member in members {
+        let rigid = common.at(member.centre);
+        let scaled = |whole: f64, part: f64| part * shared_factor + (whole - part) * factor;
+        member.velocity = Velocity {
+            linear: rigid.linear * shared_factor + (member.velocity.linear - rigid.linear) * factor,
+            omega: scaled(member.velocity.omega, rigid.omega),
+        };
+    }
+}
+
+/// A motion of all bodies as one.
+#[derive(Clone, Copy, Debug, Default)]
+struct Rigid {
+    centre: DVec2,
+    velocity: DVec2,
+    omega: f64,
+}
+
+impl Rigid {
+    /// The motion with the momentum and angular momentum of all.
+    fn of(members: &[Member]) -> Self {
+        let mass: f64 = members.iter().map(|member| member.mass).sum();
+        let centre = members.iter().map(|member| member.centre * member.mass).sum::<DVec2>() / mass;
+        let velocity = members.iter().map(|member| member.velocity.linear * member.mass).sum::<DVec2>() / mass;
+        let (mut momentum, mut inertia) = (0.0, 0.0);
+        for member in members {
+            let arm = member.centre - centre;
+            momentum += member.inertia * member.velocity.omega + member.mass * arm.perp_dot(member.velocity.linear);
+            inertia += member.inertia + member.mass * arm.length_squared();
+        }
+        Self { centre, velocity, omega: momentum / inertia }
+    }
+
+    fn at(&self, point: DVec2) -> Velocity {
+        Velocity { linear: self.velocity + (point - self.centre).perp() * self.omega, omega: self.omega }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pair() -> [Member; 2] {
+        let member = |x: f64, vx: f64, omega: f64| Member {
+            mass: 1.0 + x,
+            inertia: 0.1,
+            centre: DVec2::new(x, 0.3 * x),
+            velocity: Velocity { linear: DVec2::new(vx, 0.2), omega },
+        };
+        [member(0.0, 1.0, 2.0), member(1.0, -0.5, -1.0)]
+    }
+
+    fn sums(members: &[Member]) -> (DVec2, f64, f64) {
+        let momentum = members.iter().map(|m| m.velocity.linear * m.mass).sum();
+        let angular =
+            members.iter().map(|m| m.inertia * m.velocity.omega + m.mass * m.centre.perp_dot(m.velocity.linear)).sum();
+        (momentum, angular, members.iter().map(Member::energy).sum())
+    }
+
+    #[test]
+    fn a_free_island_keeps_its_momenta() {
+        let mut members = pair();
+        let (momentum, angular, energy) = sums(&members);
+        limit(&mut members, 0.9 * energy, false);
+        let after = sums(&members);
+        assert!((after.0 - momentum).length() < 1e-14 && (after.1 - angular).abs() < 1e-14);
+        assert!((after.2 / (0.9 * energy) - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn what_is_within_the_limit_stays_to_the_bit() {
+        let mut members = pair();
+        let (.., energy) = sums(&members);
+        limit(&mut members, energy, false);
+        assert!(members.iter().zip(&pair()).all(|(a, b)| a.velocity == b.velocity));
+        limit(&mut members, 0.25 * energy, true);
+        assert!((sums(&members).2 / (0.25 * energy) - 1.0).abs() < 1e-14);
+        assert!((members[0].velocity.linear.x - 0.5).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,131 @@
+//! Movable objects: rigid bodies in the plane that robots push and kick, that push each other and come to rest.
+//!
+//! The room knows shapes, masses and friction. Motion goes on in steps of [`STEP`] on the global grid of virtual time;
+//! contacts are solved by rapier, floor friction and rolling resistance are ours, and no step raises the energy. It knows
+//! neither files nor what a robot does about a push: robots come as discs with a velocity ([`Pusher`]).
+
+mod bodies;
+mod drift;
+mod energy;
+mod floor;
+mod shape;
+
+use glam::DVec2;
+
+pub use bodies::{Bodies, Push, Pusher, Touch};
+pub use drift::Drift;
+pub use shape::Shape;
+pub(crate) use shape::cast_disc;
+
+use crate::{pose::Pose, scene::Bounds, time::Time};
+
+/// Length of a step of the rigid bodies. Source: design section 4.
+pub const STEP: Time = Time::from_millis(1);
+
+/// Standard acceleration of gravity, m/s².
+pub const GRAVITY: f64 = 9.80665;
+
+/// What the floor does to a moving object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Resistance {
+    /// It slides: coefficient of Coulomb friction, 0 or more.
+    Sliding(f64),
+    /// It rolls: deceleration over gravity, 0 or more.
+    Rolling(f64),
+}
+
+impl Resistance {
+    /// Deceleration of a body that does not turn, m/s².
+    pub fn deceleration(self) -> f64 {
+        let (Self::Sliding(coefficient) | Self::Rolling(coefficient)) = self;
+        coefficient * GRAVITY
+    }
+}
+
+/// A part of an object's footprint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// Its outline, in its own frame.
+    pub shape: Shape,
+    /// Its place in the object.
+    pub object_from_part: Pose,
+}
+
+/// The constant facts of an object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Properties {
+    /// Mass, kg; positive.
+    pub mass: f64,
+    /// Centre of mass in the object's frame, m.
+    pub centre_of_mass: DVec2,
+    /// The footprint; not empty.
+    pub parts: Vec<Part>,
+    /// What the floor does to it.
+    pub resistance: Resistance,
+    /// Coefficient of restitution, 0 to 1; of two objects the lower one holds (our choice).
+    pub restitution: f64,
+    /// Coefficient of friction against walls, robots and other objects; of two objects the lower one holds (our choice).
+    pub contact_friction: f64,
+}
+
+impl Properties {
+    /// Square of the radius of gyration about the centre of mass, m², with the mass spread evenly over the parts' areas.
+    pub fn gyration_squared(&self) -> f64 {
+        let mut area = 0.0;
+        let mut moment = 0.0;
+        for part in &self.parts {
+            let arm = (part.object_from_part.position - self.centre_of_mass).length_squared();
+            area += part.shape.area();
+            moment += part.shape.area() * (part.shape.gyration_squared() + arm);
+        }
+        moment / area
+    }
+
+    /// Moment of inertia about the centre of mass, kg m².
+    pub fn inertia(&self) -> f64 {
+        self.mass * self.gyration_squared()
+    }
+
+    /// Greatest distance of a point of the footprint from the object's origin, m.
+    pub fn reach(&self) -> f64 {
+        let reach = |part: &Part| part.object_from_part.position.length() + part.shape.reach();
+        self.parts.iter().map(reach).fold(0.0, f64::max)
+    }
+
+    /// The rectangle around the footprint of an object at `world_from_object`.
+    pub fn bounds(&self, world_from_object: &Pose) -> Bounds {
+        let of_part = |part: &Part| part.shape.bounds(&world_from_object.compose(&part.object_from_part));
+        self.parts.iter().map(of_part).fold(Bounds::EMPTY, Bounds::union)
+    }
+
+    /// Distance along a ray to the footprint of an object at `world_from_object`: 0 from inside, `None` when it is missed.
+    ///
+    /// `direction` is a unit vector of the world.
+    pub fn cast(&self, world_from_object: &Pose, origin: DVec2, direction: DVec2) -> Option<f64> {
+        let of_part = |part: &Part| {
+            let world_from_part = world_from_object.compose(&part.object_from_part);
+            let axis = world_from_part.heading.direction();
+            let into = DVec2::new(axis.x, -axis.y);
+            part.shape.cast(into.rotate(origin - world_from_part.position), into.rotate(direction))
+        };
+        self.parts.iter().filter_map(of_part).min_by(f64::total_cmp)
+    }
+}
+
+/// Where an object is and how it moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct State {
+    /// Pose of the object's frame.
+    pub world_from_object: Pose,
+    /// Velocity of the centre of mass, m/s.
+    pub velocity: DVec2,
+    /// Turning speed counter-clockwise, rad/s.
+    pub omega: f64,
+}
+
+impl State {
+    /// True when nothing moves.
+    pub fn is_resting(&self) -> bool {
+        self.velocity == DVec2::ZERO && self.omega == 0.0
+    }
+}

@@ -1,0 +1,193 @@
+use glam::DVec2;
+
+use crate::{math, pose::Pose, scene::Bounds};
+
+/// The outline of a part of an object on the floor, around the origin of the part's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// A disc.
+    Disc {
+        /// Its radius, m.
+        radius: f64,
+    },
+    /// A rectangle along the axes.
+    Rectangle {
+        /// Half of its sizes, m.
+        half: DVec2,
+    },
+    /// All points within `radius` of the stretch from -`half_length` to `half_length` on the x axis.
+    Capsule {
+        /// Half of the length of the stretch, m.
+        half_length: f64,
+        /// Distance from the stretch, m.
+        radius: f64,
+    },
+}
+
+impl Shape {
+    /// Area, m².
+    pub fn area(&self) -> f64 {
+        match *self {
+            Self::Disc { radius } => std::f64::consts::PI * radius * radius,
+            Self::Rectangle { half } => 4.0 * half.x * half.y,
+            Self::Capsule { half_length, radius } => {
+                std::f64::consts::PI * radius * radius + 4.0 * half_length * radius
+            }
+        }
+    }
+
+    /// Square of the radius of gyration about the centre, m².
+    pub fn gyration_squared(&self) -> f64 {
+        match *self {
+            Self::Disc { radius } => 0.5 * radius * radius,
+            Self::Rectangle { half } => half.length_squared() / 3.0,
+            Self::Capsule { half_length: h, radius: r } => {
+                let (disc, middle) = (std::f64::consts::PI * r * r, 4.0 * h * r);
+                // The half discs: about their own centroids, which lie 4 r / (3 pi) outside the ends of the stretch.
+                let centroid = 4.0 * r / (3.0 * std::f64::consts::PI);
+                let of_caps = 0.5 * r * r - centroid * centroid + (h + centroid) * (h + centroid);
+                (disc * of_caps + middle * (h * h + r * r) / 3.0) / (disc + middle)
+            }
+        }
+    }
+
+    /// Greatest distance of a point from the centre, m.
+    pub fn reach(&self) -> f64 {
+        match *self {
+            Self::Disc { radius } => radius,
+            Self::Rectangle { half } => half.length(),
+            Self::Capsule { half_length, radius } => half_length + radius,
+        }
+    }
+
+    /// The rectangle around the shape.
+    pub fn bounds(&self, world_from_part: &Pose) -> Bounds {
+        let axis = world_from_part.heading.direction();
+        let half = match *self {
+            Self::Disc { radius } => DVec2::splat(radius),
+            Self::Rectangle { half } => {
+                DVec2::new(axis.x.abs() * half.x + axis.y.abs() * half.y, axis.y.abs() * half.x + axis.x.abs() * half.y)
+            }
+            Self::Capsule { half_length, radius } => axis.abs() * half_length + DVec2::splat(radius),
+        };
+        Bounds { min: world_from_part.position - half, max: world_from_part.position + half }
+    }
+
+    /// Distance along a ray in the part's frame: 0 from inside, `None` when the ray misses the shape.
+    pub fn cast(&self, origin: DVec2, direction: DVec2) -> Option<f64> {
+        match *self {
+            Self::Disc { radius } => cast_disc(origin, direction, DVec2::ZERO, radius),
+            Self::Rectangle { half } => cast_rectangle(origin, direction, half),
+            Self::Capsule { half_length, radius } => {
+                let middle = cast_rectangle(origin, direction, DVec2::new(half_length, radius));
+                let end = |x: f64| cast_disc(origin, direction, DVec2::new(x, 0.0), radius);
+                [middle, end(-half_length), end(half_length)].into_iter().flatten().min_by(f64::total_cmp)
+            }
+        }
+    }
+
+    /// Distance from `point`, in the part's frame, to the nearest point of the shape, m; 0 inside.
+    pub fn distance(&self, point: DVec2) -> f64 {
+        match *self {
+            Self::Disc { radius } => (point.length() - radius).max(0.0),
+            Self::Rectangle { half } => {
+                let outside = (point.abs() - half).max(DVec2::ZERO);
+                math::hypot(outside.x, outside.y)
+            }
+            Self::Capsule { half_length, radius } => {
+                let aside = DVec2::new((point.x.abs() - half_length).max(0.0), point.y);
+                (aside.length() - radius).max(0.0)
+            }
+        }
+    }
+}
+
+/// Distance along a ray to a disc: 0 from inside, `None` when the ray misses it.
+pub(crate) fn cast_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64) -> Option<f64> {
+    let offset = centre - origin;
+    if offset.length_squared() <= radius * radius {
+        return Some(0.0);
+    }
+    let along = offset.dot(direction);
+    // From the foot of the perpendicular, which keeps the digits of a disc far away.
+    let aside = (offset - direction * along).length_squared();
+    let half_chord = radius * radius - aside;
+    (along > 0.0 && half_chord >= 0.0).then(|| (along - half_chord.sqrt()).max(0.0))
+}
+
+/// Distance along a ray to a rectangle around the origin, borders included.
+fn cast_rectangle(origin: DVec2, direction: DVec2, half: DVec2) -> Option<f64> {
+    let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
+    for axis in 0..2 {
+        if direction[axis] == 0.0 {
+            if origin[axis].abs() > half[axis] {
+                return None;
+            }
+        } else {
+            let one = (-half[axis] - origin[axis]) / direction[axis];
+            let other = (half[axis] - origin[axis]) / direction[axis];
+            enter = enter.max(one.min(other));
+            leave = leave.min(one.max(other));
+        }
+    }
+    (enter <= leave).then_some(enter)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHAPES: [Shape; 3] = [
+        Shape::Disc { radius: 0.3 },
+        Shape::Rectangle { half: DVec2::new(0.4, 0.1) },
+        Shape::Capsule { half_length: 0.25, radius: 0.1 },
+    ];
+
+    #[test]
+    fn area_and_gyration_are_those_of_the_points_inside() {
+        for shape in SHAPES {
+            let (mut count, mut moment) = (0.0, 0.0);
+            let step = 1e-3;
+            for i in -500..500 {
+                for j in -500..500 {
+                    let point = DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5) * step;
+                    if shape.distance(point) == 0.0 {
+                        count += 1.0;
+                        moment += point.length_squared();
+                    }
+                }
+            }
+            assert!((shape.area() / (count * step * step) - 1.0).abs() < 2e-3, "{shape:?}");
+            assert!((shape.gyration_squared() / (moment / count) - 1.0).abs() < 2e-3, "{shape:?}");
+        }
+    }
+
+    #[test]
+    fn a_ray_ends_where_the_distance_becomes_nothing() {
+        for shape in SHAPES {
+            for step in 0..1000 {
+                let (sin, cos) = math::sin_cos(f64::from(step) * 0.7);
+                let origin = DVec2::new(cos, sin) * (0.05 + 0.001 * f64::from(step));
+                let (sin, cos) = math::sin_cos(f64::from(step) * 1.3);
+                let direction = DVec2::new(cos, sin);
+                // By small safe steps along the ray.
+                let mut travelled = 0.0;
+                while travelled < 3.0 && shape.distance(origin + direction * travelled) > 1e-9 {
+                    travelled += shape.distance(origin + direction * travelled);
+                }
+                match shape.cast(origin, direction) {
+                    Some(distance) => assert!((distance - travelled).abs() < 1e-4, "{shape:?} {step}: {distance}"),
+                    None => assert!(travelled >= 3.0, "{shape:?} {step} is missed, but lies {travelled} m ahead"),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_ray_along_a_border_meets_it() {
+        let rectangle = Shape::Rectangle { half: DVec2::new(0.4, 0.1) };
+        assert_eq!(rectangle.cast(DVec2::new(-1.0, 0.1), DVec2::X), Some(0.6));
+        assert_eq!(rectangle.cast(DVec2::new(-1.0, 0.1000001), DVec2::X), None);
+        assert_eq!(rectangle.cast(DVec2::new(0.4, 0.0), DVec2::X), Some(0.0), "from its border");
+    }
+}

@@ -1,0 +1,200 @@
+//! The movable objects of a world: their rigid bodies, and what is public of each.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use crate::{
+    ObjectId, RobotId,
+    drive::HISTORY,
+    object::{Bodies, Drift, Properties, Push, Pusher, STEP, State},
+    pose::Pose,
+    scene::{Bounds, Moving, Walls},
+    time::Time,
+};
+
+/// An object may be this far from a robot that is taken for near, m, besides what it covers in some steps.
+const NEAR: f64 = 5e-3;
+
+/// What is public of one object.
+#[derive(Clone, Debug)]
+struct ObjectTrack {
+    /// Trajectories with the slots' starts from which on they hold; never empty.
+    publications: VecDeque<(Time, Drift)>,
+    /// Rectangle of the object in the time that the world remembers and publishes.
+    bounds: Bounds,
+    is_resting: bool,
+}
+
+/// The movable objects of a world.
+#[derive(Debug)]
+pub(super) struct Objects {
+    bodies: Bodies,
+    tracks: Vec<ObjectTrack>,
+    /// Public rectangles, by the numbers of the objects.
+    index: Moving,
+    /// Until when the bodies have been stepped: on the grid of [`STEP`].
+    stepped: Time,
+    /// Objects that moved in the last slot, in ascending order.
+    moved: Vec<ObjectId>,
+    pushes: Vec<Push>,
+}
+
+impl Objects {
+    pub fn new(walls: &Walls, objects: impl IntoIterator<Item = (Arc<Properties>, Pose)>) -> Self {
+        let bodies = Bodies::new(walls, objects);
+        let tracks = (0..bodies.len())
+            .map(|index| {
+                let object = ObjectId::from_index(index);
+                let drift = Drift::new(Time(i64::MIN), bodies.state(object), bodies.properties(object));
+                ObjectTrack {
+                    publications: VecDeque::from([(Time(i64::MIN), drift)]),
+                    bounds: drift.bounds(bodies.properties(object), Time::ZERO),
+                    is_resting: true,
+                }
+            })
+            .collect();
+        let mut objects = Self {
+            bodies,
+            tracks,
+            index: Moving::default(),
+            stepped: Time::ZERO,
+            moved: Vec::new(),
+            pushes: Vec::new(),
+        };
+        objects.rebuild_index();
+        objects
+    }
+
+    pub fn len(&self) -> usize {
+        self.tracks.len()
+    }
+
+    pub fn properties(&self, object: ObjectId) -> &Arc<Properties> {
+        self.bodies.properties(object)
+    }
+
+    /// Pose at `at` as it was public at `at`.
+    pub fn pose(&self, object: ObjectId, at: Time) -> Pose {
+        let publications = &self.tracks[object.index()].publications;
+        let in_force = publications.iter().rposition(|(since, _)| *since <= at).unwrap_or(0);
+        publications[in_force].1.pose(self.properties(object), at)
+    }
+
+    pub fn state(&self, object: ObjectId) -> State {
+        self.bodies.state(object)
+    }
+
+    pub fn set_velocity(&mut self, object: ObjectId, velocity: DVec2, omega: f64, now: Time) {
+        self.bodies.set_velocity(object, velocity, omega);
+        let drift = Drift::new(self.stepped.max(now), self.bodies.state(object), self.bodies.properties(object));
+        self.tracks[object.index()].publications.push_back((now, drift));
+        self.tracks[object.index()].is_resting = false;
+    }
+
+    pub fn moved(&self) -> &[ObjectId] {
+        &self.moved
+    }
+
+    /// True while an object moves.
+    pub fn is_moving(&self) -> bool {
+        self.bodies.awake().any(|object| !self.bodies.state(object).is_resting())
+    }
+
+    /// The first object that a ray meets, nearer than `reach` or at it, and at equal distances that of the lower id.
+    pub fn cast(&self, origin: DVec2, direction: DVec2, reach: f64, at: Time) -> Option<(f64, ObjectId)> {
+        let mut nearest: Option<(f64, ObjectId)> = None;
+        self.index.along_ray(origin, direction, reach, |RobotId(number)| {
+            let object = ObjectId(number);
+            let Some(distance) = self.properties(object).cast(&self.pose(object, at), origin, direction) else {
+                return;
+            };
+            if distance <= reach && nearest.is_none_or(|first| (distance, object) < first) {
+                nearest = Some((distance, object));
+            }
+        });
+        nearest
+    }
+
+    /// Whether an object that sleeps, or is there at the slot's start, may come near `bounds`.
+    pub fn is_near(&self, bounds: Bounds) -> bool {
+        let mut is_near = false;
+        self.index.for_each_in(bounds.grown(NEAR), |_| is_near = true);
+        is_near
+    }
+
+    /// The rectangles around the awake objects in the next step, with a margin.
+    pub fn awake_bounds(&self) -> Vec<Bounds> {
+        let bounds = |object| {
+            let state = self.bodies.state(object);
+            let properties = self.bodies.properties(object);
+            let speed = state.velocity.length() + state.omega.abs() * properties.reach();
+            properties.bounds(&state.world_from_object).grown(NEAR + 4.0 * speed * STEP.seconds())
+        };
+        self.bodies.awake().map(bounds).collect()
+    }
+
+    /// True when every object sleeps.
+    pub fn is_asleep(&self) -> bool {
+        self.bodies.awake().next().is_none()
+    }
+
+    /// Start of the next step.
+    pub fn next_step(&self) -> Time {
+        self.stepped
+    }
+
+    /// Goes on by one step, with these robots.
+    pub fn step(&mut self, robots: &[Pusher]) -> &[Push] {
+        self.bodies.step(robots, &mut self.pushes);
+        self.stepped += STEP;
+        &self.pushes
+    }
+
+    /// Lets time pass in which nothing moves.
+    pub fn skip_to(&mut self, until: Time) {
+        self.stepped = self.stepped.max(until.floor_to(STEP));
+    }
+
+    /// Makes public where the objects are at `now`, the start of the slot until `until`.
+    pub fn publish(&mut self, now: Time, until: Time) {
+        self.moved.clear();
+        let mut has_changed = false;
+        for (index, track) in self.tracks.iter_mut().enumerate() {
+            let object = ObjectId::from_index(index);
+            if track.is_resting && self.bodies.is_asleep(object) {
+                continue;
+            }
+            let properties = self.bodies.properties(object);
+            let state = self.bodies.state(object);
+            let (_, last) = track.publications[track.publications.len() - 1];
+            let drift = Drift::new(self.stepped, state, properties);
+            if last.state.is_resting() && state == last.state {
+                // It is where it was said to be.
+            } else {
+                self.moved.push(object);
+                track.publications.push_back((now, drift));
+            }
+            while track.publications.len() > 1 && track.publications[1].0 <= now - HISTORY {
+                track.publications.pop_front();
+            }
+            track.bounds = Bounds::EMPTY;
+            for (place, (_, drift)) in track.publications.iter().enumerate() {
+                let until = track.publications.get(place + 1).map_or(until, |(next, _)| *next);
+                track.bounds = track.bounds.union(drift.bounds(properties, until));
+            }
+            track.is_resting = track.publications.len() == 1 && track.publications[0].1.state.is_resting();
+            has_changed = true;
+        }
+        if has_changed {
+            self.rebuild_index();
+        }
+    }
+
+    fn rebuild_index(&mut self) {
+        let bounds: Vec<_> =
+            self.tracks.iter().enumerate().map(|(index, track)| (RobotId::from_index(index), track.bounds)).collect();
+        self.index.rebuild(&bounds);
+    }
+}
