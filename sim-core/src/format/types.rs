@@ -173,45 +173,47 @@ impl Types {
     }
 }
 
-/// Entries of folders that the search for types looks at: a scene may lie in a folder with a million others.
-const MAX_ENTRIES: usize = 2000;
-/// Files that it reads.
-const MAX_FILES: usize = 200;
-/// How many folders above the sim file's it begins, and how many below each of those it ends.
+/// Folders of an EyeSim tree in which types are looked for, above the folder of the sim file. Others may hold anything, and a
+/// million files of it.
+const TREE: [&str; 7] = ["worlds", "objects", "robots", "robis", "Worlds", "Objects", "Robots"];
+/// How many folders above the sim file's it begins.
 const ABOVE: usize = 2;
+/// How many folders below that of the sim file, and below those of the tree, it ends.
 const BELOW: usize = 2;
+/// Entries of folders, and files, that it looks at.
+const MAX_ENTRIES: usize = 2000;
+const MAX_FILES: usize = 200;
 
 /// The types of the files near `folder` that are not loaded: by name the line that loads them.
 fn nearby(loader: &Loader<'_>, folder: &str) -> BTreeMap<String, String> {
     let mut lines = BTreeMap::new();
     let (mut entries, mut files) = (0, 0);
-    for up in 0..=ABOVE {
-        // Folders as the sim file would name them, with a slash at the end.
-        let mut folders = vec![("../".repeat(up), BELOW)];
-        while let Some((below, depth)) = folders.pop() {
-            let mut names = loader.files.list(&path::join(folder, &below));
-            names.sort_unstable();
-            for name in names {
-                entries += 1;
-                if entries > MAX_ENTRIES || files > MAX_FILES {
-                    return lines;
-                }
-                let extension = path::extension(&name);
-                if extension.is_empty() && depth > 0 {
-                    folders.push((format!("{below}{name}/"), depth - 1));
-                }
-                let (keyword, read): (_, fn(&str, &str) -> String) = match extension.as_str() {
-                    "esobj" => ("object", |file, text| super::read_esobj(file, text).0.name),
-                    "robi" => ("robi", |file, text| super::read_robi(file, text).0.name),
-                    _ => continue,
-                };
-                files += 1;
-                let place = format!("{below}{name}");
-                if let Ok(bytes) = loader.files.read(&path::join(folder, &place)) {
-                    let type_name = read(&name, &super::decode(&bytes).0);
-                    let quoted = if place.contains(' ') { format!("\"{place}\"") } else { place };
-                    lines.entry(type_name).or_insert_with(|| format!("{keyword} {quoted}"));
-                }
+    // Folders as the sim file would name them, with a slash at the end; the last comes first.
+    let tree = (1..=ABOVE).rev().flat_map(|up| TREE.map(|name| format!("{}{name}/", "../".repeat(up))));
+    let mut folders: Vec<(String, usize)> = tree.chain([String::new()]).map(|below| (below, BELOW)).collect();
+    while let Some((below, depth)) = folders.pop() {
+        let mut names = loader.files.list(&path::join(folder, &below));
+        names.sort_unstable();
+        for name in names {
+            entries += 1;
+            if entries > MAX_ENTRIES || files > MAX_FILES {
+                return lines;
+            }
+            let extension = path::extension(&name);
+            if extension.is_empty() && depth > 0 {
+                folders.push((format!("{below}{name}/"), depth - 1));
+            }
+            let (keyword, read): (_, fn(&str, &str) -> String) = match extension.as_str() {
+                "esobj" => ("object", |file, text| super::read_esobj(file, text).0.name),
+                "robi" => ("robi", |file, text| super::read_robi(file, text).0.name),
+                _ => continue,
+            };
+            files += 1;
+            let place = format!("{below}{name}");
+            if let Ok(bytes) = loader.files.read(&path::join(folder, &place)) {
+                let type_name = read(&name, &super::decode(&bytes).0);
+                let quoted = if place.contains(' ') { format!("\"{place}\"") } else { place };
+                lines.entry(type_name).or_insert_with(|| format!("{keyword} {quoted}"));
             }
         }
     }
