@@ -3,6 +3,7 @@
 pub mod cli;
 pub mod executive;
 pub mod files;
+pub mod plot;
 pub mod program;
 pub mod record;
 pub mod robios;

@@ -14,6 +14,8 @@ pub mod excerpt;
 pub mod explain;
 pub mod new;
 pub mod options;
+pub mod output;
+pub mod plot;
 pub mod progress;
 pub mod run;
 pub mod table;
@@ -46,6 +48,8 @@ enum Command {
     Check(check::CheckArgs),
     /// Say what a diagnostic's code means, why it matters and what would be right
     Explain(explain::ExplainArgs),
+    /// Draw a sim, world, maze, robi or object file from above, to scale
+    Plot(plot::PlotArgs),
     /// Build a robot program from C sources by hand
     Cc(cc::CcArgs),
     /// Write a new robot program with a robi, a world and a sim that run at once
@@ -58,6 +62,7 @@ pub fn main() -> ExitCode {
         Command::Run(args) => run::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Explain(args) => explain::run(&args),
+        Command::Plot(args) => plot::run(&args),
         Command::Cc(args) => cc::run(&args),
         Command::New(args) => new::run(&args),
     };

@@ -14,11 +14,11 @@ use sim_core::format::{
     CostsRef, Diagnostic, Files, InputFile, Loaded, SceneSpec, Severity, decode, is_scene, load_scene_with,
 };
 use sim_core::pose::Pose;
-use sim_core::scene::Walls;
 use sim_core::time::Time;
 
 use super::diagnostic::{self, Colour, Format};
 use super::options::{Options, ProgramOption};
+use super::output;
 use super::progress::{Building, Counts, Progress};
 use super::table::{self, Screen};
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM, EXIT_USAGE, check};
@@ -26,10 +26,11 @@ use crate::executive::conductor::End;
 use crate::executive::run::{Ended, Limits, Parts, RobotEnd, Run};
 use crate::executive::thread::ThreadExecutor;
 use crate::files::DiskFiles;
+use crate::plot::{self, RunRobot};
 use crate::program::{Builder, Cache, SearchPath, ShimKit, Tools};
 use crate::record::report::{Input, REPORT_SCHEMA, RobotReport};
 use crate::record::trace::{TraceHeader, TraceRobot};
-use crate::record::{Log, Outcome, Plot, PlotRobot, Recorder, Report, Sink, Trace, Trails};
+use crate::record::{Log, Outcome, Recorder, Report, Sink, Trace, Trails};
 use crate::setup::{Programs, RobotOptions, build_world};
 
 /// Simulated seconds after which a run ends when the user says nothing and nobody watches.
@@ -50,7 +51,7 @@ pub struct RunArgs {
     /// Write every event as a line of JSON while the run goes on
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
-    /// Draw the world from above with the robots' paths as SVG
+    /// Draw the world from above with the robots' paths, as .svg or .png
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// Seed of all random numbers [default: that of the scene, else 0]
@@ -186,7 +187,6 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
     let robot_options =
         RobotOptions { seed: options.seed, slot: options.slot, keys: &options.keys, is_verbose: args.verbose };
     let (world, robots) = build_world(scene, &programs, &robot_options)?;
-    let walls = Arc::clone(world.walls());
 
     let until = options.until.unwrap_or(Time::from_seconds_ceil(DEFAULT_UNTIL));
     let mut progress = if args.verbose || args.quiet { Progress::hidden() } else { Progress::new(until) };
@@ -215,16 +215,16 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
 
     let report = report(options, scene, &ended, inputs);
     let written = [
-        args.report.as_ref().map(|path| report.write(path)),
+        args.report.as_ref().map(|path| Ok(report.write(path)?)),
         args.plot
             .as_ref()
             .zip(trails.as_ref())
-            .map(|(path, trails)| plot(scene, &walls, &trails.lock(), &ended.robots).write(path)),
+            .map(|(path, trails)| write_plot(path, scene, &trails.lock(), &ended.robots)),
     ];
     print(&table::render(&report, Screen::of_stdout()))?;
     explain(options, &report, &ended);
     // One file that cannot be written keeps no other from being written.
-    written.into_iter().flatten().collect::<Result<(), _>>()?;
+    written.into_iter().flatten().collect::<anyhow::Result<()>>()?;
     Ok(exit_code(&ended))
 }
 
@@ -249,30 +249,10 @@ fn print(text: &str) -> anyhow::Result<()> {
 /// Checks before the run that what it writes destroys none of its inputs and has a folder to lie in.
 fn check_outputs(args: &RunArgs, inputs: &[Input]) -> anyhow::Result<()> {
     let outputs = [("--report", &args.report), ("--trace", &args.trace), ("--plot", &args.plot)];
-    let mut known: Vec<(String, PathBuf)> = Vec::new();
-    for input in inputs {
-        if let Ok(path) = std::fs::canonicalize(&input.path) {
-            known.push((format!("the input `{}`", input.path), path));
-        }
-    }
-    for (option, path) in outputs.into_iter().filter_map(|(option, path)| Some((option, path.as_ref()?))) {
-        let shown = path.display();
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let folder = std::fs::canonicalize(folder)
-            .with_context(|| format!("{option} `{shown}`: there is no folder `{}`", folder.display()))?;
-        let place = std::fs::canonicalize(path).unwrap_or_else(|_| folder.join(path.file_name().unwrap_or_default()));
-        if place.is_dir() {
-            bail!("{option} `{shown}` is a folder, expected a file");
-        }
-        // Devices such as /dev/null take any number of outputs.
-        if place.starts_with("/dev") {
-            continue;
-        }
-        if let Some((what, _)) = known.iter().find(|(_, other)| *other == place) {
-            bail!("{option} `{shown}` would overwrite {what}");
-        }
-        known.push((format!("what {option} writes"), place));
-    }
+    let outputs: Vec<(&str, &Path)> =
+        outputs.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?))).collect();
+    output::check_outputs(&outputs, inputs.iter().map(|input| input.path.as_str()))?;
+    args.plot.as_deref().map(plot::Kind::of).transpose().context("--plot")?;
     Ok(())
 }
 
@@ -368,23 +348,18 @@ fn report(options: &Options, scene: &SceneSpec, ended: &Ended, inputs: Vec<Input
     }
 }
 
-fn plot(scene: &SceneSpec, walls: &Walls, trails: &Trails, ends: &[RobotEnd]) -> Plot {
-    let robot = |(index, spec): (usize, &sim_core::format::RobotSpec)| PlotRobot {
+/// Writes the picture of the run.
+fn write_plot(path: &Path, scene: &SceneSpec, trails: &Trails, ends: &[RobotEnd]) -> anyhow::Result<()> {
+    let robot = |(index, spec): (usize, &sim_core::format::RobotSpec)| RunRobot {
         id: spec.id.0,
-        name: spec.robi.name.clone(),
-        radius: spec.robi.diameter / 2.0,
+        robi: Arc::clone(&spec.robi),
         start: spec.start,
         end: ends[index].pose,
         trail: trails.trails()[index].points(),
     };
-    let floor = scene.world.floor;
-    Plot {
-        title: scene.file.clone(),
-        floor: (floor.x > 0.0 && floor.y > 0.0).then_some([glam::DVec2::ZERO, floor]),
-        walls: walls.segments().iter().map(|wall| [wall.a, wall.b]).collect(),
-        robots: scene.robots.iter().enumerate().map(robot).collect(),
-        contacts: trails.contacts().to_vec(),
-    }
+    let robots: Vec<RunRobot> = scene.robots.iter().enumerate().map(robot).collect();
+    let drawing = plot::draw_run(&scene.file, &scene.world, &robots, trails.contacts());
+    Ok(plot::write(&drawing, path, None)?)
 }
 
 /// Says on standard error why the run ended where the table alone does not.

@@ -17,7 +17,7 @@ pub enum RecordError {
     /// The operating system refused to write: disk full, no permission, ...
     #[error("cannot write the {what} `{}`: {source}", path.display())]
     Write {
-        /// `trace`, `report`, `plot`.
+        /// `trace`, `report`.
         what: &'static str,
         /// The file as the user named it.
         path: PathBuf,
@@ -35,9 +35,6 @@ pub enum RecordError {
     /// The report holds what its schema does not allow.
     #[error("cannot write the report: {0}")]
     Report(serde_json::Error),
-    /// The drawing library refuses.
-    #[error("cannot draw the plot: {0}")]
-    Plot(String),
 }
 
 impl RecordError {

@@ -152,7 +152,7 @@ impl Report {
 /// Replaces the file `path` by one with these bytes, so that no reader ever sees a part of it.
 ///
 /// What is not a file, and everything in `/dev` (standard output may be a file), is appended to; a link is followed.
-pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     match fs::metadata(path) {
         Ok(metadata) if !metadata.is_file() || path.starts_with("/dev") => {
             fs::OpenOptions::new().append(true).open(path)?.write_all(bytes)

@@ -1,0 +1,39 @@
+//! Where a command writes: checked before it begins.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+
+/// Checks that the files to be written have a folder to lie in, and destroy neither an input nor each other.
+///
+/// `outputs` are the options that name them, with the names; `inputs` the files that are read.
+///
+/// # Errors
+/// The first of `outputs` that cannot be written so.
+pub fn check_outputs<'a>(outputs: &[(&str, &Path)], inputs: impl Iterator<Item = &'a str>) -> anyhow::Result<()> {
+    let mut known: Vec<(String, PathBuf)> = Vec::new();
+    for input in inputs {
+        if let Ok(path) = std::fs::canonicalize(input) {
+            known.push((format!("the input `{input}`"), path));
+        }
+    }
+    for (option, path) in outputs {
+        let shown = path.display();
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = std::fs::canonicalize(folder)
+            .with_context(|| format!("{option} `{shown}`: there is no folder `{}`", folder.display()))?;
+        let place = std::fs::canonicalize(path).unwrap_or_else(|_| folder.join(path.file_name().unwrap_or_default()));
+        if place.is_dir() {
+            bail!("{option} `{shown}` is a folder, expected a file");
+        }
+        // Devices such as /dev/null take any number of outputs.
+        if place.starts_with("/dev") {
+            continue;
+        }
+        if let Some((what, _)) = known.iter().find(|(_, other)| *other == place) {
+            bail!("{option} `{shown}` would overwrite {what}");
+        }
+        known.push((format!("what {option} writes"), place));
+    }
+    Ok(())
+}

@@ -1,0 +1,238 @@
+//! Drawing in pixels on any backend of plotters.
+
+use std::sync::Once;
+
+use glam::DVec2;
+use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color, FontDesc, FontFamily, FontStyle, FontTransform, ShapeStyle, TextStyle, register_font};
+use sim_core::scene::Texture;
+
+use super::PlotError;
+use super::drawing::{Line, Paint};
+
+/// Height of the letters, pixels.
+pub const TEXT: f64 = 12.0;
+/// The same of the title.
+pub const TITLE: f64 = 14.0;
+
+/// How light an image on the floor is made, so that what stands on it can be seen: the part of white in it.
+const WHITENESS: f64 = 0.35;
+
+/// A backend that can show an image.
+pub trait Surface: DrawingBackend {
+    /// Shows an image, stretched over the rectangle of `size` units whose upper left corner is `at`.
+    ///
+    /// # Errors
+    /// The backend's.
+    fn image(&mut self, at: (i32, i32), size: (u32, u32), texture: &Texture) -> Result<(), PlotError>;
+}
+
+impl Surface for BitMapBackend<'_> {
+    fn image(&mut self, at: (i32, i32), size: (u32, u32), texture: &Texture) -> Result<(), PlotError> {
+        let mut pixels = Vec::with_capacity(3 * size.0 as usize * size.1 as usize);
+        for row in 0..size.1 {
+            for column in 0..size.0 {
+                let (u, v) =
+                    ((f64::from(column) + 0.5) / f64::from(size.0), (f64::from(row) + 0.5) / f64::from(size.1));
+                pixels.extend(lightened(texture.at(u, 1.0 - v)));
+            }
+        }
+        check(self.blit_bitmap(at, size, &pixels))
+    }
+}
+
+impl Surface for SVGBackend<'_> {
+    /// Shows nothing: plotters' writer of SVG has no images. `to_svg` puts it in afterwards.
+    fn image(&mut self, _: (i32, i32), _: (u32, u32), _: &Texture) -> Result<(), PlotError> {
+        Ok(())
+    }
+}
+
+/// A pixel of an image on the floor as it is shown: on white, and lighter.
+pub fn lightened([red, green, blue, opacity]: [u8; 4]) -> [u8; 3] {
+    let part = f64::from(opacity) / 255.0 * (1.0 - WHITENESS);
+    [red, green, blue].map(|colour| (f64::from(colour) * part + 255.0 * (1.0 - part)).round() as u8)
+}
+
+/// Where a text stands as seen from its place.
+#[derive(Clone, Copy)]
+pub struct Anchor {
+    /// Left: the text begins at its place.
+    pub horizontal: HPos,
+    /// Top: the text hangs below its place.
+    pub vertical: VPos,
+}
+
+impl Anchor {
+    /// Begins at its place, half above and half below.
+    pub const START: Self = Self { horizontal: HPos::Left, vertical: VPos::Center };
+    /// Ends at its place.
+    pub const END: Self = Self { horizontal: HPos::Right, vertical: VPos::Center };
+    /// Hangs below its place.
+    pub const BELOW: Self = Self { horizontal: HPos::Center, vertical: VPos::Top };
+}
+
+/// A backend with its own fine units: as plotters knows whole units only, a pixel has several.
+pub struct Canvas<'b, B> {
+    backend: &'b mut B,
+    /// Units a pixel.
+    unit: i32,
+}
+
+impl<'b, B: Surface> Canvas<'b, B> {
+    /// A canvas on `backend`, whose pixels have `unit` units.
+    pub fn new(backend: &'b mut B, unit: i32) -> Self {
+        register_fonts();
+        Self { backend, unit }
+    }
+
+    /// The area within `corners`.
+    ///
+    /// # Errors
+    /// The backend's, as in all that follows.
+    pub fn area(&mut self, corners: &[DVec2], fill: Paint) -> Result<(), PlotError> {
+        if corners.len() < 3 {
+            return Ok(());
+        }
+        let points = self.units(corners);
+        check(self.backend.fill_polygon(points, &inside(fill)))
+    }
+
+    /// The rectangle from its upper left to its lower right corner.
+    ///
+    /// # Errors
+    /// The backend's.
+    pub fn rectangle(&mut self, from: DVec2, to: DVec2, fill: Paint) -> Result<(), PlotError> {
+        let (from, to) = (self.unit(from), self.unit(to));
+        check(self.backend.draw_rect(from, to, &inside(fill), true))
+    }
+
+    /// The line through `points`.
+    ///
+    /// # Errors
+    /// The backend's.
+    pub fn path(&mut self, points: &[DVec2], line: Line) -> Result<(), PlotError> {
+        if points.len() < 2 {
+            return Ok(());
+        }
+        let (points, style) = (self.units(points), self.stroke(line));
+        check(self.backend.draw_path(points, &style))
+    }
+
+    /// A circle, filled or not.
+    ///
+    /// # Errors
+    /// The backend's.
+    pub fn disc(
+        &mut self,
+        centre: DVec2,
+        radius: f64,
+        fill: Option<Paint>,
+        line: Option<Line>,
+    ) -> Result<(), PlotError> {
+        let (centre, radius) = (self.unit(centre), (radius * f64::from(self.unit)).round().max(1.0) as u32);
+        if let Some(fill) = fill {
+            check(self.backend.draw_circle(centre, radius, &inside(fill), true))?;
+        }
+        if let Some(line) = line {
+            let style = self.stroke(line);
+            check(self.backend.draw_circle(centre, radius, &style, false))?;
+        }
+        Ok(())
+    }
+
+    /// A line of text of `height` pixels.
+    ///
+    /// # Errors
+    /// The backend's.
+    pub fn text(&mut self, words: &str, at: DVec2, height: f64, anchor: Anchor, paint: Paint) -> Result<(), PlotError> {
+        self.turned_text(words, at, height, anchor, paint, FontTransform::None)
+    }
+
+    /// A line of text that reads upwards.
+    ///
+    /// # Errors
+    /// The backend's.
+    pub fn upward_text(&mut self, words: &str, at: DVec2, height: f64, paint: Paint) -> Result<(), PlotError> {
+        self.turned_text(words, at, height, Anchor::BELOW, paint, FontTransform::Rotate270)
+    }
+
+    fn turned_text(
+        &mut self,
+        words: &str,
+        at: DVec2,
+        height: f64,
+        anchor: Anchor,
+        paint: Paint,
+        turn: FontTransform,
+    ) -> Result<(), PlotError> {
+        let font = font(height * f64::from(self.unit)).transform(turn);
+        let colour = paint.colour.mix(paint.opacity);
+        let style = TextStyle::from(font).color(&colour).pos(Pos::new(anchor.horizontal, anchor.vertical));
+        let at = self.unit(at);
+        check(self.backend.draw_text(words, &style, at))
+    }
+
+    /// An image, stretched over the rectangle from its upper left to its lower right corner.
+    ///
+    /// # Errors
+    /// The backend's.
+    pub fn image(&mut self, from: DVec2, to: DVec2, texture: &Texture) -> Result<(), PlotError> {
+        let (from, to) = (self.unit(from), self.unit(to));
+        let size = ((to.0 - from.0).max(0) as u32, (to.1 - from.1).max(0) as u32);
+        self.backend.image(from, size, texture)
+    }
+
+    /// Finishes the picture.
+    ///
+    /// # Errors
+    /// The backend's.
+    pub fn finish(self) -> Result<(), PlotError> {
+        check(self.backend.present())
+    }
+
+    fn unit(&self, point: DVec2) -> (i32, i32) {
+        let point = (point * f64::from(self.unit)).round();
+        (point.x as i32, point.y as i32)
+    }
+
+    fn units(&self, points: &[DVec2]) -> Vec<(i32, i32)> {
+        points.iter().map(|point| self.unit(*point)).collect()
+    }
+
+    fn stroke(&self, line: Line) -> ShapeStyle {
+        let width = (line.width * f64::from(self.unit)).round().max(1.0);
+        ShapeStyle { filled: false, stroke_width: width as u32, ..inside(line.paint) }
+    }
+}
+
+/// Width in pixels of a text of `height` pixels.
+pub fn text_width(words: &str, height: f64) -> f64 {
+    register_fonts();
+    // Measured large, as plotters rounds to whole units.
+    const FINE: f64 = 16.0;
+    let estimate = 0.6 * height * words.chars().count() as f64;
+    font(height * FINE).layout_box(words).map_or(estimate, |(low, high)| f64::from(high.0 - low.0) / FINE)
+}
+
+fn inside(paint: Paint) -> ShapeStyle {
+    ShapeStyle { color: paint.colour.mix(paint.opacity), filled: true, stroke_width: 0 }
+}
+
+fn font(size: f64) -> FontDesc<'static> {
+    FontDesc::new(FontFamily::SansSerif, size, FontStyle::Normal)
+}
+
+/// Gives plotters its font, once: pictures must not depend on what is installed.
+fn register_fonts() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        // A font that could not be read would show in every test of a picture.
+        let _ = register_font("sans-serif", FontStyle::Normal, dejavu::sans::regular());
+    });
+}
+
+fn check<T, E: std::fmt::Display>(result: Result<T, E>) -> Result<T, PlotError> {
+    result.map_err(|error| PlotError::Draw(error.to_string()))
+}

@@ -1,0 +1,47 @@
+//! The colours of all pictures: those of Okabe & Ito, which people with any kind of colour vision tell apart, and greys.
+//!
+//! Nothing is told by colour alone: forms differ too, and robots bear their numbers.
+
+use plotters::style::RGBColor;
+
+/// Blue, vermilion, bluish green, reddish purple, sky blue, orange: those that stand out on white.
+const PALETTE: [RGBColor; 6] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+];
+
+/// Walls without a colour of their own.
+pub const WALL: RGBColor = RGBColor(51, 51, 51);
+/// The floor.
+pub const FLOOR: RGBColor = RGBColor(248, 247, 243);
+/// The lines of the grid.
+pub const GRID: RGBColor = RGBColor(226, 226, 226);
+/// Text, axes and outlines.
+pub const INK: RGBColor = RGBColor(34, 34, 34);
+/// What is there but not meant: outlines of meshes, starts that no robot takes.
+pub const SHADE: RGBColor = RGBColor(120, 120, 120);
+/// Paper.
+pub const PAPER: RGBColor = RGBColor(255, 255, 255);
+/// Wheels.
+pub const WHEEL: RGBColor = RGBColor(68, 68, 68);
+/// Beams of PSD sensors.
+pub const PSD: RGBColor = RGBColor(86, 180, 233);
+/// Beams of infrared switches.
+pub const INFRARED: RGBColor = RGBColor(213, 94, 0);
+/// Bumpers.
+pub const BUMPER: RGBColor = RGBColor(204, 121, 167);
+/// What cameras see.
+pub const CAMERA: RGBColor = RGBColor(230, 159, 0);
+/// Laser scanners.
+pub const LIDAR: RGBColor = RGBColor(0, 158, 115);
+/// Objects without a colour of their own.
+pub const OBJECT: RGBColor = RGBColor(240, 228, 66);
+
+/// The colour of the robot at `index` of a list; again the first after the last.
+pub fn robot(index: usize) -> RGBColor {
+    PALETTE[index % PALETTE.len()]
+}

@@ -1,0 +1,224 @@
+//! From metres of the world to pixels of the picture, the same scale in both directions.
+
+use glam::DVec2;
+
+/// Longer side of the world's part of a picture whose size nobody gave, pixels.
+const LONG_SIDE: f64 = 800.0;
+/// Least length of its shorter side, pixels: enough for a short legend.
+const SHORT_SIDE: f64 = 240.0;
+
+/// Pixels around the world's part of the picture.
+pub const TOP: f64 = 36.0;
+/// The same on the right, between it and the legend.
+pub const RIGHT: f64 = 14.0;
+/// The same below, for the axis.
+pub const BOTTOM: f64 = 50.0;
+/// The same on the left, for the axis.
+pub const LEFT: f64 = 72.0;
+/// Width of the legend in pixels.
+pub const LEGEND: f64 = 210.0;
+
+/// Which part of the world is shown, and how large.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    min: DVec2,
+    max: DVec2,
+    /// Pixels a metre.
+    scale: f64,
+}
+
+impl Frame {
+    /// The frame that shows the rectangle between `low` and `high` with some room around it: in a picture of `size` pixels
+    /// in all, or of a size that suits it.
+    pub fn around(low: DVec2, high: DVec2, size: Option<(u32, u32)>) -> Self {
+        let (centre, shown) = (0.5 * (low + high), (high - low).max(DVec2::splat(1e-3)));
+        let shown = shown + DVec2::splat(0.05 * shown.max_element());
+        let (scale, pixels) = match size {
+            Some((width, height)) => {
+                let pixels = DVec2::new(f64::from(width) - LEFT - RIGHT - LEGEND, f64::from(height) - TOP - BOTTOM);
+                let pixels = pixels.max(DVec2::ONE);
+                ((pixels / shown).min_element(), pixels)
+            }
+            None => {
+                let scale = LONG_SIDE / shown.max_element();
+                // Whole pixels, so that both directions have the same scale.
+                (scale, (shown * scale).max(DVec2::splat(SHORT_SIDE)).ceil())
+            }
+        };
+        Self { min: centre - 0.5 * pixels / scale, max: centre + 0.5 * pixels / scale, scale }
+    }
+
+    /// Lower left and upper right corner of what is shown, metres.
+    pub fn corners(&self) -> (DVec2, DVec2) {
+        (self.min, self.max)
+    }
+
+    /// Pixels a metre.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// Width and height of the world's part in pixels.
+    pub fn pixels(&self) -> DVec2 {
+        ((self.max - self.min) * self.scale).round()
+    }
+
+    /// Width and height of the whole picture in pixels.
+    pub fn whole(&self) -> (u32, u32) {
+        let pixels = self.pixels() + DVec2::new(LEFT + RIGHT + LEGEND, TOP + BOTTOM);
+        (pixels.x as u32, pixels.y as u32)
+    }
+
+    /// Place in the picture, pixels from its upper left corner.
+    pub fn place(&self, point: DVec2) -> DVec2 {
+        DVec2::new(LEFT + (point.x - self.min.x) * self.scale, TOP + (self.max.y - point.y) * self.scale)
+    }
+
+    /// Whether the point is shown.
+    pub fn contains(&self, point: DVec2) -> bool {
+        self.min.cmple(point).all() && point.cmple(self.max).all()
+    }
+
+    /// The parts of the line through `points` that are shown.
+    pub fn clip_path(&self, points: &[DVec2]) -> Vec<Vec<DVec2>> {
+        if points.iter().all(|point| self.contains(*point)) {
+            return vec![points.to_vec()];
+        }
+        let mut parts: Vec<Vec<DVec2>> = Vec::new();
+        for pair in points.windows(2) {
+            let Some((from, to)) = self.clip_segment(pair[0], pair[1]) else { continue };
+            match parts.last_mut() {
+                Some(part) if part.last() == Some(&from) => part.push(to),
+                _ => parts.push(vec![from, to]),
+            }
+        }
+        parts
+    }
+
+    fn clip_segment(&self, from: DVec2, to: DVec2) -> Option<(DVec2, DVec2)> {
+        let way = to - from;
+        let (mut first, mut last) = (0.0f64, 1.0f64);
+        for (start, step, low, high) in
+            [(from.x, way.x, self.min.x, self.max.x), (from.y, way.y, self.min.y, self.max.y)]
+        {
+            if step == 0.0 {
+                if start < low || start > high {
+                    return None;
+                }
+                continue;
+            }
+            let (one, other) = ((low - start) / step, (high - start) / step);
+            first = first.max(one.min(other));
+            last = last.min(one.max(other));
+        }
+        // Ends that are inside stay what they are, so that parts join.
+        let at = |part: f64| {
+            if part == 0.0 {
+                from
+            } else if part == 1.0 {
+                to
+            } else {
+                from + part * way
+            }
+        };
+        (first <= last).then(|| (at(first), at(last)))
+    }
+
+    /// The part of an area that is shown.
+    pub fn clip_area(&self, corners: &[DVec2]) -> Vec<DVec2> {
+        if corners.iter().all(|corner| self.contains(*corner)) {
+            return corners.to_vec();
+        }
+        // One side of the frame after the other: how far inside of it a point lies.
+        let sides: [&dyn Fn(DVec2) -> f64; 4] =
+            [&|point| point.x - self.min.x, &|point| self.max.x - point.x, &|point| point.y - self.min.y, &|point| {
+                self.max.y - point.y
+            }];
+        sides.iter().fold(corners.to_vec(), |corners, inside| {
+            let mut kept = Vec::with_capacity(corners.len() + 1);
+            for (index, corner) in corners.iter().enumerate() {
+                let before = corners[(index + corners.len() - 1) % corners.len()];
+                let (here, there) = (inside(*corner), inside(before));
+                if (here < 0.0) != (there < 0.0) {
+                    kept.push(before + (*corner - before) * (there / (there - here)));
+                }
+                if here >= 0.0 {
+                    kept.push(*corner);
+                }
+            }
+            kept
+        })
+    }
+}
+
+/// A round number of metres (1, 2 or 5 with noughts) that is at least `least`.
+pub fn round_step(least: f64) -> f64 {
+    let mut decade = 1e-9;
+    while decade * 10.0 <= least {
+        decade *= 10.0;
+    }
+    [1.0, 2.0, 5.0, 10.0].map(|factor| factor * decade).into_iter().find(|step| *step >= least).unwrap_or(least)
+}
+
+/// A number of metres as it is written where numbers differ by `step`.
+pub fn metres(value: f64, step: f64) -> String {
+    let decimals = (0..9).find(|places| step * 10f64.powi(*places) > 0.99).unwrap_or(9) as usize;
+    // No "-0".
+    let value = if value.abs() < 0.01 * step { 0.0 } else { value };
+    format!("{value:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_directions_have_the_same_scale_and_up_is_up() {
+        for size in [None, Some((1000, 500)), Some((400, 1000))] {
+            let frame = Frame::around(DVec2::new(-1.0, 2.0), DVec2::new(3.0, 4.0), size);
+            let (a, b, c) = (frame.place(DVec2::ZERO), frame.place(DVec2::X), frame.place(DVec2::Y));
+            assert!((b - a - DVec2::new(frame.scale(), 0.0)).length() < 1e-9, "{a} {b}");
+            assert!((c - a - DVec2::new(0.0, -frame.scale())).length() < 1e-9, "{a} {c}");
+            assert!(frame.contains(DVec2::new(-1.0, 2.0)) && frame.contains(DVec2::new(3.0, 4.0)));
+            assert_eq!(frame.whole(), size.unwrap_or((LEFT as u32 + 800 + 14 + 210, 36 + 420 + 50)));
+        }
+    }
+
+    #[test]
+    fn lines_and_areas_end_at_the_frame() {
+        let frame = Frame::around(DVec2::ZERO, DVec2::splat(10.0), Some((1296, 1086)));
+        let (low, high) = frame.corners();
+        assert!((low - DVec2::splat(-0.25)).length() < 1e-9 && (high - DVec2::splat(10.25)).length() < 1e-9);
+        let parts = frame.clip_path(&[
+            DVec2::new(-5.0, 5.0),
+            DVec2::new(5.0, 5.0),
+            DVec2::new(5.0, 20.0),
+            DVec2::new(6.0, 20.0),
+            DVec2::new(6.0, 5.0),
+        ]);
+        assert_eq!(parts.len(), 2, "{parts:?}");
+        assert!((parts[0][0] - DVec2::new(-0.25, 5.0)).length() < 1e-9);
+        assert!((parts[0][2] - DVec2::new(5.0, 10.25)).length() < 1e-9);
+        assert!(frame.clip_path(&[DVec2::new(-5.0, -5.0), DVec2::new(-1.0, 20.0)]).is_empty());
+        let area = frame.clip_area(&[
+            DVec2::new(5.0, 5.0),
+            DVec2::new(20.0, 5.0),
+            DVec2::new(20.0, 20.0),
+            DVec2::new(5.0, 20.0),
+        ]);
+        assert_eq!(area.len(), 4);
+        assert!(area.iter().all(|corner| frame.contains(*corner) && corner.min_element() >= 5.0), "{area:?}");
+        assert!(frame.clip_area(&[DVec2::splat(20.0), DVec2::splat(30.0), DVec2::new(20.0, 30.0)]).is_empty());
+    }
+
+    #[test]
+    fn steps_are_round() {
+        let steps: Vec<String> =
+            [0.0012, 0.02, 0.03, 0.7, 1.0, 3.1, 60.0].map(|least| metres(round_step(least), round_step(least))).into();
+        assert_eq!(steps, ["0.002", "0.02", "0.05", "1", "1", "5", "100"]);
+        assert_eq!(
+            (metres(-1e-12, 0.5), metres(1.5, 0.5), metres(10.0, 5.0)),
+            ("0.0".into(), "1.5".into(), "10".into())
+        );
+    }
+}

@@ -1,0 +1,128 @@
+//! Places for words, so that they hide neither each other nor what they name.
+
+use glam::DVec2;
+
+use super::canvas::{TEXT, text_width};
+use super::drawing::Label;
+use super::frame::{Frame, LEFT, TOP};
+
+/// Pixels between a label and what it names, and between two labels.
+const GAP: f64 = 3.0;
+/// Height of a label in pixels.
+const HEIGHT: f64 = TEXT + 2.0;
+
+/// A rectangle of the picture that is taken: upper left and lower right corner in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Obstacle {
+    low: DVec2,
+    high: DVec2,
+}
+
+impl Obstacle {
+    /// What a label names.
+    pub fn around(label: &Label, frame: &Frame) -> Self {
+        let (centre, radius) = (frame.place(label.at), radius(label, frame));
+        Self { low: centre - DVec2::splat(radius), high: centre + DVec2::splat(radius) }
+    }
+
+    fn overlaps(&self, other: &Self) -> bool {
+        self.low.cmplt(other.high).all() && other.low.cmplt(self.high).all()
+    }
+}
+
+/// The labels that stand already, and what they must not hide.
+pub struct Labels<'a> {
+    frame: &'a Frame,
+    taken: Vec<Obstacle>,
+    /// All that labels name; no label stands on them.
+    named: Vec<Obstacle>,
+}
+
+impl<'a> Labels<'a> {
+    /// No labels yet, in a picture where all of `named` will have one.
+    pub fn new(frame: &'a Frame, named: Vec<Obstacle>) -> Self {
+        Self { frame, taken: Vec::new(), named }
+    }
+
+    /// Upper left corner in pixels at which the label stands: the first of some places around what it names that is free; if
+    /// none is, the first that hides no other label. `None` where there is no room at all.
+    pub fn place(&mut self, label: &Label) -> Option<(DVec2, String)> {
+        if !self.frame.contains(label.at) {
+            return None;
+        }
+        let width = text_width(&label.text, TEXT);
+        let (centre, radius) = (self.frame.place(label.at), radius(label, self.frame) + GAP);
+        let wished = label.direction.try_normalize();
+        let around =
+            [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (0.7, 0.7), (-0.7, 0.7), (-0.7, -0.7), (0.7, -0.7)];
+        let ways = wished.into_iter().chain(around.map(|(x, y)| DVec2::new(x, y)));
+        let ways: Vec<DVec2> = ways.collect();
+        let places =
+            [1.0, 1.0 + (HEIGHT + GAP) / radius, 1.0 + 2.5 * (HEIGHT + GAP) / radius].into_iter().flat_map(|far| {
+                ways.iter().map(move |way| {
+                    let middle = centre + far * radius * DVec2::new(way.x, -way.y);
+                    // The rectangle touches the circle from outside.
+                    let half = DVec2::new(0.5 * width, 0.5 * HEIGHT);
+                    let low = middle + half * (DVec2::new(way.x.clamp(-1.0, 1.0), -way.y) - DVec2::ONE);
+                    Obstacle { low, high: low + 2.0 * half }
+                })
+            });
+        let inside: Vec<Obstacle> = places.filter(|place| self.is_inside(place)).collect();
+        let is_free = |place: &&Obstacle| self.taken.iter().all(|other| !other.overlaps(place));
+        let own = Obstacle::around(label, self.frame);
+        let spares = |place: &&Obstacle| self.named.iter().all(|other| *other == own || !other.overlaps(place));
+        let best =
+            inside.iter().find(|place| is_free(place) && spares(place)).or_else(|| inside.iter().find(is_free))?;
+        self.taken.push(*best);
+        Some((best.low, label.text.clone()))
+    }
+
+    fn is_inside(&self, place: &Obstacle) -> bool {
+        let corner = DVec2::new(LEFT, TOP);
+        corner.cmple(place.low).all() && place.high.cmple(corner + self.frame.pixels()).all()
+    }
+}
+
+/// Pixels around the place of a label that it leaves free.
+fn radius(label: &Label, frame: &Frame) -> f64 {
+    (label.clearance * frame.scale()).max(label.least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn label(text: &str, x: f64, y: f64) -> Label {
+        Label { text: text.into(), at: DVec2::new(x, y), clearance: 0.1, least: 4.0, direction: DVec2::ZERO }
+    }
+
+    #[test]
+    fn labels_hide_neither_each_other_nor_what_they_name() {
+        let frame = Frame::around(DVec2::ZERO, DVec2::splat(4.0), None);
+        // Sixteen in a heap, one robot beside the other.
+        let all: Vec<Label> = (0..16)
+            .map(|i| label(&format!("robot {i}"), 1.5 + 0.22 * f64::from(i % 4), 1.5 + 0.22 * f64::from(i / 4)))
+            .collect();
+        let named: Vec<Obstacle> = all.iter().map(|label| Obstacle::around(label, &frame)).collect();
+        let mut labels = Labels::new(&frame, named.clone());
+        let places: Vec<_> = all.iter().filter_map(|label| labels.place(label)).collect();
+        assert!(places.len() >= 12, "{} of 16 have a place", places.len());
+        for (index, one) in labels.taken.iter().enumerate() {
+            assert!(labels.taken[..index].iter().all(|other| !other.overlaps(one)));
+        }
+        // Those that have the choice stand clear of the bodies.
+        let first = labels.taken[0];
+        assert!(named[1..].iter().all(|body| !body.overlaps(&first)));
+    }
+
+    #[test]
+    fn a_label_stands_where_it_is_wished() {
+        let frame = Frame::around(DVec2::ZERO, DVec2::splat(4.0), None);
+        let up = Label { direction: DVec2::Y, ..label("up", 2.0, 2.0) };
+        let mut labels = Labels::new(&frame, Vec::new());
+        let (corner, _) = labels.place(&up).expect("there is room");
+        let place = frame.place(DVec2::splat(2.0));
+        assert!(corner.y + HEIGHT < place.y && corner.x < place.x, "{corner} is above {place}");
+        assert!(Labels::new(&frame, Vec::new()).place(&label("far", 99.0, 0.0)).is_none(), "outside the picture");
+    }
+}

@@ -1,0 +1,91 @@
+//! Pictures from above, to scale: of files (`eyesim plot`) and of finished runs (`eyesim run --plot`).
+//!
+//! [`scene`] and [`run`] say what is seen, as a [`Drawing`] in metres; `render` makes a picture of it. Nothing here changes
+//! what is simulated, and nothing depends on fonts or libraries of the machine.
+
+mod canvas;
+mod colour;
+mod drawing;
+mod frame;
+mod ground;
+mod label;
+mod object;
+mod render;
+mod robot;
+mod run;
+mod scene;
+#[cfg(test)]
+mod tests;
+
+use std::path::{Path, PathBuf};
+
+use crate::record::report::write_whole;
+
+pub use drawing::Drawing;
+pub use run::{RunRobot, draw_run};
+pub use scene::{draw_object_type, draw_robi, draw_scene};
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+pub enum PlotError {
+    /// The file's name does not say which kind of picture it is.
+    #[error("`{0}` is no kind of picture: expected a name that ends in .svg or .png")]
+    Kind(String),
+    /// The drawing library refuses it.
+    #[error("cannot draw the picture: {0}")]
+    Draw(String),
+    /// The operating system refuses to write it.
+    #[error("cannot write the picture `{}`: {source}", path.display())]
+    Write {
+        /// The file as the user named it.
+        path: PathBuf,
+        /// The system's own words.
+        source: std::io::Error,
+    },
+}
+
+/// A kind of picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Scalable Vector Graphics.
+    Svg,
+    /// Portable Network Graphics.
+    Png,
+}
+
+impl Kind {
+    /// The kind that a file's name ends in; a device gets SVG, which is text.
+    ///
+    /// # Errors
+    /// [`PlotError::Kind`] for another ending, or none.
+    pub fn of(path: &Path) -> Result<Self, PlotError> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        match extension.as_str() {
+            "svg" => Ok(Self::Svg),
+            "png" => Ok(Self::Png),
+            "" if path.starts_with("/dev") => Ok(Self::Svg),
+            _ => Err(PlotError::Kind(path.display().to_string())),
+        }
+    }
+
+    /// The bytes of a picture of this kind: `size` pixels in all, or of a size that suits it.
+    ///
+    /// # Errors
+    /// [`PlotError::Draw`] if the drawing library refuses it.
+    pub fn render(self, drawing: &Drawing, size: Option<(u32, u32)>) -> Result<Vec<u8>, PlotError> {
+        match self {
+            Self::Svg => render::to_svg(drawing, size).map(String::into_bytes),
+            Self::Png => render::to_png(drawing, size),
+        }
+    }
+}
+
+/// Writes a picture to `path`, as a whole or not at all; its name says of which kind. `size` in pixels as for
+/// [`Kind::render`].
+///
+/// # Errors
+/// [`PlotError`] for another kind of file, or one that cannot be drawn or written.
+pub fn write(drawing: &Drawing, path: &Path, size: Option<(u32, u32)>) -> Result<(), PlotError> {
+    let bytes = Kind::of(path)?.render(drawing, size)?;
+    write_whole(path, &bytes).map_err(|source| PlotError::Write { path: path.to_owned(), source })
+}

@@ -1,0 +1,357 @@
+//! From a drawing to a picture: axes, shapes, labels, legend, as SVG text or PNG bytes.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::io::Cursor;
+
+use base64::Engine as _;
+use base64::prelude::BASE64_STANDARD;
+use glam::DVec2;
+use image::{ImageFormat, RgbImage};
+use plotters::backend::{BitMapBackend, SVGBackend};
+use sim_core::math;
+
+use super::PlotError;
+use super::canvas::{Anchor, Canvas, Surface, TEXT, TITLE, lightened, text_width};
+use super::colour::{GRID, INK, PAPER};
+use super::drawing::{Backdrop, Drawing, Form, Line, Paint, Shape, Symbol};
+use super::frame::{Frame, LEFT, LEGEND, RIGHT, TOP, metres, round_step};
+use super::label::{Labels, Obstacle};
+
+/// Units a pixel: a quarter of a pixel is fine enough for the eye.
+const UNIT: i32 = 4;
+/// Pictures of more pixels than this are drawn half as finely, to save memory.
+const MANY_PIXELS: u64 = 4_000_000;
+/// Details of fewer pixels than this are left out.
+const LEAST_DETAIL: f64 = 5.0;
+/// Height of a line of the legend in pixels.
+const ROW: f64 = 18.0;
+/// Least distance of the ticks of an axis in pixels.
+const TICKS: f64 = 50.0;
+/// Least length of the scale bar in pixels.
+const BAR: f64 = 60.0;
+
+const TEXT_PAINT: Paint = Paint::solid(INK);
+const AXIS: Line = Line::solid(INK, 1.0);
+
+/// The picture as SVG text; `size` in pixels as for [`super::Picture`].
+///
+/// # Errors
+/// [`PlotError::Draw`] if the drawing library refuses it.
+pub fn to_svg(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<String, PlotError> {
+    let (low, high) = drawing.extent();
+    let frame = Frame::around(low, high, size);
+    let (width, height) = frame.whole();
+    let units = (width * UNIT as u32, height * UNIT as u32);
+    let mut svg = String::new();
+    {
+        let mut backend = SVGBackend::with_string(&mut svg, units);
+        Painter { frame: &frame, canvas: Canvas::new(&mut backend, UNIT) }.paint(drawing)?;
+    }
+    // Drawn in fine units, shown at its size in pixels.
+    let fine = format!("width=\"{}\" height=\"{}\"", units.0, units.1);
+    let mut svg = svg.replacen(&fine, &format!("width=\"{width}\" height=\"{height}\""), 1);
+    if let Some(backdrop) = &drawing.backdrop {
+        // Above the paper, the first rectangle, and below all else.
+        let place = svg.find("/>\n").map_or(svg.len(), |place| place + 3);
+        svg.insert_str(place, &svg_image(backdrop, &frame)?);
+    }
+    Ok(svg)
+}
+
+/// The picture as the bytes of a PNG file.
+///
+/// # Errors
+/// [`PlotError::Draw`] if the drawing library refuses it.
+pub fn to_png(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<Vec<u8>, PlotError> {
+    let (low, high) = drawing.extent();
+    let frame = Frame::around(low, high, size);
+    let (width, height) = frame.whole();
+    let unit = if u64::from(width) * u64::from(height) > MANY_PIXELS { UNIT / 2 } else { UNIT };
+    let fine = (width * unit as u32, height * unit as u32);
+    let mut buffer = vec![0; 3 * fine.0 as usize * fine.1 as usize];
+    {
+        let mut backend = BitMapBackend::with_buffer(&mut buffer, fine);
+        Painter { frame: &frame, canvas: Canvas::new(&mut backend, unit) }.paint(drawing)?;
+    }
+    png(width, height, mean_of_blocks(&buffer, fine.0 as usize, unit as usize))
+}
+
+/// An image of one pixel for each square of `side` times `side` pixels: their mean. Smooths all edges.
+fn mean_of_blocks(pixels: &[u8], width: usize, side: usize) -> Vec<u8> {
+    let mut means = Vec::with_capacity(pixels.len() / (side * side));
+    let mut sums = vec![0u32; 3 * (width / side)];
+    for rows in pixels.chunks_exact(3 * width * side) {
+        sums.fill(0);
+        for row in rows.chunks_exact(3 * width) {
+            for (block, sum) in row.chunks_exact(3 * side).zip(sums.chunks_exact_mut(3)) {
+                for pixel in block.chunks_exact(3) {
+                    sum.iter_mut().zip(pixel).for_each(|(sum, part)| *sum += u32::from(*part));
+                }
+            }
+        }
+        let count = (side * side) as u32;
+        means.extend(sums.iter().map(|sum| ((sum + count / 2) / count) as u8));
+    }
+    means
+}
+
+fn png(width: u32, height: u32, pixels: Vec<u8>) -> Result<Vec<u8>, PlotError> {
+    let image = RgbImage::from_raw(width, height, pixels);
+    let image = image.ok_or_else(|| PlotError::Draw("the picture has no pixels".to_owned()))?;
+    let mut bytes = Cursor::new(Vec::new());
+    image.write_to(&mut bytes, ImageFormat::Png).map_err(|error| PlotError::Draw(error.to_string()))?;
+    Ok(bytes.into_inner())
+}
+
+/// The image on the floor as an element of SVG.
+fn svg_image(backdrop: &Backdrop, frame: &Frame) -> Result<String, PlotError> {
+    let (from, to) = corners_of(backdrop, frame);
+    let ((x, y), (right, top)) = ((from.x, from.y), (to.x, to.y));
+    let (columns, rows) = backdrop.texture.size();
+    let pixels = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
+    let pixels = pixels.flat_map(|(column, row)| lightened(backdrop.texture.pixel(column, row))).collect();
+    let data = BASE64_STANDARD.encode(png(columns, rows, pixels)?);
+    let unit = f64::from(UNIT);
+    let mut element = String::new();
+    let _ = writeln!(
+        element,
+        "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" \
+         href=\"data:image/png;base64,{data}\"/>",
+        x * unit,
+        y * unit,
+        (right - x) * unit,
+        (top - y) * unit,
+    );
+    Ok(element)
+}
+
+/// Upper left and lower right corner in pixels.
+fn corners_of(backdrop: &Backdrop, frame: &Frame) -> (DVec2, DVec2) {
+    let [low, high] = backdrop.corners.map(|corner| frame.place(corner));
+    (low.min(high), low.max(high))
+}
+
+struct Painter<'a, 'b, B> {
+    frame: &'a Frame,
+    canvas: Canvas<'b, B>,
+}
+
+impl<B: Surface> Painter<'_, '_, B> {
+    fn paint(mut self, drawing: &Drawing) -> Result<(), PlotError> {
+        let (width, height) = self.frame.whole();
+        let whole = DVec2::new(f64::from(width), f64::from(height));
+        self.canvas.rectangle(DVec2::ZERO, whole, Paint::solid(PAPER))?;
+        if let Some(backdrop) = &drawing.backdrop {
+            let (from, to) = corners_of(backdrop, self.frame);
+            self.canvas.image(from, to, &backdrop.texture)?;
+        }
+        let title = shortened(&drawing.title, TITLE, whole.x - LEFT - RIGHT);
+        self.canvas.text(&title, DVec2::new(LEFT, 18.0), TITLE, Anchor::START, TEXT_PAINT)?;
+        // The floor, the first shape, lies below the grid.
+        let (ground, others) = drawing.shapes.split_at(drawing.shapes.len().min(1));
+        self.shapes(ground)?;
+        self.axes()?;
+        self.shapes(others)?;
+        self.labels(drawing)?;
+        self.legend(drawing)?;
+        self.canvas.finish()
+    }
+
+    /// Grid, ticks and their numbers, what the axes mean.
+    fn axes(&mut self) -> Result<(), PlotError> {
+        let (low, high) = self.frame.corners();
+        let step = round_step(TICKS / self.frame.scale());
+        let (corner, opposite) = (self.frame.place(low), self.frame.place(high));
+        let grid = Line { paint: Paint::veil(GRID, 0.8), width: 1.0 };
+        for value in ticks(low.x, high.x, step) {
+            let x = self.frame.place(DVec2::new(value, low.y)).x;
+            self.canvas.path(&[DVec2::new(x, opposite.y), DVec2::new(x, corner.y)], grid)?;
+            self.canvas.path(&[DVec2::new(x, corner.y), DVec2::new(x, corner.y + 5.0)], AXIS)?;
+            let at = DVec2::new(x, corner.y + 8.0);
+            self.canvas.text(&metres(value, step), at, TEXT, Anchor::BELOW, TEXT_PAINT)?;
+        }
+        for value in ticks(low.y, high.y, step) {
+            let y = self.frame.place(DVec2::new(low.x, value)).y;
+            self.canvas.path(&[DVec2::new(corner.x, y), DVec2::new(opposite.x, y)], grid)?;
+            self.canvas.path(&[DVec2::new(corner.x - 5.0, y), DVec2::new(corner.x, y)], AXIS)?;
+            let at = DVec2::new(corner.x - 8.0, y);
+            self.canvas.text(&metres(value, step), at, TEXT, Anchor::END, TEXT_PAINT)?;
+        }
+        self.canvas.path(&[DVec2::new(corner.x, opposite.y), corner, DVec2::new(opposite.x, corner.y)], AXIS)?;
+        let middle = 0.5 * (corner + opposite);
+        self.canvas.text("x in m", DVec2::new(middle.x, corner.y + 28.0), TEXT, Anchor::BELOW, TEXT_PAINT)?;
+        self.canvas.upward_text("y in m", DVec2::new(14.0, middle.y), TEXT, TEXT_PAINT)
+    }
+
+    fn shapes(&mut self, shapes: &[Shape]) -> Result<(), PlotError> {
+        // Crosses of which one covers the other.
+        let mut crosses = BTreeSet::new();
+        for shape in shapes {
+            if shape.detail * self.frame.scale() < LEAST_DETAIL {
+                continue;
+            }
+            if let Form::Cross(point) = shape.form {
+                let place = self.frame.place(point).round();
+                if !crosses.insert((place.x as i64, place.y as i64)) {
+                    continue;
+                }
+            }
+            self.shape(shape)?;
+        }
+        Ok(())
+    }
+
+    fn shape(&mut self, shape: &Shape) -> Result<(), PlotError> {
+        match &shape.form {
+            Form::Polygon(corners) => {
+                if let Some(fill) = shape.fill {
+                    let corners = self.frame.clip_area(corners);
+                    self.canvas.area(&self.places(&corners), fill)?;
+                }
+                let mut outline = corners.clone();
+                outline.extend(corners.first());
+                shape.line.map_or(Ok(()), |line| self.path(&outline, line))
+            }
+            Form::Path(points) => shape.line.map_or(Ok(()), |line| self.path(points, line)),
+            Form::Disc { centre, radius, least } => {
+                if !self.frame.contains(*centre) {
+                    return Ok(());
+                }
+                let radius = (radius * self.frame.scale()).max(*least);
+                self.canvas.disc(self.frame.place(*centre), radius, shape.fill, shape.line)
+            }
+            Form::Needle { pose, length, least } => {
+                let length = length.max(least / self.frame.scale());
+                let points = [pose.position, pose.position + pose.heading.direction() * length];
+                shape.line.map_or(Ok(()), |line| self.path(&points, line))
+            }
+            Form::Arrow(pose) => {
+                let way = pose.heading.direction();
+                shape.line.map_or(Ok(()), |line| self.arrow(self.frame.place(pose.position), way, line))
+            }
+            Form::Cross(point) => shape.line.map_or(Ok(()), |line| self.cross(self.frame.place(*point), line)),
+        }
+    }
+
+    fn path(&mut self, points: &[DVec2], line: Line) -> Result<(), PlotError> {
+        for part in self.frame.clip_path(points) {
+            self.canvas.path(&self.places(&part), line)?;
+        }
+        Ok(())
+    }
+
+    fn places(&self, points: &[DVec2]) -> Vec<DVec2> {
+        points.iter().map(|point| self.frame.place(*point)).collect()
+    }
+
+    /// An arrow of 20 pixels from `at` along `way`, a direction of the world.
+    fn arrow(&mut self, at: DVec2, way: DVec2, line: Line) -> Result<(), PlotError> {
+        let ahead = DVec2::new(way.x, -way.y);
+        let tip = at + 20.0 * ahead;
+        let barb = |side: f64| tip - 7.0 * ahead + side * 4.0 * ahead.perp();
+        self.canvas.path(&[at, tip - 3.0 * ahead], line)?;
+        self.canvas.area(&[tip, barb(1.0), barb(-1.0)], line.paint)
+    }
+
+    fn cross(&mut self, at: DVec2, line: Line) -> Result<(), PlotError> {
+        for arm in [DVec2::new(4.0, 4.0), DVec2::new(4.0, -4.0)] {
+            self.canvas.path(&[at - arm, at + arm], line)?;
+        }
+        Ok(())
+    }
+
+    fn labels(&mut self, drawing: &Drawing) -> Result<(), PlotError> {
+        let obstacles = drawing.labels.iter().map(|label| Obstacle::around(label, self.frame));
+        let mut labels = Labels::new(self.frame, obstacles.collect());
+        for label in &drawing.labels {
+            let Some((corner, text)) = labels.place(label) else { continue };
+            // A veil keeps the words apart from the lines below them.
+            let (width, height) = (text_width(&text, TEXT), TEXT + 2.0);
+            let veil = Paint::veil(PAPER, 0.7);
+            self.canvas.rectangle(corner, corner + DVec2::new(width, height), veil)?;
+            let at = corner + DVec2::new(0.0, 0.5 * height);
+            self.canvas.text(&text, at, TEXT, Anchor::START, TEXT_PAINT)?;
+        }
+        Ok(())
+    }
+
+    /// The scale bar, and what the signs mean as far as there is room.
+    fn legend(&mut self, drawing: &Drawing) -> Result<(), PlotError> {
+        let (width, height) = self.frame.whole();
+        let left = f64::from(width) - LEGEND;
+        let row = |index: usize| TOP + ROW * (index as f64 + 0.5);
+        let length = round_step(BAR / self.frame.scale());
+        let (from, to) = (DVec2::new(left, row(0)), DVec2::new(left + length * self.frame.scale(), row(0)));
+        let serif = DVec2::new(0.0, 4.0);
+        self.canvas.path(&[from - serif, from + serif], AXIS)?;
+        self.canvas.path(&[from, to], Line::solid(INK, 2.0))?;
+        self.canvas.path(&[to - serif, to + serif], AXIS)?;
+        let words = format!("{} m", metres(length, length));
+        self.canvas.text(&words, to + DVec2::new(8.0, 0.0), TEXT, Anchor::START, TEXT_PAINT)?;
+
+        let room = (((f64::from(height) - TOP - 4.0) / ROW) as usize).saturating_sub(2).max(1);
+        let shown = if drawing.legend.len() > room { room - 1 } else { drawing.legend.len() };
+        for (index, entry) in drawing.legend[..shown].iter().enumerate() {
+            let y = row(index + 2);
+            self.symbol(entry.symbol, DVec2::new(left + 10.0, y))?;
+            let text = shortened(&entry.text, TEXT, LEGEND - 36.0);
+            self.canvas.text(&text, DVec2::new(left + 28.0, y), TEXT, Anchor::START, TEXT_PAINT)?;
+        }
+        if shown < drawing.legend.len() {
+            let words = format!("and {} more", drawing.legend.len() - shown);
+            self.canvas.text(&words, DVec2::new(left + 28.0, row(shown + 2)), TEXT, Anchor::START, TEXT_PAINT)?;
+        }
+        Ok(())
+    }
+
+    fn symbol(&mut self, symbol: Symbol, at: DVec2) -> Result<(), PlotError> {
+        let (left, right) = (at - DVec2::new(10.0, 0.0), at + DVec2::new(10.0, 0.0));
+        match symbol {
+            Symbol::Disc(fill, line) => self.canvas.disc(at, 5.0, fill, Some(line)),
+            Symbol::Square(fill, line) => {
+                let corners = [(-5.0, -5.0), (5.0, -5.0), (5.0, 5.0), (-5.0, 5.0), (-5.0, -5.0)];
+                let corners = corners.map(|(x, y)| at + DVec2::new(x, y));
+                if let Some(fill) = fill {
+                    self.canvas.area(&corners[..4], fill)?;
+                }
+                self.canvas.path(&corners, line)
+            }
+            Symbol::Line(line) => self.canvas.path(&[left, right], line),
+            Symbol::Beam(line) => {
+                self.canvas.path(&[left, right], line)?;
+                self.canvas.disc(left, 2.5, Some(line.paint), None)
+            }
+            Symbol::Sector(fill, line) => {
+                let arc = (-3..=3).map(|step| 0.15 * f64::from(step));
+                let arc = arc.map(|angle| left + 20.0 * DVec2::new(math::cos(angle), math::sin(angle)));
+                let corners: Vec<DVec2> = std::iter::once(left).chain(arc).chain([left]).collect();
+                self.canvas.area(&corners, fill)?;
+                self.canvas.path(&corners, line)
+            }
+            Symbol::Arrow(line) => self.arrow(left, DVec2::X, line),
+            Symbol::Cross(line) => self.cross(at, line),
+        }
+    }
+}
+
+/// The whole multiples of `step` from `low` to `high`.
+fn ticks(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
+    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    (first..=last).map(move |number| number as f64 * step)
+}
+
+/// `words` cut to `width` pixels, the cut marked.
+pub fn shortened(words: &str, height: f64, width: f64) -> String {
+    if text_width(words, height) <= width {
+        return words.to_owned();
+    }
+    let mut kept: Vec<char> = words.chars().collect();
+    loop {
+        kept.pop();
+        let cut: String = kept.iter().copied().chain(['\u{2026}']).collect();
+        if kept.is_empty() || text_width(&cut, height) <= width {
+            return cut;
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! Robots from above: body, heading, wheels, sensors with what they reach.
+
+use std::f64::consts::{FRAC_PI_3, PI, TAU};
+
+use glam::DVec2;
+use plotters::style::RGBColor;
+use sim_core::drive::DriveKind;
+use sim_core::format::{JointSpec, RobiSpec};
+use sim_core::math;
+use sim_core::pose::Pose;
+use sim_core::scene::{Mesh, Walls};
+
+use super::colour::{BUMPER, CAMERA, INFRARED, INK, LIDAR, PSD, WHEEL};
+use super::drawing::{Drawing, Form, Label, Line, Paint, Shape, Symbol};
+use super::object::{collider_shape, draw_mesh, footprint};
+
+/// Least radius of the mark of a robot, pixels.
+const MARK: f64 = 4.0;
+
+/// Horizontal field of view of a camera that does not say. Source: our choice, near that of EyeCam; the files do not say.
+const FIELD_OF_VIEW: f64 = FRAC_PI_3;
+
+const PSD_LINE: Line = Line::solid(PSD, 1.25);
+const INFRARED_LINE: Line = Line::solid(INFRARED, 2.0);
+const BUMPER_LINE: Line = Line::solid(BUMPER, 4.0);
+const CAMERA_LINE: Line = Line::solid(CAMERA, 1.0);
+const CAMERA_FILL: Paint = Paint::veil(CAMERA, 0.2);
+const LIDAR_LINE: Line = Line::solid(LIDAR, 1.25);
+
+/// How a robot is drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Looks<'a> {
+    /// Colour of its body.
+    pub colour: RGBColor,
+    /// Its mesh, where it is to be shown.
+    pub mesh: Option<&'a Mesh>,
+}
+
+/// Draws the body with its heading and wheels.
+pub fn draw_body(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, looks: &Looks<'_>) {
+    let radius = 0.5 * robi.diameter;
+    drawing.include_around(pose.position, radius);
+    let edge = Line::solid(looks.colour, 1.5);
+    if let Some(mesh) = looks.mesh {
+        draw_mesh(drawing, mesh, pose, Paint::veil(looks.colour, 0.1));
+    }
+    draw_wheels(drawing, robi, pose);
+    let disc = Form::Disc { centre: pose.position, radius, least: MARK };
+    drawing.push(Shape::filled(disc, Paint::veil(looks.colour, 0.35)).with_line(edge));
+    for collider in &robi.colliders {
+        footprint(collider).into_iter().for_each(|point| drawing.include(pose.transform_point(point)));
+        let shape = collider_shape(collider, pose, Paint::veil(looks.colour, 0.15), Line::solid(looks.colour, 1.0));
+        drawing.push(shape.detail(robi.diameter));
+    }
+    draw_heading(drawing, pose, radius);
+}
+
+/// Draws where a robot looks: a line from its middle to its edge.
+pub fn draw_heading(drawing: &mut Drawing, pose: &Pose, radius: f64) {
+    let needle = Form::Needle { pose: *pose, length: radius, least: MARK };
+    drawing.push(Shape::outlined(needle, Line::solid(INK, 1.25)));
+}
+
+/// Middles of the wheels in the robot's frame.
+fn wheels(robi: &RobiSpec) -> Vec<DVec2> {
+    let (half_track, half_base) = (0.5 * robi.wheel.track, 0.5 * robi.drive.wheelbase);
+    let pair = |x: f64| [DVec2::new(x, half_track), DVec2::new(x, -half_track)];
+    let axis = robi.axis_offset;
+    match robi.drive.kind {
+        DriveKind::Differential => pair(axis).to_vec(),
+        DriveKind::Ackermann => [pair(axis), pair(axis + robi.drive.wheelbase)].concat(),
+        DriveKind::Omni => [pair(axis + half_base), pair(axis - half_base)].concat(),
+    }
+}
+
+fn draw_wheels(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
+    // A wheel's width is nowhere said; a fifth of its diameter looks like one.
+    let half = 0.5 * robi.wheel.diameter * DVec2::new(1.0, 0.2);
+    for wheel in wheels(robi) {
+        let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+        let corners = corners.map(|(x, y)| pose.transform_point(wheel + half * DVec2::new(x, y)));
+        corners.iter().for_each(|corner| drawing.include(*corner));
+        drawing.push(Shape::filled(Form::Polygon(corners.to_vec()), Paint::solid(WHEEL)).detail(robi.wheel.diameter));
+    }
+}
+
+/// Draws all sensors with what they reach; beams end at `walls`.
+pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: &Walls) {
+    draw_camera(drawing, robi, pose);
+    let reach = |origin: DVec2, direction: DVec2, range: f64| {
+        walls.cast(origin, direction, range).map_or(range, |hit| hit.distance)
+    };
+    let mut beam = |position: DVec2, angle: f64, range: f64, line: Line| {
+        let origin = pose.transform_point(position);
+        let direction = pose.heading.turned(angle).direction();
+        let end = origin + direction * reach(origin, direction, range);
+        drawing.push(Shape::outlined(Form::Path(vec![origin, end]), line).detail(range));
+        let dot = Form::Disc { centre: origin, radius: 0.0, least: 2.0 };
+        drawing.push(Shape::filled(dot, line.paint).detail(robi.diameter));
+    };
+    for psd in &robi.psds {
+        beam(psd.position.truncate(), psd.angle, psd.range, PSD_LINE);
+    }
+    for infrared in &robi.infrareds {
+        beam(infrared.position.truncate(), infrared.angle, infrared.range, INFRARED_LINE);
+    }
+    let radius = 0.5 * robi.diameter;
+    for bumper in &robi.bumpers {
+        let arc = arc(pose, DVec2::ZERO, radius, bumper.from, bumper.to);
+        drawing.push(Shape::outlined(Form::Path(arc), BUMPER_LINE).detail(robi.diameter));
+    }
+    if robi.lidar.is_some() {
+        // Its place and range are nowhere said: a ring of short rays around the middle.
+        let rays = (0..36).map(|step| TAU * f64::from(step) / 36.0);
+        for angle in rays {
+            let way = pose.heading.turned(angle).direction();
+            let ray = vec![pose.position + 0.5 * radius * way, pose.position + 0.7 * radius * way];
+            drawing.push(Shape::outlined(Form::Path(ray), LIDAR_LINE).detail(0.1 * robi.diameter));
+        }
+    }
+    explain_sensors(drawing, robi);
+}
+
+fn explain_sensors(drawing: &mut Drawing, robi: &RobiSpec) {
+    if !robi.psds.is_empty() {
+        drawing.explain(Symbol::Beam(PSD_LINE), "PSD, up to its range");
+    }
+    if !robi.infrareds.is_empty() {
+        drawing.explain(Symbol::Beam(INFRARED_LINE), "infrared switch, its range");
+    }
+    if !robi.bumpers.is_empty() {
+        drawing.explain(Symbol::Line(BUMPER_LINE), "bumper");
+    }
+    if robi.camera.is_some() {
+        drawing.explain(Symbol::Sector(CAMERA_FILL, CAMERA_LINE), "camera, field of view");
+    }
+    if robi.lidar.is_some() {
+        drawing.explain(Symbol::Line(LIDAR_LINE), "laser scanner");
+    }
+}
+
+/// The field of view from the camera's place; where a servo pans, the arc of its range as well.
+fn draw_camera(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
+    let Some(camera) = &robi.camera else { return };
+    let (pan, range) = match camera.pan {
+        JointSpec::Fixed(pan) => (pan, None),
+        JointSpec::Servo { from, to, .. } => (0.5 * (from + to), Some((from, to))),
+    };
+    let view = camera.fisheye.unwrap_or(FIELD_OF_VIEW).clamp(0.0, TAU);
+    let (place, length) = (camera.position.truncate(), 1.5 * robi.diameter);
+    let mut outline = arc(pose, place, length, pan - 0.5 * view, pan + 0.5 * view);
+    outline.push(pose.transform_point(place));
+    let sector = Shape::filled(Form::Polygon(outline), CAMERA_FILL).with_line(CAMERA_LINE);
+    drawing.push(sector.detail(robi.diameter));
+    if let Some((from, to)) = range {
+        let line = Line::solid(CAMERA, 2.0);
+        drawing.push(Shape::outlined(Form::Path(arc(pose, place, 0.4 * length, from, to)), line).detail(robi.diameter));
+        drawing.explain(Symbol::Line(line), "camera, range of its pan servo");
+    }
+}
+
+/// Points of the arc about `centre` in the robot's frame, counter-clockwise between two angles from forward.
+fn arc(pose: &Pose, centre: DVec2, radius: f64, from: f64, to: f64) -> Vec<DVec2> {
+    let steps = ((to - from).abs() / (PI / 36.0)).ceil().clamp(1.0, 144.0) as u32;
+    let point = |step: u32| {
+        let angle = from + (to - from) * f64::from(step) / f64::from(steps);
+        pose.transform_point(centre + radius * DVec2::new(math::cos(angle), math::sin(angle)))
+    };
+    (0..=steps).map(point).collect()
+}
+
+/// Labels each device of a robot that is drawn alone, with its name and what it reaches.
+pub fn label_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
+    let mut label = |text: String, place: DVec2, way: DVec2| {
+        let at = pose.transform_point(place);
+        drawing.labels.push(Label { text, at, clearance: 0.0, least: 4.0, direction: pose.transform_vector(way) });
+    };
+    let way = |angle: f64| DVec2::new(math::cos(angle), math::sin(angle));
+    // Beside the body, where the beam leaves it: sensors themselves stand close together.
+    let edge = |position: DVec2, way: DVec2, range: f64| {
+        let (along, radius) = (position.dot(way), 0.5 * robi.diameter);
+        let beyond = along * along + radius * radius - position.length_squared();
+        position + way * (beyond.max(0.0).sqrt() - along).clamp(0.0, range)
+    };
+    for psd in &robi.psds {
+        let (position, way) = (psd.position.truncate(), way(psd.angle));
+        label(format!("{}, {} m", psd.name, rounded(psd.range)), edge(position, way, psd.range), way);
+    }
+    for infrared in &robi.infrareds {
+        let text = format!("{}, {} m", infrared.name, rounded(infrared.range));
+        let (position, way) = (infrared.position.truncate(), way(infrared.angle));
+        label(text, edge(position, way, infrared.range), way);
+    }
+    for bumper in &robi.bumpers {
+        let middle = way(0.5 * (bumper.from + bumper.to));
+        label(bumper.name.clone(), 0.5 * robi.diameter * middle, middle);
+    }
+    if let Some(camera) = &robi.camera {
+        let text = camera.image.map_or("camera".to_owned(), |[width, height]| format!("camera, {width} x {height}"));
+        label(text, camera.position.truncate(), DVec2::ZERO);
+    }
+    if let Some(lidar) = &robi.lidar {
+        label(format!("lidar, {} points", lidar.points), DVec2::ZERO, DVec2::ZERO);
+    }
+}
+
+/// Millimetres without noughts behind.
+fn rounded(metres: f64) -> f64 {
+    (metres * 1000.0).round() / 1000.0
+}

@@ -1,0 +1,120 @@
+//! Pictures of files: a scene, a world, a robot type, an object type.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+use sim_core::build;
+use sim_core::format::path;
+use sim_core::format::{MeshReader, ObjectType, RobiSpec, SceneSpec};
+use sim_core::pose::Pose;
+use sim_core::scene::Walls;
+
+use super::drawing::{Drawing, Form, Label, Line, Paint, Shape, Symbol};
+use super::frame::metres;
+use super::robot::{Looks, draw_body, draw_sensors, label_sensors};
+use super::{colour, ground, object};
+
+/// With more robots than this, labels beside them would hide the picture.
+pub const MAX_LABELS: usize = 100;
+/// With more robots than this, their sensors would.
+const MAX_SENSING: usize = 30;
+
+/// The world with its robots at their starts, objects and markers.
+pub fn draw_scene(scene: &SceneSpec, looks: &mut MeshReader<'_>) -> Drawing {
+    let world = &scene.world;
+    let mut drawing = Drawing::new(title(scene));
+    ground::draw_world(&mut drawing, world, looks.floor(world));
+    ground::draw_markers(&mut drawing, &scene.markers);
+    // An arrow says no more than the robot that stands there.
+    let is_taken = |pose: &Pose| scene.robots.iter().any(|robot| robot.start == *pose);
+    ground::draw_starts(&mut drawing, world.starts.iter().filter(|start| !is_taken(&start.pose)));
+    let mut meshes = BTreeMap::new();
+    for object in &scene.objects {
+        let kind = &object.kind;
+        let mesh = meshes.entry((&kind.file, &kind.name)).or_insert_with(|| looks.object(kind));
+        object::draw_object(&mut drawing, kind, mesh.as_deref(), &object.pose);
+    }
+    if scene.robots.len() <= MAX_SENSING {
+        let walls = build::walls(world);
+        for robot in &scene.robots {
+            draw_sensors(&mut drawing, &robot.robi, &robot.start, &walls);
+        }
+    }
+    for (index, robot) in scene.robots.iter().enumerate() {
+        let mesh = looks.robot(&robot.robi);
+        let looks = Looks { colour: colour::robot(index), mesh: mesh.as_deref() };
+        draw_body(&mut drawing, &robot.robi, &robot.start, &looks);
+        if scene.robots.len() <= MAX_LABELS {
+            drawing.labels.push(robot_label(robot.id.0, &robot.robi, &robot.start));
+        }
+    }
+    for (index, robot) in scene.robots.iter().enumerate() {
+        // Folders leave no room for the name.
+        let program = path::file_name(robot.program_name());
+        let words = [program].into_iter().chain(robot.arguments.iter().map(String::as_str));
+        let program = words.collect::<Vec<_>>().join(" ");
+        let text = format!("r{} {} {program}", robot.id.0, robot.robi.name);
+        drawing.explain(body_symbol(index), text.trim_end());
+    }
+    drawing
+}
+
+/// The file's name, and how large the world is.
+fn title(scene: &SceneSpec) -> String {
+    let name = scene.file.rsplit('/').next().unwrap_or_default();
+    let DVec2 { x, y } = scene.world.floor;
+    let size = (x > 0.0 && y > 0.0).then(|| format!("{} m x {} m", metres(x, 0.01), metres(y, 0.01)));
+    let walls = match scene.world.walls.len() {
+        0 => None,
+        1 => Some("1 wall".to_owned()),
+        count => Some(format!("{count} walls")),
+    };
+    let facts: Vec<String> = size.into_iter().chain(walls).collect();
+    if facts.is_empty() { name.to_owned() } else { format!("{name}: {}", facts.join(", ")) }
+}
+
+/// The number of a robot, in front of it.
+pub fn robot_label(id: u32, robi: &RobiSpec, pose: &Pose) -> Label {
+    let direction = pose.heading.direction();
+    Label { text: format!("r{id}"), at: pose.position, clearance: 0.5 * robi.diameter, least: 4.0, direction }
+}
+
+/// The sign of the robot at `index` of the list.
+pub fn body_symbol(index: usize) -> Symbol {
+    let colour = colour::robot(index);
+    Symbol::Disc(Some(Paint::veil(colour, 0.35)), Line::solid(colour, 1.5))
+}
+
+/// A robot type, looking to the right, with its sensors and their names.
+pub fn draw_robi(robi: &RobiSpec, looks: &mut MeshReader<'_>) -> Drawing {
+    let name = robi.file.rsplit('/').next().unwrap_or_default();
+    let title = format!("{name}: {}, {} mm across", robi.name, (robi.diameter * 1000.0).round());
+    let mut drawing = Drawing::new(title);
+    let pose = Pose::new(0.0, 0.0, 0.0);
+    let mesh = looks.robot(robi);
+    // Beams lead out of the picture; their lengths stand beside them.
+    drawing.include_around(DVec2::ZERO, 1.1 * robi.diameter);
+    draw_sensors(&mut drawing, robi, &pose, &Walls::new(Vec::new()));
+    draw_body(&mut drawing, robi, &pose, &Looks { colour: colour::robot(0), mesh: mesh.as_deref() });
+    label_sensors(&mut drawing, robi, &pose);
+    drawing.explain(body_symbol(0), "body, heading");
+    drawing
+}
+
+/// An object type, looking to the right.
+pub fn draw_object_type(kind: &ObjectType, looks: &mut MeshReader<'_>) -> Drawing {
+    let name = kind.file.rsplit('/').next().unwrap_or_default();
+    let mut drawing = Drawing::new(format!("{name}: {}", kind.name));
+    let mesh = looks.object(kind);
+    let pose = Pose::new(0.0, 0.0, 0.0);
+    object::draw_object(&mut drawing, kind, mesh.as_deref(), &pose);
+    let (low, high) = drawing.extent();
+    let margin = 0.3 * (high - low).max_element();
+    drawing.include(low - DVec2::splat(margin));
+    drawing.include(high + DVec2::splat(margin));
+    let line = Line::solid(colour::INK, 1.25);
+    let needle = Form::Needle { pose, length: 0.25 * (high - low).max_element(), least: 10.0 };
+    drawing.push(Shape::outlined(needle, line));
+    drawing.explain(Symbol::Line(line), "forward");
+    drawing
+}
