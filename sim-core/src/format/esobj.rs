@@ -1,7 +1,7 @@
 //! Object types: `.esObj` of EyeSim VR.
 //!
-//! All numbers of lengths are in units of the mesh file; times the factor of `scale` they are millimetres. They are in the frame
-//! of EyeSim VR's graphics library (X right, Y up, Z forward).
+//! All numbers of lengths, times the factor of `scale`, are millimetres (those of the mesh file, times the same factor, are
+//! metres). They are in the frame of EyeSim VR's graphics library (X right, Y up, Z forward).
 
 use glam::DVec3;
 
@@ -45,7 +45,7 @@ impl ObjectType {
             file: file.to_owned(),
             name: path::stem(file).to_owned(),
             model: None,
-            scale: unit::metres_from_mm(1.0),
+            scale: 1.0,
             colliders: vec![Collider::Cylinder {
                 centre: DVec3::new(0.0, 0.0, 0.5 * DEFAULT_SIZE),
                 radius: 0.5 * DEFAULT_SIZE,
@@ -85,11 +85,11 @@ pub fn read_esobj(file: &str, text: &str) -> (ObjectType, Vec<Diagnostic>) {
 
 struct Reader {
     sink: Sink,
-    /// Lengths in units of the mesh file, axes those of the object, until `finish`.
+    /// Lengths as written, axes those of the object, until `finish`.
     object: ObjectType,
     /// Where the colliders are written.
     places: Vec<Span>,
-    /// Millimetres in a unit of the mesh file.
+    /// Factor on all lengths: millimetres in a unit of the file, metres in a unit of the mesh file.
     scale: f64,
     has_mass: bool,
 }
@@ -267,7 +267,8 @@ impl Reader {
 
     fn finish(mut self) -> (ObjectType, Vec<Diagnostic>) {
         let metres = unit::metres_from_mm(self.scale);
-        self.object.scale = metres;
+        // A unit of the mesh is a metre where one of a collider is a millimetre.
+        self.object.scale = self.scale;
         self.object.centre_of_mass *= metres;
         let written = std::mem::take(&mut self.object.colliders);
         let has_collider = !written.is_empty();

@@ -143,7 +143,7 @@ fn check_one(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> L
 }
 
 /// Whether the file is a scene in TOML; one that cannot be read is what its name says.
-fn is_scene(name: &str, files: &dyn Files) -> bool {
+pub(super) fn is_scene(name: &str, files: &dyn Files) -> bool {
     let text = files.read(name).map_or(String::new(), |bytes| format::decode(&bytes).0);
     format::is_scene(name, &text)
 }

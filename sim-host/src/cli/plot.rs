@@ -7,9 +7,11 @@ use anyhow::bail;
 use clap::Args;
 use sim_core::format::{self, Loaded, MeshReader};
 
+use super::EXIT_USAGE;
+use super::check::is_scene;
+use super::diagnostic::{self, Colour, Format, Screen};
 use super::output::check_outputs;
-use super::{EXIT_USAGE, check};
-use crate::files::{DiskFiles, slashed};
+use crate::files::DiskFiles;
 use crate::plot::{self, Drawing, Kind};
 
 /// Least and greatest width and height of a picture in pixels.
@@ -18,7 +20,7 @@ const SIZES: std::ops::RangeInclusive<u32> = 320..=4000;
 /// Arguments of `eyesim plot`.
 #[derive(Args)]
 pub struct PlotArgs {
-    /// The file to draw: .sim (with all that it names), .wld, .maz, .robi (with its .toml), .esObj
+    /// The file to draw: .sim or .scene.toml (with all that it names), .wld, .maz, .robi (with its .toml), .esObj
     pub file: PathBuf,
     /// The picture: NAME.svg or NAME.png
     #[arg(short, long, value_name = "FILE")]
@@ -37,9 +39,11 @@ pub struct PlotArgs {
 /// A file that is not there or of a kind that cannot be drawn, a picture of an unknown kind or that cannot be written.
 pub fn run(args: &PlotArgs) -> anyhow::Result<ExitCode> {
     Kind::of(&args.output)?;
-    let files = DiskFiles::of_environment();
-    let (drawing, loaded) = draw(&slashed(&args.file), &files)?;
-    eprint!("{}", check::render(&loaded.diagnostics, &loaded.inputs));
+    let mut files = DiskFiles::of_environment();
+    let name = files.name(&args.file);
+    let (drawing, loaded) = draw(&name, &files)?;
+    let screen = Screen::of_stderr(Colour::Auto);
+    eprint!("{}", diagnostic::render(&loaded.diagnostics, &loaded.inputs, Format::Auto, screen)?);
     let Some(mut drawing) = drawing else { return Ok(ExitCode::from(EXIT_USAGE)) };
     check_outputs(&[("-o", &args.output)], loaded.inputs.iter().map(|input| input.path.as_str()))?;
     if let Some(title) = &args.title {
@@ -52,31 +56,38 @@ pub fn run(args: &PlotArgs) -> anyhow::Result<ExitCode> {
 /// The drawing of a file, and what was wrong in all that was read for it; no drawing if the file itself cannot be read.
 fn draw(name: &str, files: &DiskFiles) -> anyhow::Result<(Option<Drawing>, Loaded)> {
     let mut looks = MeshReader::new(files);
-    let extension = name.rsplit_once('.').map_or("", |(_, extension)| extension).to_lowercase();
-    let (drawing, mut loaded) = match extension.as_str() {
-        "sim" | "wld" | "maz" | "maze" => {
-            let loaded = match extension.as_str() {
-                "sim" => format::load_sim(name, files),
-                "wld" => format::load_world(name, files),
-                _ => format::load_maze(name, files),
-            };
-            let drawing = (!loaded.inputs.is_empty()).then(|| plot::draw_scene(&loaded.scene, &mut looks));
-            (drawing, loaded)
-        }
-        "robi" => {
-            let (robi, loaded) = format::load_robi(name, files);
-            (robi.map(|robi| plot::draw_robi(&robi, &mut looks)), loaded)
-        }
+    let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
+    let (drawing, mut loaded) = match extension.to_lowercase().as_str() {
+        "sim" => draw_scene(format::load_scene(name, files), &mut looks),
+        "toml" if is_scene(name, files) => draw_scene(format::load_scene(name, files), &mut looks),
+        "wld" => draw_scene(format::load_world(name, files), &mut looks),
+        "maz" | "maze" => draw_scene(format::load_maze(name, files), &mut looks),
+        "robi" => draw_robi(name, files, &mut looks),
+        "toml" => draw_robi(&format!("{stem}.robi"), files, &mut looks),
         "esobj" => {
             let (object, loaded) = format::load_object(name, files);
             (object.map(|object| plot::draw_object_type(&object, &mut looks)), loaded)
         }
-        _ => bail!("`{name}` cannot be drawn: expected a name that ends in .sim, .wld, .maz, .maze, .robi or .esObj"),
+        _ => {
+            let kinds = ".sim, .scene.toml, .wld, .maz, .maze, .robi, .toml or .esObj";
+            bail!("`{name}` cannot be drawn: expected a name that ends in {kinds}")
+        }
     };
     let (diagnostics, inputs) = looks.finish();
     loaded.diagnostics.extend(diagnostics);
     loaded.inputs.extend(inputs);
     Ok((drawing, loaded))
+}
+
+/// The drawing of a scene, unless not even its own file was read.
+fn draw_scene(loaded: Loaded, looks: &mut MeshReader<'_>) -> (Option<Drawing>, Loaded) {
+    let drawing = (!loaded.inputs.is_empty()).then(|| plot::draw_scene(&loaded.scene, looks));
+    (drawing, loaded)
+}
+
+fn draw_robi(name: &str, files: &DiskFiles, looks: &mut MeshReader<'_>) -> (Option<Drawing>, Loaded) {
+    let (robi, loaded) = format::load_robi(name, files);
+    (robi.map(|robi| plot::draw_robi(&robi, looks)), loaded)
 }
 
 fn parse_size(text: &str) -> Result<(u32, u32), String> {

@@ -183,7 +183,7 @@ fn a_stop_sign_stands_on_the_floor() {
     // 0.025 mm a unit: the middle at 187.5 mm, 7.5 mm wide, 355 mm high.
     let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
     assert!((centre - DVec3::new(0.0, 0.0, 0.1875)).length() < 1e-12, "{centre}");
-    assert!(near(radius, 0.00375) && near(height, 0.355) && near(sign.scale, 2.5e-5), "{radius} {height}");
+    assert!(near(radius, 0.00375) && near(height, 0.355) && near(sign.scale, 0.025), "{radius} {height}");
 }
 
 #[test]
