@@ -74,9 +74,13 @@ fn without_a_terminal_there_is_one_line_for_each_mistake() {
 fn people_see_the_line_and_no_colour_unless_they_want_it() {
     let scratch = with(&[("warned.wld", WARNED)]);
     let plain = check(&scratch, &["warned.wld", "--format", "human"]).stdout;
-    for part in
-        ["! warning[wld-wall-arity]: a wall of 3 numbers", "╭─[warned.wld:2:1]", "2 │ 0 0 1000", "help: expected"]
-    {
+    for part in [
+        "! warning[wld-wall-arity]: a wall of 3 numbers",
+        "╭─[warned.wld:2:1]",
+        "2 │ 0 0 1000",
+        "help: ",
+        "expected `X1 Y1 X2 Y2`",
+    ] {
         assert!(plain.contains(part), "{part} in {plain}");
     }
     assert!(plain.ends_with("1 warning in 1 file\n`eyesim explain wld-wall-arity` tells more\n"), "{plain}");
@@ -218,7 +222,7 @@ fn file_names_need_not_be_text() {
 #[test]
 fn one_line_of_many_megabytes_is_no_trouble() {
     let scratch = Scratch::new();
-    let size = 20 << 20;
+    let size = 4 << 20;
     scratch.write("word.wld", &format!("floor 9 9\n{}", "x".repeat(size)));
     scratch.write("numbers.wld", &format!("floor 9 9\n{}", "1 ".repeat(size / 2)));
     scratch.write("quote.sim", &format!("world \"{}", "y ".repeat(size / 2)));
