@@ -10,8 +10,12 @@ use sim_core::format::{FileError, Files};
 /// The environment variable that names the installation's folder, which `%sim%` stands for.
 pub const HOME_VARIABLE: &str = "EYESIM_HOME";
 
-/// Larger files are no scenes; reading them would only use up the memory.
-const MAX_BYTES: u64 = 256 << 20;
+/// Larger files are no meshes or images; reading them would only use up the memory.
+const MAX_MEBIBYTES: u64 = 256;
+/// The same for the texts of scenes, of which each line may become a wall or a robot.
+const MAX_TEXT_MEBIBYTES: u64 = 16;
+/// Extensions of such texts.
+const TEXTS: [&str; 7] = ["sim", "wld", "maz", "maze", "robi", "esobj", "toml"];
 
 /// Real files, relative to the working folder.
 #[derive(Clone, Debug, Default)]
@@ -52,8 +56,11 @@ impl Files for DiskFiles {
         if !metadata.is_file() {
             return Err(FileError::Unreadable("it is not a file".to_owned()));
         }
-        if metadata.len() > MAX_BYTES {
-            return Err(FileError::Unreadable("it is larger than 256 MiB".to_owned()));
+        let is_text =
+            path.extension().is_some_and(|extension| TEXTS.iter().any(|text| extension.eq_ignore_ascii_case(text)));
+        let most = if is_text { MAX_TEXT_MEBIBYTES } else { MAX_MEBIBYTES };
+        if metadata.len() > most << 20 {
+            return Err(FileError::Unreadable(format!("it is larger than {most} MiB")));
         }
         fs::read(path).map_err(file_error)
     }
@@ -112,6 +119,8 @@ mod tests {
         assert_eq!(files.read(&format!("{path}x")), Err(FileError::Missing));
         assert!(matches!(files.read(&slashed(folder.path())), Err(FileError::Unreadable(_))));
         assert_eq!(files.list(&slashed(folder.path())), ["a.wld"]);
+        fs::File::options().write(true).open(&path).and_then(|file| file.set_len((16 << 20) + 1)).expect("a large file");
+        assert_eq!(files.read(&path), Err(FileError::Unreadable("it is larger than 16 MiB".to_owned())));
         assert_eq!(files.home(), Some(slashed(folder.path()).as_str()));
     }
 

@@ -228,6 +228,9 @@ fn one_line_of_many_megabytes_is_no_trouble() {
     scratch.write("quote.sim", &format!("world \"{}", "y ".repeat(size / 2)));
     scratch.write("row.maz", &format!(" _\n|{}", "|_".repeat(size / 2)));
     scratch.write("key.robi", &"z".repeat(size));
+    let huge = fs::File::create(scratch.path().join("huge.wld")).expect("a file");
+    huge.set_len(100 << 20).expect("100 MB of nothing");
+    assert_eq!(codes(&scratch, "huge.wld"), ["file-unreadable"]);
     for name in ["word.wld", "numbers.wld", "quote.sim", "row.maz", "key.robi"] {
         for format in ["human", "short", "json"] {
             let ran = check(&scratch, &[name, "--format", format]);
