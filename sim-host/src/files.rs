@@ -119,7 +119,11 @@ mod tests {
         assert_eq!(files.read(&format!("{path}x")), Err(FileError::Missing));
         assert!(matches!(files.read(&slashed(folder.path())), Err(FileError::Unreadable(_))));
         assert_eq!(files.list(&slashed(folder.path())), ["a.wld"]);
-        fs::File::options().write(true).open(&path).and_then(|file| file.set_len((16 << 20) + 1)).expect("a large file");
+        fs::File::options()
+            .write(true)
+            .open(&path)
+            .and_then(|file| file.set_len((16 << 20) + 1))
+            .expect("a large file");
         assert_eq!(files.read(&path), Err(FileError::Unreadable("it is larger than 16 MiB".to_owned())));
         assert_eq!(files.home(), Some(slashed(folder.path()).as_str()));
     }

@@ -120,14 +120,20 @@ fn a_folder_stands_for_all_files_below_it() {
         ("e/r.robi", "wheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n"),
         ("e/r.toml", "[drive]\nlag = 1\n"),
         ("e/prog.c", "int main() { return 0; }\n"),
+        ("e/Cargo.toml", "[package]\nname = \"e\"\n"),
+        (
+            "f/all.scene.toml",
+            "[world]\nfile = \"../b.wld\"\n\n[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500\nnickname = \"Bob\"\n",
+        ),
     ]);
     std::os::unix::fs::symlink(scratch.path(), scratch.path().join("a/circle")).expect("a link");
     let ran = check(&scratch, &[".", "--format", "short"]);
     let lines: Vec<&str> = ran.stdout.lines().collect();
-    assert_eq!(lines.len(), 3, "{ran:#?}");
+    assert_eq!(lines.len(), 4, "{ran:#?}");
     assert!(lines[0].starts_with("b.wld:2:1: warning[wld-wall-arity]"), "{ran:#?}");
     assert!(lines[1].starts_with("e/r.toml:2:1: warning[toml-key]"), "{ran:#?}");
-    assert_eq!(lines[2], "5 files checked: 2 warnings in 2 files");
+    assert!(lines[2].starts_with("f/all.scene.toml:8:1: warning[toml-key]"), "{ran:#?}");
+    assert_eq!(lines[3], "6 files checked: 3 warnings in 3 files");
     fs::create_dir(scratch.path().join("empty")).expect("a folder");
     assert_eq!(codes(&scratch, "empty"), ["folder-empty"]);
     assert_eq!(check(&scratch, &["empty"]).code, Some(2));

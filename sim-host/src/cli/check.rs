@@ -240,13 +240,19 @@ fn expand(paths: &[PathBuf], files: &mut DiskFiles) -> (Vec<String>, Vec<Diagnos
             continue;
         }
         let before = (names.len(), diagnostics.len());
-        walk(path, &mut |found| names.push(files.name(found)), &mut |folder, error| {
+        let mut take = |found: &Path| {
+            let name = files.name(found);
+            if is_known(found) || found.extension().is_some_and(|it| it == "toml") && is_scene(&name, files) {
+                names.push(name);
+            }
+        };
+        walk(path, &mut take, &mut |folder, error| {
             let message = format!("the folder cannot be read: {error}");
             let expected = "a folder that can be read";
             diagnostics.push(on_file(Code::FileUnreadable, &slashed(folder), &message, expected));
         });
         if (names.len(), diagnostics.len()) == before {
-            let expected = format!("a folder with files that end in .{}", EXTENSIONS.join(", ."));
+            let expected = format!("a folder with files that end in .{} or .scene.toml", EXTENSIONS.join(", ."));
             let message = "there is no file in this folder that eyesim reads";
             diagnostics.push(on_file(Code::FolderEmpty, &slashed(path), message, &expected));
         }
@@ -254,7 +260,7 @@ fn expand(paths: &[PathBuf], files: &mut DiskFiles) -> (Vec<String>, Vec<Diagnos
     (names, diagnostics)
 }
 
-/// Visits all files of a known kind below `folder`, in the order of their names. Hidden folders, and folders behind links (which may
+/// Visits all files below `folder`, in the order of their names. Hidden folders, and folders behind links (which may
 /// lead in circles), are left out.
 fn walk(folder: &Path, file: &mut dyn FnMut(&Path), unreadable: &mut dyn FnMut(&Path, &std::io::Error)) {
     let mut folders = vec![folder.to_owned()];
@@ -276,7 +282,7 @@ fn walk(folder: &Path, file: &mut dyn FnMut(&Path), unreadable: &mut dyn FnMut(&
             let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
             if is_folder && !entry.file_name().as_encoded_bytes().starts_with(b".") {
                 below.push(path.to_owned());
-            } else if !is_folder && is_known(path) && path.is_file() {
+            } else if !is_folder && path.is_file() {
                 file(path);
             }
         }
@@ -284,6 +290,7 @@ fn walk(folder: &Path, file: &mut dyn FnMut(&Path), unreadable: &mut dyn FnMut(&
     }
 }
 
+/// True for a file that its name alone shows to be of a known kind.
 fn is_known(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     name.ends_with(format::SCENE_EXTENSION)

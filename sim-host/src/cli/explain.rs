@@ -73,8 +73,9 @@ fn page(code: Code, screen: Screen) -> String {
             out.push('\n');
         }
         let Some((tag, example)) = blocks.next().and_then(|block| block.split_once('\n')) else { continue };
-        let role = tag.split(' ').nth(1).unwrap_or(tag);
-        out.push_str(&format!("{}\n", format!("{role}:").style(screen.bold())));
+        if let Some((_, role)) = tag.split_once(' ') {
+            out.push_str(&format!("{}\n", format!("{role}:").style(screen.bold())));
+        }
         out.extend(example.lines().map(|line| format!("{INDENT}{line}\n")));
         out.push('\n');
     }
