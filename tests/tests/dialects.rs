@@ -330,6 +330,67 @@ fn what_only_the_window_shows_changes_nothing() {
     assert_eq!(digest(&scratch, &format!("world room.wld\n{scene}")), first);
 }
 
+/// Shows what its `main` gets.
+const ECHO: &str = r#"
+#include "eyebot.h"
+int main(int argc, char **argv) {
+    int i;
+    for (i = 0; i < argc; i++) LCDPrintf("%s|", argv[i]);
+    return 0;
+}
+"#;
+
+#[test]
+fn our_own_form_gives_programs_their_arguments() {
+    let scratch = scratch();
+    scratch.write("echo.c", ECHO);
+    scratch.write(
+        "scene.scene.toml",
+        "[world]\nfile = \"room.wld\"\n\n\
+         [[robot]]\ntype = \"vr.robi\"\nprogram = \"hook.c\"\nx_mm = 600\ny_mm = 600\nheading_deg = 90\n\n\
+         [[robot]]\ntype = \"S4\"\nprogram = \"echo.c\"\narguments = [\"-k\", \"0 5\"]\ncount = 2\n\
+         layout = { kind = \"line\", from_mm = [1500, 2000], to_mm = [2000, 2000] }\n\n\
+         [[robot]]\ntype = \"LabBot\"\nx_mm = 3000\ny_mm = 600\n\n\
+         [[robot]]\ntype = \"S4\"\nprogram = \"%sim%/example-programs/square\"\narguments = [\"0.1\"]\n\
+         x_mm = 3000\ny_mm = 2000\n",
+    );
+    let run = |args: &[&str]| {
+        let report = scratch.report("scene.scene.toml", args, 0);
+        report["robots"].as_array().expect("robots").clone()
+    };
+    let shown = |robot: &Value| robot["lcd"][0].as_str().expect("a line").trim_end().to_owned();
+    let robots = run(&[]);
+    let (x, y, phi_deg) = end_of_hook(600.0, 600.0, 90.0, 10.0);
+    assert_at(&robots[0], x, y, phi_deg);
+    assert_eq!([shown(&robots[1]), shown(&robots[2])], ["echo|-k|0 5|", "echo|-k|0 5|"]);
+    assert_at(&robots[1], 1500.0, 2000.0, 0.0);
+    assert_at(&robots[2], 2000.0, 2000.0, 0.0);
+    assert_eq!(robots[3]["outcome"], "no_program");
+    // A program in Rust: the side of its square.
+    assert!((number(&robots[4], "path_m") - 0.4).abs() < 1e-6, "{:#}", robots[4]);
+
+    let robots = run(&["--args", "3:other", "--args", "5:0.2", "--program", "4=echo.c"]);
+    assert_eq!([shown(&robots[1]), shown(&robots[2])], ["echo|-k|0 5|", "echo|other|"]);
+    assert_eq!(shown(&robots[3]), "echo|");
+    assert!((number(&robots[4], "path_m") - 0.8).abs() < 1e-6, "{:#}", robots[4]);
+}
+
+#[test]
+fn one_robot_in_our_own_form_behaves_to_the_bit_alike() {
+    let scratch = scratch();
+    let first = digest(&scratch, "world room.wld\nrobi classic.robi wander.c 800 900 20\n");
+    for robi in ["classic", "vr", "vr2022"] {
+        scratch.write(
+            "own.scene.toml",
+            &format!(
+                "[world]\nfile = \"room.wld\"\n[[robot]]\ntype = \"{robi}.robi\"\nprogram = \"wander.c\"\n\
+                 x_mm = 800\ny_mm = 900\nheading_deg = 20\n"
+            ),
+        );
+        assert_eq!(scratch.report("own.scene.toml", &[], 0)["digest"], first, "{robi}");
+    }
+}
+
 #[test]
 fn a_dialect_is_told_by_its_lines_and_mixing_them_harms_nothing() {
     let scratch = scratch();
