@@ -27,7 +27,8 @@ int main(void) {
 fn built_in_robots_drive_in_the_box_of_eyesim_vr() {
     let scratch = Scratch::new();
     scratch.write("drive.c", PROGRAM);
-    scratch.write("scene.sim", "settings VIS trace\nS4 500 1500 0 drive.c\nlabbot 500 500 0 drive.c\ncan 1500 1000 0\n");
+    scratch
+        .write("scene.sim", "settings VIS trace\nS4 500 1500 0 drive.c\nlabbot 500 500 0 drive.c\ncan 1500 1000 0\n");
     let report = scratch.report("scene.sim", &[], 0);
     // Sensors 60 mm ahead of and behind the centre of S4; 30 and 40 mm of LabBot; walls at 0 and 2000 mm.
     for (robot, seen) in [(0, "1440 440"), (1, "1470 460")] {
