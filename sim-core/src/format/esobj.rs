@@ -344,12 +344,12 @@ const SPHERE_FORM: &str = "`collider sphere X Y Z RADIUS`";
 const CAPSULE_FORM: &str = "`collider capsule X Y Z RADIUS HEIGHT x|y|z`: centre, radius, whole height, axis";
 const CYLINDER_FORM: &str = "`collider cylinder X Y Z RADIUS HEIGHT`: centre, radius, height";
 
-/// A length above 0 in units of the mesh file.
+/// A length above 0 in units of the file.
 const fn length(name: &'static str) -> Quantity {
     Quantity::number(name, 1e-9, 1e15).minor()
 }
 
-/// A place in units of the mesh file.
+/// A place in units of the file.
 const fn place(name: &'static str) -> Quantity {
     Quantity::number(name, -1e15, 1e15).minor()
 }
