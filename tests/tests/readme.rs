@@ -37,6 +37,21 @@ fn the_picture_is_the_one_that_the_first_command_draws() {
 }
 
 #[test]
+fn the_robot_is_the_one_that_its_command_draws() {
+    for page in ["README.md", "docs/plot.md"] {
+        let text = fs::read_to_string(root().join(page)).expect("a page");
+        assert!(text.contains("robis/feeler.robi") && text.contains("feeler.svg"), "{page}: what this test draws");
+    }
+    let scratch = Scratch::new();
+    let picture = scratch.path().join("feeler.svg");
+    let mut command = scratch.command(&["plot", "robis/feeler.robi", "-o"]);
+    let output = command.arg(&picture).current_dir(root()).output().expect("eyesim starts");
+    assert!(output.status.success(), "{output:?}");
+    let committed = fs::read_to_string(root().join("docs/feeler.svg")).expect("the picture of the pages");
+    assert!(scratch.read("feeler.svg") == committed, "draw docs/feeler.svg anew with the command in docs/plot.md");
+}
+
+#[test]
 fn the_first_program_in_c_runs() {
     let scratch = Scratch::new();
     scratch.write("hello.c", &block("c"));

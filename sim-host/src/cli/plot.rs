@@ -15,7 +15,7 @@ use crate::files::DiskFiles;
 use crate::plot::{self, Drawing, Kind};
 
 /// Least and greatest width and height of a picture in pixels.
-const SIZES: std::ops::RangeInclusive<u32> = 320..=4000;
+const SIZES: std::ops::RangeInclusive<u32> = 480..=4000;
 
 /// Arguments of `eyesim plot`.
 #[derive(Args)]
@@ -107,7 +107,7 @@ mod tests {
     #[test]
     fn sizes_are_width_times_height() {
         assert_eq!(parse_size("1200x900"), Ok((1200, 900)));
-        assert_eq!(parse_size("320X4000"), Ok((320, 4000)));
+        assert_eq!(parse_size("480X4000"), Ok((480, 4000)));
         for text in ["1200", "1200x", "x900", "10x10", "9999x900", "-500x500", "1200x900x3", "a x b"] {
             assert!(parse_size(text).is_err_and(|message| message.contains("1200x900")), "{text}");
         }

@@ -11,7 +11,7 @@ use anyhow::{Context, bail, ensure};
 use clap::Args;
 use parking_lot::Mutex;
 use sim_core::format::{
-    CostsRef, Diagnostic, Files, InputFile, Loaded, SceneSpec, Severity, decode, is_scene, load_scene_with,
+    CostsRef, Diagnostic, Files, InputFile, Loaded, ObjectSpec, SceneSpec, Severity, decode, is_scene, load_scene_with,
 };
 use sim_core::pose::Pose;
 use sim_core::time::Time;
@@ -26,7 +26,7 @@ use crate::executive::conductor::End;
 use crate::executive::run::{Ended, Limits, Parts, RobotEnd, Run};
 use crate::executive::thread::ThreadExecutor;
 use crate::files::DiskFiles;
-use crate::plot::{self, RunRobot};
+use crate::plot::{self, RunObject, RunPicture, RunRobot};
 use crate::program::{Builder, Cache, SearchPath, ShimKit, Tools};
 use crate::record::report::{Input, REPORT_SCHEMA, RobotReport};
 use crate::record::trace::{TraceHeader, TraceRobot};
@@ -358,7 +358,17 @@ fn write_plot(path: &Path, scene: &SceneSpec, trails: &Trails, ends: &[RobotEnd]
         trail: trails.trails()[index].points(),
     };
     let robots: Vec<RunRobot> = scene.robots.iter().enumerate().map(robot).collect();
-    let drawing = plot::draw_run(&scene.file, &scene.world, &robots, trails.contacts());
+    let object =
+        |object: &ObjectSpec| RunObject { kind: Arc::clone(&object.kind), start: object.pose, end: object.pose };
+    let objects: Vec<RunObject> = scene.objects.iter().map(object).collect();
+    let drawing = plot::draw_run(&RunPicture {
+        title: &scene.file,
+        world: &scene.world,
+        markers: &scene.markers,
+        robots: &robots,
+        objects: &objects,
+        contacts: trails.contacts(),
+    });
     Ok(plot::write(&drawing, path, None)?)
 }
 

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use crate::record::report::write_whole;
 
 pub use drawing::Drawing;
-pub use run::{RunRobot, draw_run};
+pub use run::{RunObject, RunPicture, RunRobot, draw_run};
 pub use scene::{draw_object_type, draw_robi, draw_scene};
 
 /// Why there is no picture.

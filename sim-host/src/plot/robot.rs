@@ -84,7 +84,21 @@ fn draw_wheels(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
     }
 }
 
-/// Draws all sensors with what they reach; beams end at `walls`.
+/// Draws what lies on the body: bumpers, and where beams begin.
+pub fn draw_fittings(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
+    for bumper in &robi.bumpers {
+        let arc = arc(pose, DVec2::ZERO, 0.5 * robi.diameter, bumper.from, bumper.to);
+        drawing.push(Shape::outlined(Form::Path(arc), BUMPER_LINE).detail(robi.diameter));
+    }
+    let psds = robi.psds.iter().map(|psd| (psd.position, PSD_LINE));
+    let infrareds = robi.infrareds.iter().map(|infrared| (infrared.position, INFRARED_LINE));
+    for (position, line) in psds.chain(infrareds) {
+        let dot = Form::Disc { centre: pose.transform_point(position.truncate()), radius: 0.0, least: 2.0 };
+        drawing.push(Shape::filled(dot, line.paint).detail(robi.diameter));
+    }
+}
+
+/// Draws what all sensors reach, below the bodies; beams end at `walls`.
 pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: &Walls) {
     draw_camera(drawing, robi, pose);
     let reach = |origin: DVec2, direction: DVec2, range: f64| {
@@ -95,8 +109,6 @@ pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: 
         let direction = pose.heading.turned(angle).direction();
         let end = origin + direction * reach(origin, direction, range);
         drawing.push(Shape::outlined(Form::Path(vec![origin, end]), line).detail(range));
-        let dot = Form::Disc { centre: origin, radius: 0.0, least: 2.0 };
-        drawing.push(Shape::filled(dot, line.paint).detail(robi.diameter));
     };
     for psd in &robi.psds {
         beam(psd.position.truncate(), psd.angle, psd.range, PSD_LINE);
@@ -105,10 +117,6 @@ pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: 
         beam(infrared.position.truncate(), infrared.angle, infrared.range, INFRARED_LINE);
     }
     let radius = 0.5 * robi.diameter;
-    for bumper in &robi.bumpers {
-        let arc = arc(pose, DVec2::ZERO, radius, bumper.from, bumper.to);
-        drawing.push(Shape::outlined(Form::Path(arc), BUMPER_LINE).detail(robi.diameter));
-    }
     if robi.lidar.is_some() {
         // Its place and range are nowhere said: a ring of short rays around the middle.
         let rays = (0..36).map(|step| TAU * f64::from(step) / 36.0);

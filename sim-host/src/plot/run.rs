@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use glam::DVec2;
-use sim_core::format::{RobiSpec, WorldSpec};
+use sim_core::format::{MarkerSpec, ObjectType, RobiSpec, WorldSpec};
 use sim_core::pose::Pose;
 
-use super::colour::{self, INK};
+use super::colour::{self, INK, SHADE};
 use super::drawing::{Drawing, Form, Line, Paint, Shape, Symbol};
 use super::ground;
+use super::object::{collider_shape, draw_object};
 use super::robot::{Looks, draw_body, draw_heading};
 use super::scene::{MAX_LABELS, robot_label};
 
@@ -27,10 +28,41 @@ pub struct RunRobot {
     pub trail: Vec<DVec2>,
 }
 
-/// Draws the world, where the robots went, and where bodies touched.
-pub fn draw_run(title: &str, world: &WorldSpec, robots: &[RunRobot], contacts: &[DVec2]) -> Drawing {
-    let mut drawing = Drawing::new(title);
-    ground::draw_world(&mut drawing, world, None);
+/// An object of a run.
+#[derive(Clone, Debug)]
+pub struct RunObject {
+    /// Its type.
+    pub kind: Arc<ObjectType>,
+    /// Where it stood at the start.
+    pub start: Pose,
+    /// Where it came to.
+    pub end: Pose,
+}
+
+/// A finished run.
+#[derive(Clone, Debug)]
+pub struct RunPicture<'a> {
+    /// The line above the picture.
+    pub title: &'a str,
+    /// The world.
+    pub world: &'a WorldSpec,
+    /// Its markers.
+    pub markers: &'a [MarkerSpec],
+    /// The robots in the order of their numbers.
+    pub robots: &'a [RunRobot],
+    /// The objects.
+    pub objects: &'a [RunObject],
+    /// Where bodies touched.
+    pub contacts: &'a [DVec2],
+}
+
+/// Draws the world, where robots and objects went, and where bodies touched. Images and meshes are not read for it.
+pub fn draw_run(run: &RunPicture<'_>) -> Drawing {
+    let RunPicture { robots, contacts, .. } = run;
+    let mut drawing = Drawing::new(run.title);
+    ground::draw_world(&mut drawing, run.world, None);
+    ground::draw_markers(&mut drawing, run.markers);
+    draw_objects(&mut drawing, run.objects);
     let line = |index: usize| Line::solid(colour::robot(index), 1.5);
     for (index, robot) in robots.iter().enumerate() {
         robot.trail.iter().for_each(|point| drawing.include(*point));
@@ -48,7 +80,7 @@ pub fn draw_run(title: &str, world: &WorldSpec, robots: &[RunRobot], contacts: &
         }
     }
     let cross = Line::solid(INK, 1.5);
-    for contact in contacts {
+    for contact in *contacts {
         drawing.include(*contact);
         drawing.push(Shape::outlined(Form::Cross(*contact), cross));
     }
@@ -60,4 +92,20 @@ pub fn draw_run(title: &str, world: &WorldSpec, robots: &[RunRobot], contacts: &
         drawing.explain(Symbol::Line(line), format!("r{} {}", robot.id, robot.robi.name));
     }
     drawing
+}
+
+/// Objects where they came to, and the outlines of those that moved where they had been.
+fn draw_objects(drawing: &mut Drawing, objects: &[RunObject]) {
+    let line = Line::solid(SHADE, 1.0);
+    for object in objects.iter().filter(|object| object.start != object.end) {
+        drawing.include(object.start.position);
+        for collider in &object.kind.colliders {
+            drawing.push(Shape { fill: None, ..collider_shape(collider, &object.start, Paint::solid(SHADE), line) });
+        }
+        drawing.push(Shape::outlined(Form::Path(vec![object.start.position, object.end.position]), line));
+        drawing.explain(Symbol::Disc(None, line), "where an object was");
+    }
+    for object in objects {
+        draw_object(drawing, &object.kind, None, &object.end);
+    }
 }

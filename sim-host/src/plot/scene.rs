@@ -11,7 +11,7 @@ use sim_core::scene::Walls;
 
 use super::drawing::{Drawing, Form, Label, Line, Paint, Shape, Symbol};
 use super::frame::metres;
-use super::robot::{Looks, draw_body, draw_sensors, label_sensors};
+use super::robot::{Looks, draw_body, draw_fittings, draw_sensors, label_sensors};
 use super::{colour, ground, object};
 
 /// With more robots than this, labels beside them would hide the picture.
@@ -44,6 +44,7 @@ pub fn draw_scene(scene: &SceneSpec, looks: &mut MeshReader<'_>) -> Drawing {
         let mesh = looks.robot(&robot.robi);
         let looks = Looks { colour: colour::robot(index), mesh: mesh.as_deref() };
         draw_body(&mut drawing, &robot.robi, &robot.start, &looks);
+        draw_fittings(&mut drawing, &robot.robi, &robot.start);
         if scene.robots.len() <= MAX_LABELS {
             drawing.labels.push(robot_label(robot.id.0, &robot.robi, &robot.start));
         }
@@ -96,6 +97,7 @@ pub fn draw_robi(robi: &RobiSpec, looks: &mut MeshReader<'_>) -> Drawing {
     drawing.include_around(DVec2::ZERO, 1.1 * robi.diameter);
     draw_sensors(&mut drawing, robi, &pose, &Walls::new(Vec::new()));
     draw_body(&mut drawing, robi, &pose, &Looks { colour: colour::robot(0), mesh: mesh.as_deref() });
+    draw_fittings(&mut drawing, robi, &pose);
     label_sensors(&mut drawing, robi, &pose);
     drawing.explain(body_symbol(0), "body, heading");
     drawing

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use glam::DVec2;
-use sim_core::format::{RobiSpec, WorldSpec, read_robi, read_world};
+use sim_core::format::{RobiSpec, WorldSpec, read_esobj, read_robi, read_world};
 use sim_core::math;
 use sim_core::pose::Pose;
 
 use super::frame::Frame;
-use super::run::{RunRobot, draw_run};
+use super::run::{RunObject, RunPicture, RunRobot, draw_run};
 use super::{Drawing, Kind, PlotError, render};
 
 fn robi(name: &str) -> Arc<RobiSpec> {
@@ -46,7 +46,11 @@ fn drawing(side: f64, count: u32) -> Drawing {
     };
     let robots: Vec<RunRobot> = (1..=count).map(robot).collect();
     let contacts = [DVec2::new(0.0, 0.25 * side), DVec2::new(0.0, 0.25 * side), DVec2::new(side, 0.5 * side)];
-    draw_run("square.sim, 12.500 s", &square(side), &robots, &contacts)
+    picture("square.sim, 12.500 s", &square(side), &robots, &contacts)
+}
+
+fn picture(title: &str, world: &WorldSpec, robots: &[RunRobot], contacts: &[DVec2]) -> Drawing {
+    draw_run(&RunPicture { title, world, markers: &[], robots, objects: &[], contacts })
 }
 
 fn svg(drawing: &Drawing) -> String {
@@ -99,13 +103,28 @@ fn up_in_the_world_is_up_in_the_picture() {
         end: Pose::new(0.5, 1.5, 0.0),
         trail: vec![DVec2::new(0.5, 0.5), DVec2::new(0.5, 1.5)],
     };
-    let up = svg(&draw_run("", &square(2.0), std::slice::from_ref(&robot), &[]));
+    let up = svg(&picture("", &square(2.0), std::slice::from_ref(&robot), &[]));
     let trail = points(elements(&up, "polyline", "#0072B2")[0]);
     assert!(trail[1].1 < trail[0].1 && trail[1].0 == trail[0].0, "{trail:?}");
     // A trail out of the world is in the picture all the same.
     robot.trail.push(DVec2::new(-7.0, 9.0));
-    let wide = draw_run("", &square(2.0), &[robot], &[]);
+    let wide = picture("", &square(2.0), &[robot], &[]);
     assert_eq!(wide.extent(), (DVec2::new(-7.0, 0.0), DVec2::new(2.0, 9.0)));
+}
+
+#[test]
+fn objects_are_shown_where_they_came_to_and_where_they_were() {
+    let kind = Arc::new(read_esobj("tub.esObj", "name Tub\nmass 1\ncollider sphere 0 0 0 100\n").0);
+    let object =
+        |x: f64| RunObject { kind: Arc::clone(&kind), start: Pose::new(0.5, 0.5, 0.0), end: Pose::new(x, 0.5, 0.0) };
+    let count = |x: f64| {
+        let (world, objects) = (square(2.0), [object(x)]);
+        let run = RunPicture { title: "", world: &world, markers: &[], robots: &[], objects: &objects, contacts: &[] };
+        let svg = svg(&draw_run(&run));
+        (elements(&svg, "circle", "#F0E442").len(), svg.contains("\nwhere an object was\n"))
+    };
+    // One in the world, one in the legend.
+    assert_eq!((count(0.5), count(1.5)), ((2, false), (2, true)));
 }
 
 #[test]
@@ -144,14 +163,14 @@ fn names_are_escaped_and_shortened() {
         trail: Vec::new(),
     };
     let robots = [robot(1, "<b>&"), robot(2, "a robot with a very long name that nobody reads to its end")];
-    let svg = svg(&draw_run("", &square(1.0), &robots, &[]));
+    let svg = svg(&picture("", &square(1.0), &robots, &[]));
     assert!(svg.contains("r1 &lt;b&gt;&amp;"), "{svg}");
     assert!(svg.contains("\nr2 a robot with a very lo") && svg.contains("\u{2026}\n"), "{svg}");
 }
 
 #[test]
 fn an_empty_world_has_a_picture() {
-    let empty = draw_run("", &WorldSpec::default(), &[], &[]);
+    let empty = picture("", &WorldSpec::default(), &[], &[]);
     assert!(svg(&empty).contains("x in m"));
     assert!(render::to_png(&empty, None).is_ok());
 }
