@@ -143,7 +143,7 @@ pub fn build_world(
     options: &RobotOptions<'_>,
 ) -> anyhow::Result<(World, Vec<Robot>)> {
     debug_assert!(scene.robots.iter().enumerate().all(|(index, robot)| robot.id.index() == index));
-    let walls = build::walls(&scene.world);
+    let walls = build::obstacles(scene);
     let mut models = BTreeMap::new();
     let mut robots = Vec::with_capacity(scene.robots.len());
     for (spec, program) in scene.robots.iter().zip(&programs.of_robots) {
@@ -162,5 +162,6 @@ pub fn build_world(
         robots.push(robot);
     }
     let world = World::new(walls, options.slot, robots.iter_mut().map(|robot| &mut robot.motion));
-    Ok((world, robots))
+    let objects = build::movable(scene).map(|object| (build::properties(object), object.pose));
+    Ok((world.with_objects(objects), robots))
 }

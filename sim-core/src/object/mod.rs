@@ -98,6 +98,15 @@ impl Properties {
         self.parts.iter().map(of_part).fold(Bounds::EMPTY, Bounds::union)
     }
 
+    /// The outlines of the parts of an object at `world_from_object`: see [`Shape::outline`].
+    pub fn outlines(&self, world_from_object: &Pose) -> Vec<Vec<DVec2>> {
+        let of_part = |part: &Part| {
+            let world_from_part = world_from_object.compose(&part.object_from_part);
+            part.shape.outline().into_iter().map(|corner| world_from_part.transform_point(corner)).collect()
+        };
+        self.parts.iter().map(of_part).collect()
+    }
+
     /// Distance along a ray to the footprint of an object at `world_from_object`: 0 from inside, `None` when it is missed.
     ///
     /// `direction` is a unit vector of the world.

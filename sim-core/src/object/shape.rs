@@ -86,6 +86,27 @@ impl Shape {
         }
     }
 
+    /// The corners of the shape, counter-clockwise in the part's frame; in place of a circle a regular polygon of 64 sides
+    /// around it, which is farther out by at most 1.3 thousandths of the radius.
+    pub fn outline(&self) -> Vec<DVec2> {
+        const SIDES: usize = 64;
+        let circle = |radius: f64| {
+            (0..SIDES).map(move |side| {
+                let (sin, cos) = math::sin_cos((side as f64 + 0.5) * std::f64::consts::TAU / SIDES as f64);
+                DVec2::new(cos, sin) * (radius / math::cos(std::f64::consts::PI / SIDES as f64))
+            })
+        };
+        match *self {
+            Self::Disc { radius } => circle(radius).collect(),
+            Self::Rectangle { half } => {
+                [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| DVec2::new(x, y) * half).to_vec()
+            }
+            Self::Capsule { half_length, radius } => {
+                circle(radius).map(|corner| corner + DVec2::new(half_length.copysign(corner.x), 0.0)).collect()
+            }
+        }
+    }
+
     /// Distance from `point`, in the part's frame, to the nearest point of the shape, m; 0 inside.
     pub fn distance(&self, point: DVec2) -> f64 {
         match *self {
@@ -179,6 +200,21 @@ mod tests {
                     Some(distance) => assert!((distance - travelled).abs() < 1e-4, "{shape:?} {step}: {distance}"),
                     None => assert!(travelled >= 3.0, "{shape:?} {step} is missed, but lies {travelled} m ahead"),
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn the_outline_is_just_outside() {
+        for shape in SHAPES {
+            let corners = shape.outline();
+            let count = corners.len();
+            for (index, corner) in corners.iter().enumerate() {
+                let next = corners[(index + 1) % count];
+                assert!(shape.distance(*corner) < 1.3e-3 * 0.3, "{shape:?} {corner}");
+                let middle = 0.5 * (*corner + next);
+                assert!(shape.distance(middle * (1.0 - 1e-12)) < 1e-12, "{shape:?}: sides touch it");
+                assert!(corner.perp_dot(next) > 0.0, "counter-clockwise");
             }
         }
     }

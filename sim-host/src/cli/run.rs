@@ -9,7 +9,9 @@ use std::sync::Arc;
 
 use anyhow::{Context, bail, ensure};
 use clap::Args;
+use glam::DVec2;
 use parking_lot::Mutex;
+use sim_core::build;
 use sim_core::format::{
     CostsRef, Diagnostic, Files, InputFile, Loaded, ObjectSpec, SceneSpec, Severity, decode, is_scene, load_scene_with,
 };
@@ -28,7 +30,7 @@ use crate::executive::thread::ThreadExecutor;
 use crate::files::DiskFiles;
 use crate::plot::{self, RunObject, RunPicture, RunRobot};
 use crate::program::{Builder, Cache, SearchPath, ShimKit, Tools};
-use crate::record::report::{Input, REPORT_SCHEMA, RobotReport};
+use crate::record::report::{Input, ObjectReport, REPORT_SCHEMA, RobotReport};
 use crate::record::trace::{TraceHeader, TraceRobot};
 use crate::record::{Log, Outcome, Recorder, Report, Sink, Trace, Trails};
 use crate::setup::{Programs, RobotOptions, build_world};
@@ -216,10 +218,7 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
     let report = report(options, scene, &ended, inputs);
     let written = [
         args.report.as_ref().map(|path| Ok(report.write(path)?)),
-        args.plot
-            .as_ref()
-            .zip(trails.as_ref())
-            .map(|(path, trails)| write_plot(path, scene, &trails.lock(), &ended.robots)),
+        args.plot.as_ref().zip(trails.as_ref()).map(|(path, trails)| write_plot(path, scene, &trails.lock(), &ended)),
     ];
     print(&table::render(&report, Screen::of_stdout()))?;
     explain(options, &report, &ended);
@@ -283,7 +282,8 @@ fn sinks(args: &RunArgs, options: &Options, scene: &SceneSpec, progress: &Progre
     }
     let trails = args.plot.is_some().then(|| {
         let starts: Vec<Pose> = scene.robots.iter().map(|robot| robot.start).collect();
-        Arc::new(Mutex::new(Trails::new(&starts)))
+        let objects: Vec<Pose> = build::movable(scene).map(|object| object.pose).collect();
+        Arc::new(Mutex::new(Trails::new(&starts, &objects)))
     });
     all.extend(trails.iter().map(|trails| Box::new(Arc::clone(trails)) as Box<dyn Sink>));
     Ok(Sinks { all, trails })
@@ -334,6 +334,12 @@ fn report(options: &Options, scene: &SceneSpec, ended: &Ended, inputs: Vec<Input
         contacts: u64::from(end.contacts),
         lcd: std::array::from_fn(|row| end.lcd.get(row).cloned().unwrap_or_default()),
     };
+    let object = |(id, (spec, end)): (u32, (&ObjectSpec, &Pose))| ObjectReport {
+        id,
+        name: spec.kind.name.clone(),
+        start: spec.pose.into(),
+        pose: (*end).into(),
+    };
     Report {
         schema: REPORT_SCHEMA,
         eyesim_version: env!("CARGO_PKG_VERSION").into(),
@@ -345,22 +351,31 @@ fn report(options: &Options, scene: &SceneSpec, ended: &Ended, inputs: Vec<Input
         real_time_s: ended.real_time.as_secs_f64(),
         digest: ended.digest,
         robots: scene.robots.iter().zip(&ended.robots).map(robot).collect(),
+        objects: (1..).zip(build::movable(scene).zip(&ended.objects)).map(object).collect(),
     }
 }
 
 /// Writes the picture of the run.
-fn write_plot(path: &Path, scene: &SceneSpec, trails: &Trails, ends: &[RobotEnd]) -> anyhow::Result<()> {
+fn write_plot(path: &Path, scene: &SceneSpec, trails: &Trails, ended: &Ended) -> anyhow::Result<()> {
     let robot = |(index, spec): (usize, &sim_core::format::RobotSpec)| RunRobot {
         id: spec.id.0,
         robi: Arc::clone(&spec.robi),
         start: spec.start,
-        end: ends[index].pose,
+        end: ended.robots[index].pose,
         trail: trails.trails()[index].points(),
     };
     let robots: Vec<RunRobot> = scene.robots.iter().enumerate().map(robot).collect();
-    let object =
-        |object: &ObjectSpec| RunObject { kind: Arc::clone(&object.kind), start: object.pose, end: object.pose };
-    let objects: Vec<RunObject> = scene.objects.iter().map(object).collect();
+    let object = |object: &ObjectSpec, end: Pose, trail: Vec<DVec2>| RunObject {
+        kind: Arc::clone(&object.kind),
+        start: object.pose,
+        end,
+        trail,
+    };
+    let fixed = scene.objects.iter().filter(|spec| spec.kind.is_fixed);
+    let fixed = fixed.map(|spec| object(spec, spec.pose, Vec::new()));
+    let moved = build::movable(scene).zip(ended.objects.iter().zip(trails.objects()));
+    let moved = moved.map(|(spec, (end, trail))| object(spec, *end, trail.points()));
+    let objects: Vec<RunObject> = fixed.chain(moved).collect();
     let drawing = plot::draw_run(&RunPicture {
         title: &scene.file,
         world: &scene.world,

@@ -10,14 +10,15 @@ use std::collections::{BinaryHeap, VecDeque};
 use std::time::{Duration, Instant};
 
 use parking_lot::MutexGuard;
-use sim_core::RobotId;
 use sim_core::drive::Motion;
 use sim_core::time::Time;
 use sim_core::world::World;
+use sim_core::{ObjectId, RobotId};
 
 use super::run::Run;
 use super::signal;
-use crate::record::{RecordError, Recorder};
+use crate::record::event::WORLD;
+use crate::record::{Event, Journal, RecordError, Recorder};
 use crate::robios::robot::{Robot, Waits};
 
 /// Who runs, who waits until when, and where the run's record goes.
@@ -39,6 +40,8 @@ pub struct Conductor {
     until: Time,
     pace: Option<Pace>,
     recorder: Recorder<'static>,
+    /// Where the movable objects are recorded.
+    objects: Journal,
     end: Option<End>,
 }
 
@@ -128,6 +131,7 @@ impl Conductor {
             until: plan.until,
             pace: plan.speed.map(|factor| Pace { factor, start: Instant::now() }),
             recorder,
+            objects: Journal::new(WORLD, false),
             end: (alive == 0).then_some(End::Finished),
         };
         for (place, robot) in ids(true).enumerate() {
@@ -309,11 +313,17 @@ impl Conductor {
         active.append(&mut self.ran);
         active.sort_unstable();
         active.dedup();
+        if world.slot_start() == Time::ZERO {
+            let all = (0..world.object_count()).map(ObjectId::from_index);
+            self.record_objects(world, Time::ZERO, all);
+        }
         let mut robots: Vec<MutexGuard<'_, Robot>> = active.iter().map(|id| run.robot(*id)).collect();
         let contacts = {
             let mut motions: Vec<&mut Motion> = robots.iter_mut().map(|robot| &mut robot.motion).collect();
             world.advance(&mut motions)
         };
+        self.record_objects(world, slot_end, world.moved_objects().iter().copied());
+        self.recorder.collect(&mut self.objects);
         for contact in contacts {
             if let Ok(place) = active.binary_search(&contact.robot) {
                 robots[place].record_contact(&contact);
@@ -334,10 +344,28 @@ impl Conductor {
         self.recorder.end_slot(slot_end)
     }
 
+    /// Records where these movable objects are at `at`.
+    fn record_objects(&mut self, world: &World, at: Time, objects: impl Iterator<Item = ObjectId>) {
+        for object in objects {
+            let pose = world.object_pose(object, at);
+            let event = Event::Object {
+                object: object.0,
+                x_m: pose.position.x,
+                y_m: pose.position.y,
+                phi_rad: pose.heading.remainder(),
+                turns: pose.heading.turns(),
+            };
+            self.objects.record(at, &event);
+        }
+    }
+
     /// The start of the next slot in which a body moves or a robot is due; none when that never happens.
     fn next_start(&mut self, world: &World) -> Option<Time> {
         // The world has gone on to the slot after the one that was finished.
         let following = world.slot_start();
+        if world.is_object_moving() {
+            return Some(following);
+        }
         if !self.moving.is_empty() {
             // A drive that nobody waits for may go on for ever once all programs have ended: that is no reason to run on.
             return (self.alive > 0).then_some(following);

@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 
 use parking_lot::{Mutex, MutexGuard, RwLock};
 use robios_sys::Stop;
-use sim_core::RobotId;
 use sim_core::pose::Pose;
 use sim_core::time::Time;
 use sim_core::world::World;
+use sim_core::{ObjectId, RobotId};
 
 use super::Executor;
 use super::bell::Bell;
@@ -84,6 +84,8 @@ pub struct Ended {
     pub digest: Digest,
     /// For each robot how it stands, in the order of ids.
     pub robots: Vec<RobotEnd>,
+    /// Where each movable object is, in the order of ids.
+    pub objects: Vec<Pose>,
 }
 
 /// How a robot stands at the end of a run.
@@ -351,6 +353,9 @@ impl Run {
             Err(error) => (End::Record(error), recorder.digest()),
         };
         signal::uninstall();
-        Ended { end, time, real_time: start.elapsed(), digest, robots }
+        let world = self.world.read();
+        let objects =
+            (0..world.object_count()).map(|index| world.object_pose(ObjectId::from_index(index), time)).collect();
+        Ended { end, time, real_time: start.elapsed(), digest, robots, objects }
     }
 }

@@ -37,6 +37,8 @@ pub struct RunObject {
     pub start: Pose,
     /// Where it came to.
     pub end: Pose,
+    /// Where it has been; empty for what does not move.
+    pub trail: Vec<DVec2>,
 }
 
 /// A finished run.
@@ -102,7 +104,8 @@ fn draw_objects(drawing: &mut Drawing, objects: &[RunObject]) {
         for collider in &object.kind.colliders {
             drawing.push(Shape { fill: None, ..collider_shape(collider, &object.start, Paint::solid(SHADE), line) });
         }
-        drawing.push(Shape::outlined(Form::Path(vec![object.start.position, object.end.position]), line));
+        object.trail.iter().for_each(|point| drawing.include(*point));
+        drawing.push(Shape::outlined(Form::Path(object.trail.clone()), line));
         drawing.explain(Symbol::Disc(None, line), "where an object was");
     }
     for object in objects {

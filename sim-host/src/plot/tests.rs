@@ -115,8 +115,12 @@ fn up_in_the_world_is_up_in_the_picture() {
 #[test]
 fn objects_are_shown_where_they_came_to_and_where_they_were() {
     let kind = Arc::new(read_esobj("tub.esObj", "name Tub\nmass 1\ncollider sphere 0 0 0 100\n").0);
-    let object =
-        |x: f64| RunObject { kind: Arc::clone(&kind), start: Pose::new(0.5, 0.5, 0.0), end: Pose::new(x, 0.5, 0.0) };
+    let object = |x: f64| RunObject {
+        kind: Arc::clone(&kind),
+        start: Pose::new(0.5, 0.5, 0.0),
+        end: Pose::new(x, 0.5, 0.0),
+        trail: Vec::new(),
+    };
     let count = |x: f64| {
         let (world, objects) = (square(2.0), [object(x)]);
         let run = RunPicture { title: "", world: &world, markers: &[], robots: &[], objects: &objects, contacts: &[] };

@@ -333,6 +333,19 @@ events! {
         /// The line without its end.
         text: &'a str,
     }
+    /// Where a movable object that moved is at the end of a slot; of the world, not of a robot.
+    Object = "object" {
+        /// Its number.
+        object: u32,
+        /// World coordinate to the right, m.
+        x_m: f64,
+        /// World coordinate upwards, m.
+        y_m: f64,
+        /// Heading within the turn, counter-clockwise from x, in [-pi, pi), rad.
+        phi_rad: f64,
+        /// Whole turns of the heading.
+        turns: i64,
+    }
     /// The program writes a line to its standard error. A note.
     Stderr = "stderr" {
         /// The line without its end.
@@ -420,12 +433,15 @@ impl KindSet {
     }
 }
 
+/// Stands in place of a robot for what belongs to the world: its journal comes before those of all robots.
+pub const WORLD: RobotId = RobotId(0);
+
 /// An event with its virtual time and its robot. Serialises to a line of the trace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record<'a> {
     /// Virtual time of the robot.
     pub time: Time,
-    /// Whose event.
+    /// Whose event; [`WORLD`] for that of no robot.
     pub robot: RobotId,
     /// Number of the event among its robot's, from 0; none for a note.
     pub sequence: Option<u64>,
@@ -437,7 +453,9 @@ impl Serialize for Record<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("t_s", &self.time.seconds())?;
-        map.serialize_entry("robot", &self.robot.0)?;
+        if self.robot != WORLD {
+            map.serialize_entry("robot", &self.robot.0)?;
+        }
         if let Some(sequence) = self.sequence {
             map.serialize_entry("seq", &sequence)?;
         }

@@ -43,6 +43,21 @@ pub struct Report {
     pub digest: Digest,
     /// All robots in order of their ids.
     pub robots: Vec<RobotReport>,
+    /// All movable objects in order of their ids.
+    pub objects: Vec<ObjectReport>,
+}
+
+/// What became of a movable object.
+#[derive(Clone, Debug, Serialize)]
+pub struct ObjectReport {
+    /// Its number.
+    pub id: u32,
+    /// The name of its type.
+    pub name: String,
+    /// Where it was at first.
+    pub start: PlanarPose,
+    /// Where it is.
+    pub pose: PlanarPose,
 }
 
 /// A file that was read.
@@ -220,6 +235,12 @@ mod tests {
             real_time_s: 0.001,
             digest: Digest([0xab; 32]),
             robots: vec![robot, other],
+            objects: vec![ObjectReport {
+                id: 1,
+                name: "Golf".into(),
+                start: Pose::new(1.0, 1.0, 0.0).into(),
+                pose: Pose::new(1.5, 1.0, 0.5).into(),
+            }],
         }
     }
 

@@ -1,6 +1,7 @@
 //! Where robots have been: trails that keep their shape in bounded memory.
 
 use glam::DVec2;
+use sim_core::ObjectId;
 use sim_core::math;
 use sim_core::pose::Pose;
 use sim_core::time::Time;
@@ -125,14 +126,20 @@ struct Bend;
 #[derive(Clone, Debug)]
 pub struct Trails {
     trails: Vec<Trail>,
+    objects: Vec<Trail>,
     contacts: Vec<DVec2>,
 }
 
 impl Trails {
-    /// Trails from the robots' poses at the start, in order of their ids.
-    pub fn new(starts: &[Pose]) -> Self {
-        let trails = starts.iter().map(|start| Trail::new(start.position)).collect();
-        Self { trails, contacts: Vec::new() }
+    /// Trails from the poses at the start of the robots and of the movable objects, in order of their ids.
+    pub fn new(robots: &[Pose], objects: &[Pose]) -> Self {
+        let trails = |starts: &[Pose]| starts.iter().map(|start| Trail::new(start.position)).collect();
+        Self { trails: trails(robots), objects: trails(objects), contacts: Vec::new() }
+    }
+
+    /// The trails of the movable objects in order of their ids.
+    pub fn objects(&self) -> &[Trail] {
+        &self.objects
     }
 
     /// The trails in order of the robots' ids.
@@ -148,13 +155,18 @@ impl Trails {
 
 impl Sink for Trails {
     fn interest(&self) -> KindSet {
-        KindSet::of(&[Kind::Pose, Kind::Contact])
+        KindSet::of(&[Kind::Pose, Kind::Object, Kind::Contact])
     }
 
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
         match record.event {
             Event::Pose { x_m, y_m, .. } => {
                 if let Some(trail) = self.trails.get_mut(record.robot.index()) {
+                    trail.push(DVec2::new(x_m, y_m));
+                }
+            }
+            Event::Object { object, x_m, y_m, .. } => {
+                if let Some(trail) = self.objects.get_mut(ObjectId(object).index()) {
                     trail.push(DVec2::new(x_m, y_m));
                 }
             }
