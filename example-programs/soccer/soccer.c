@@ -4,15 +4,15 @@
 #include "eyebot.h"
 
 /* Metres in the field's frame, as in soccer.wld and soccer.sim. */
-#define BALL_X   1.3
+#define BALL_X   1.4
 #define BALL_Y   0.7
-#define GOAL_X   2.55
+#define GOAL_X   2.7
 #define GOAL_Y   0.7
 #define BEHIND   0.3    /* from the ball to where the run-up begins */
 #define NEAR     0.2    /* where the run-up ends: the ball is kicked on the way */
 
 #define SPEED    0.3
-#define KICK     0.6
+#define KICK     0.49
 #define RATE     1.5
 #define SECONDS  30
 
@@ -35,7 +35,7 @@ static void go(VWHandle vw, Place *at, double x, double y, double speed)
 
 static int kick_off(VWHandle vw, PSDHandle front)
 {
-  Place at = { 0.6, 0.35, 0.0 };
+  Place at = { 0.7, 0.35, 0.0 };
   double to_goal = atan2(GOAL_Y - BALL_Y, GOAL_X - BALL_X);
   double angle;
   int distance;

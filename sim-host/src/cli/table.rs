@@ -315,6 +315,7 @@ mod tests {
             real_time_s: 0.0025,
             digest: Digest([0xab; 32]),
             robots,
+            objects: Vec::new(),
         }
     }
 

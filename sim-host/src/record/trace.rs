@@ -199,6 +199,7 @@ mod tests {
             Event::TimerAttached { timer: 1, period_s: 0.01 },
             Event::TimerDetached { timer: 1 },
             Event::Stdout { text: "hello" },
+            Event::Object { object: 1, x_m: 1.5, y_m: 0.25, phi_rad: 0.5, turns: 2 },
             Event::Stderr { text: "thread main panicked" },
             Event::Fault { what: "SIGSEGV", location: "maze.c:88", last_call: "KEYGet" },
             Event::Reason { text: "fault" },
