@@ -330,6 +330,62 @@ fn what_only_the_window_shows_changes_nothing() {
     assert_eq!(digest(&scratch, &format!("world room.wld\n{scene}")), first);
 }
 
+/// A post that nothing moves: 120 mm wide (X to the right), 300 mm high, 60 mm deep (Z forward).
+const POST: &str = "name Post\nmass 5 0 0 0\ncollider box 0 150 0 120 300 60\nfixed\n";
+
+#[test]
+fn objects_of_every_dialect_stand_where_they_are_placed() {
+    let scratch = scratch();
+    scratch.write("things/post.esObj", POST);
+    // Around the S4: a crate of 200 mm, a can of 66 mm, the post, a ball of 100 mm in classic form.
+    let objects = "object things/post.esObj\ncrate 1500 1020 0\ncan 1056 1500 0\nPost 1056 500 0\n\
+                   object 500 1000 0 0.3 ball.ms3d\n";
+    let around = [1400.0 - 1060.0, 1500.0 - 33.0 - 1045.0, 955.0 - 500.0 - 60.0, 940.0 - 550.0];
+    let readings = |robots: &[Value]| -> Vec<f64> { (0..4).map(|row| reading(&robots[0], row)).collect() };
+    let robots = run(&scratch, &format!("world room.wld\n{objects}S4 1000 1000 0 look.c\n"));
+    assert_eq!(readings(&robots), around);
+    // Turned by a quarter, the post shows its narrow side.
+    let turned = objects.replace("Post 1056 500 0", "Post 1056 500 90");
+    let robots = run(&scratch, &format!("world room.wld\n{turned}S4 1000 1000 0 look.c\n"));
+    assert_eq!(readings(&robots)[2], 955.0 - 500.0 - 30.0);
+    // A maze has a ball and a box as letters.
+    scratch.write("field.maz", " _______\n|o     x|\n|_______|\n720\n");
+    let robots = run(&scratch, "world field.maz\nS4 1440 1080 180 look.c\n");
+    assert_eq!(reading(&robots[0], 0), 1440.0 - 60.0 - 360.0 - (50.0_f64.powi(2) - 20.0_f64.powi(2)).sqrt().round());
+    assert_eq!(reading(&robots[0], 3), 2520.0 - 100.0 - 1500.0);
+}
+
+/// Drives 1 m against whatever is there.
+const RAM: &str = r#"
+#include "eyebot.h"
+int main(void) {
+    VWHandle vw = VWInit(VW_DRIVE, 1);
+    VWDriveStraight(vw, 1.0, 0.2);
+    OSWait(600);
+    return 0;
+}
+"#;
+
+#[test]
+fn a_robot_pushes_a_can_and_stops_at_a_post() {
+    let scratch = scratch();
+    scratch.write("post.esObj", POST);
+    scratch.write("ram.c", RAM);
+    scratch.write(
+        "scene.sim",
+        "world room.wld\nobject post.esObj\nS4 600 600 0 ram.c\ncan 1000 600 0\nS4 600 1600 0 ram.c\nPost 1200 1600 0\n",
+    );
+    let report = scratch.report("scene.sim", &[], 0);
+    let (pushes, stopped) = (&report["robots"][0], &report["robots"][1]);
+    assert_at(pushes, 1600.0, 600.0, 0.0);
+    assert_at(stopped, 1200.0 - 30.0 - 93.0, 1600.0, 0.0);
+    let can = &report["objects"][0];
+    assert_eq!(report["objects"].as_array().map(Vec::len), Some(1), "the post is a part of the world: {report:#}");
+    // In front of the robot, or a little ahead where it has slid on.
+    let ahead = number(can, "pose.x_m") * 1000.0 - (1600.0 + 93.0 + 33.0);
+    assert!((-1.0..20.0).contains(&ahead), "{ahead} mm: {can:#}");
+}
+
 /// Shows what its `main` gets.
 const ECHO: &str = r#"
 #include "eyebot.h"
