@@ -26,7 +26,7 @@ impl Target {
     }
 }
 
-/// All targets. An input is a file of the reader's kind, for `load_sim` and `mesh` an [`archive`] of several.
+/// All targets. An input is a file of the reader's kind, for `load_scene` and `mesh` an [`archive`] of several.
 pub const TARGETS: &[Target] = &[
     Target::new("world", reader::world),
     Target::new("maze", reader::maze),
@@ -34,8 +34,10 @@ pub const TARGETS: &[Target] = &[
     Target::new("companion", reader::companion),
     Target::new("esobj", reader::esobj),
     Target::new("sim", reader::sim),
+    Target::new("scene", reader::scene),
+    Target::new("costs", reader::costs),
     Target::new("mesh", reader::mesh),
-    Target::new("load_sim", reader::load_sim),
+    Target::new("load_scene", reader::load_scene),
 ];
 
 /// Checks `input` with the target of this name.

@@ -51,7 +51,21 @@ pub fn sim(input: &[u8]) {
     spec::sim(&sim, &Lines::new(&content));
 }
 
-pub fn load_sim(input: &[u8]) {
+pub fn scene(input: &[u8]) {
+    let (content, _) = format::decode(input);
+    let (sim, diagnostics) = format::read_scene("a.scene.toml", &content);
+    text::check(&content, &diagnostics);
+    spec::sim(&sim, &Lines::new(&content));
+}
+
+pub fn costs(input: &[u8]) {
+    let (content, _) = format::decode(input);
+    let (costs, diagnostics) = format::read_costs("costs.toml", &content);
+    text::check(&content, &diagnostics);
+    spec::costs(&costs, &Lines::new(&content));
+}
+
+pub fn load_scene(input: &[u8]) {
     let archive = Archive::new(input);
     let loaded = format::load_scene(archive.first(), &archive);
     spec::scene(&loaded.scene);

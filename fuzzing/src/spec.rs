@@ -5,11 +5,12 @@ use std::fmt::{self, Debug, Write};
 
 use glam::{DVec2, DVec3};
 use sim_core::format::{
-    Collider, DriveKind, JointSpec, Layout, MAX_LENGTH, ModelSpec, ObjectLine, ObjectType, RobiSpec, SceneSpec,
-    SimSpec, Span, StartRef, WorldSpec,
+    Collider, CostTable, CostsRef, DriveKind, JointSpec, Layout, MAX_LENGTH, ModelSpec, ObjectLine, ObjectType,
+    RobiSpec, SceneSpec, SimSpec, Span, StartRef, WorldSpec,
 };
 use sim_core::pose::Pose;
 use sim_core::scene::Mesh;
+use sim_core::time::Time;
 
 use crate::text::Lines;
 
@@ -80,6 +81,37 @@ pub fn sim(sim: &SimSpec, lines: &Lines<'_>) {
         place(marker.position, &marker);
         inside(marker.span, lines, &marker);
     }
+    let inline = &sim.inline;
+    if let Some(described) = &inline.world {
+        world(described, lines);
+    }
+    for (described, span) in &inline.robot_types {
+        robi(described);
+        inside(*span, lines, span);
+    }
+    for (described, span) in &inline.object_types {
+        object_type(described);
+        inside(*span, lines, span);
+    }
+    let run = &sim.run;
+    assert!(
+        run.slot.is_none_or(|slot| slot > Time::ZERO) && run.until.is_none_or(|until| until > Time::ZERO),
+        "{run:?}"
+    );
+    match &run.costs {
+        Some(CostsRef::File(path)) => inside(path.span, lines, path),
+        Some(CostsRef::Table(table)) => costs(table, lines),
+        None => {}
+    }
+}
+
+/// Panics unless a cost table is sound and its spans lie in `lines`.
+pub fn costs(table: &CostTable, lines: &Lines<'_>) {
+    for entry in &table.entries {
+        assert!((1..=3_600_000_000).contains(&entry.cost.0), "{entry:?}");
+        assert!(!entry.generation.is_empty(), "{entry:?}");
+        inside(entry.span, lines, entry);
+    }
 }
 
 /// Panics unless the spec of a robot type is sound.
@@ -110,11 +142,6 @@ pub fn robi(robi: &RobiSpec) {
         angle(psd.angle, &psd);
         size(psd.range, &psd);
         assert!(!psd.name.is_empty(), "{psd:?}");
-    }
-    for (place, psd) in robi.psds.iter().enumerate() {
-        // Quadratic, and so for few only.
-        let is_double = |other: &&sim_core::format::PsdSpec| other.name == psd.name;
-        assert!(place > 30 || !robi.psds[..place].iter().any(|other| is_double(&other)), "{psd:?} twice");
     }
     if let Some(camera) = &robi.camera {
         point(camera.position, camera);
@@ -259,7 +286,8 @@ fn joint(joint: &JointSpec) {
     match joint {
         JointSpec::Fixed(fixed) => angle(*fixed, joint),
         JointSpec::Servo { name, from, to } => {
-            assert!(!name.is_empty() && from.abs().max(to.abs()) <= TAU * ROUNDING, "{joint:?}");
+            // A camera's servo turns it to both sides of a fixed angle.
+            assert!(!name.is_empty() && from.abs().max(to.abs()) <= 2.0 * MAX_ANGLE * ROUNDING, "{joint:?}");
         }
     }
 }

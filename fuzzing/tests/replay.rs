@@ -74,6 +74,7 @@ fn files_of_eyesim_hold() {
             "maz" | "maze" => "maze",
             "robi" => "robi",
             "sim" => "sim",
+            "esobj" => "esobj",
             _ => continue,
         };
         replay(target, &path);

@@ -1,12 +1,15 @@
 //! The companion of a robi: a TOML file beside it, for what the classic format cannot say.
 
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 use toml::de::DeTable;
 
+use super::Span;
 use super::code::Code;
 use super::diagnostic::Diagnostic;
+use super::given::Given;
 use super::line::{self, Quantity};
 use super::robi::{LIDAR_SWEEP, LIDAR_TILT, MAX_LIDAR_POINTS};
 use super::spec::{BumperSpec, CompassSpec, InfraredSpec, LidarSpec, RobiSpec, ServoSpec};
@@ -16,6 +19,8 @@ use super::table::{Reader, Section};
 const DEFAULT_INFRARED_RANGE: f64 = 0.1;
 /// Servo angles at positions 0 and 255 when the file does not say, in radians: a half turn in all.
 const DEFAULT_SERVO: [f64; 2] = [-TAU / 4.0, TAU / 4.0];
+/// Names that a message lists at most.
+const MAX_LISTED: usize = 32;
 
 /// Reads the companion `text` of a robi into `robi`, on top of what the robi itself says.
 ///
@@ -106,16 +111,18 @@ impl Reader<'_> {
         if let Some(range) = self.number(&mut section, "range_mm", &quantity) {
             robi.psds.iter_mut().for_each(|psd| psd.range = range);
         }
+        let names: Vec<String> = robi.psds.iter().map(|psd| psd.name.clone()).collect();
+        let places: BTreeMap<&str, usize> = names.iter().map(String::as_str).zip(0..).collect();
+        let names = || names.iter().map(String::as_str).take(MAX_LISTED).chain(["range_mm"]);
         for (key, value) in section.table {
             if key.get_ref() == "range_mm" {
                 continue;
             }
             let span = self.span(key.span());
-            let Some(psd) = robi.psds.iter_mut().find(|psd| psd.name == key.get_ref().as_ref()) else {
-                let names = robi.psds.iter().map(|psd| psd.name.as_str()).chain(["range_mm"]).collect::<Vec<_>>();
+            let Some(psd) = places.get(key.get_ref().as_ref()).and_then(|place| robi.psds.get_mut(*place)) else {
                 let message = format!("`{}` is neither a PSD of the robi nor `range_mm`", key.get_ref());
-                let expected = format!("one of {}", names.join(", "));
-                let suggestion = line::nearest(key.get_ref(), names).map(|name| format!("write `{name}`"));
+                let expected = format!("one of {}", names().collect::<Vec<_>>().join(", "));
+                let suggestion = line::nearest(key.get_ref(), names()).map(|name| format!("write `{name}`"));
                 self.sink.warn(Code::TomlKey, span, message, expected).suggestion = suggestion;
                 continue;
             };
@@ -224,18 +231,20 @@ impl Reader<'_> {
 
     /// Devices that a program could not tell apart.
     pub(super) fn doubles(&mut self, robi: &RobiSpec) {
-        let infrareds = robi.infrareds.iter().map(|device| ("infrared", &device.name, device.id, device.span));
-        let bumpers = robi.bumpers.iter().map(|device| ("bumper", &device.name, device.id, device.span));
-        let servos = robi.servos.iter().map(|device| ("servo", &device.name, device.id, device.span));
-        let mut seen: Vec<(&str, &String, Option<i32>)> = Vec::new();
-        for (kind, name, id, span) in infrareds.chain(bumpers).chain(servos) {
-            let is_same =
-                |old: &&(&str, &String, Option<i32>)| old.0 == kind && (old.1 == name || id.is_some() && old.2 == id);
-            if seen.iter().any(|old| is_same(&old)) {
+        self.doubles_of("PSD", robi.psds.iter().map(|device| (&*device.name, device.id, device.span)));
+        self.doubles_of("infrared", robi.infrareds.iter().map(|device| (&*device.name, device.id, device.span)));
+        self.doubles_of("bumper", robi.bumpers.iter().map(|device| (&*device.name, device.id, device.span)));
+        self.doubles_of("servo", robi.servos.iter().map(|device| (&*device.name, device.id, device.span)));
+    }
+
+    fn doubles_of<'d>(&mut self, kind: &str, devices: impl Iterator<Item = (&'d str, Option<i32>, Span)>) {
+        let mut given = Given::default();
+        for (name, id, span) in devices {
+            if given.line_of(name, id).is_some() {
                 let message = format!("the name or number of {kind} `{name}` was already given");
                 self.sink.warn(Code::RobiDeviceTwice, span, message, "each name and each number once");
             }
-            seen.push((kind, name, id));
+            given.add(name, id, span.line);
         }
     }
 

@@ -205,12 +205,14 @@ impl<'a> Loader<'a> {
         let (text, invalid) = decode(&bytes);
         if let Some(place) = invalid {
             let starts = line::line_starts(&text[..place]);
-            let line_start = starts.last().copied().unwrap_or_default();
+            let line = &text[starts.last().copied().unwrap_or_default()..place];
+            // A byte order mark is one only at the start of the text.
+            let line = if starts.len() == 1 { line.trim_start_matches('\u{feff}') } else { line };
             let span = Span {
                 start: place,
                 end: place + char::REPLACEMENT_CHARACTER.len_utf8(),
                 line: starts.len() as u32,
-                column: text[line_start..place].trim_start_matches('\u{feff}').chars().count() as u32 + 1,
+                column: line.chars().count() as u32 + 1,
             };
             let mut sink = Sink::new(path);
             sink.warn(

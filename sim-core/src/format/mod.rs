@@ -11,6 +11,7 @@ mod code;
 mod companion;
 mod diagnostic;
 mod esobj;
+mod given;
 mod line;
 mod load;
 mod maze;

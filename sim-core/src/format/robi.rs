@@ -9,6 +9,7 @@ use glam::DVec3;
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
+use super::given::Given;
 use super::line::{self, Line, Quantity, Word};
 use super::spec::{
     DEFAULT_ROBOT_MASS, DEFAULT_TRACTION, DriveKind, DriveSpec, InputSpec, MotorSpec, RobiSpec, WheelSpec,
@@ -100,6 +101,8 @@ struct Reader {
     sink: Sink,
     dialect: Dialect,
     robi: RobiSpec,
+    /// Names and numbers of the PSDs.
+    psds: Given,
     /// The first keyword of the file.
     first: Option<Span>,
     /// The line of the driven wheels.
@@ -120,6 +123,7 @@ impl Reader {
             sink: Sink::new(file),
             dialect,
             robi: RobiSpec::with_defaults(file),
+            psds: Given::default(),
             first: None,
             wheel: None,
             is_wheel_read: false,

@@ -58,14 +58,14 @@ impl Reader {
                 return;
             }
         };
-        if let Some(old) = self.robi.psds.iter().find(|psd| psd.name == name.text || id.is_some() && psd.id == id) {
-            let message =
-                format!("the name or number of PSD `{}` was already given in line {}", name.text, old.span.line);
+        if let Some(line) = self.psds.line_of(name.text, id) {
+            let message = format!("the name or number of PSD `{}` was already given in line {line}", name.text);
             self.sink.warn(Code::RobiDeviceTwice, span, message, "each name and each number once");
             return;
         }
         if let Some([x, y, z, angle]) = line::numbers(&mut self.sink, Severity::Warning, &pose, &PSD_POSE) {
             let position = DVec3::new(x, y, z);
+            self.psds.add(name.text, id, span.line);
             let name = name.text.to_owned();
             self.robi.psds.push(PsdSpec { name, id, position, angle, range: DEFAULT_PSD_RANGE, span });
         }

@@ -79,7 +79,7 @@ impl Reader {
             );
             self.sink.warn(Code::RobiTrackWide, span, message, "half the distance of the wheels");
         } else {
-            self.robi.wheel.track = 2.0 * track;
+            self.robi.wheel.track = (2.0 * track).min(MAX_LENGTH);
         }
     }
 

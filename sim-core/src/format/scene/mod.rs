@@ -8,6 +8,8 @@ mod room;
 mod types;
 mod world;
 
+use std::collections::BTreeSet;
+
 use toml::de::{DeTable, DeValue};
 
 use super::code::Code;
@@ -84,11 +86,12 @@ impl Reader<'_> {
         if let Some(section) = self.section(&mut root, "settings") {
             self.settings(section, sim);
         }
+        let mut names = BTreeSet::new();
         for section in self.sections(&mut root, "robot_type") {
-            self.robot_type(section, sim);
+            self.robot_type(section, &mut names, sim);
         }
         for section in self.sections(&mut root, "object_type") {
-            self.object_type(section, sim);
+            self.object_type(section, &mut names, sim);
         }
         let mut count = 0;
         for section in self.sections(&mut root, "robot") {

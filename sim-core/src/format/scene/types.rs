@@ -1,7 +1,8 @@
 //! Types of robots and objects that a scene describes in place: all that a robi with its companion and an esObj can say.
 
+use std::collections::BTreeSet;
+
 use glam::DVec3;
-use toml::de::DeValue;
 
 use super::inline_file;
 use crate::drive::DriveKind;
@@ -10,8 +11,8 @@ use crate::format::line::Quantity;
 use crate::format::read_robi;
 use crate::format::robi::WHEELBASE_OF_DIAMETER;
 use crate::format::spec::{
-    Axis, CameraSpec, Collider, DEFAULT_PSD_RANGE, DEFAULT_ROLLING, DriveSpec, InlineSpec, JointSpec, ModelSpec,
-    MotorSpec, ObjectType, PsdSpec, RobiSpec, SimSpec,
+    Axis, CameraSpec, Collider, DEFAULT_PSD_RANGE, DEFAULT_ROLLING, DriveSpec, JointSpec, ModelSpec, MotorSpec,
+    ObjectType, PsdSpec, RobiSpec, SimSpec,
 };
 use crate::format::table::{Reader, Section};
 
@@ -38,15 +39,9 @@ fn default_wheelbase(robi: &RobiSpec) -> f64 {
     }
 }
 
-impl InlineSpec {
-    fn has_type(&self, name: &str) -> bool {
-        let robots = self.robot_types.iter().map(|(robi, _)| &robi.name);
-        robots.chain(self.object_types.iter().map(|(object, _)| &object.name)).any(|known| known == name)
-    }
-}
-
 impl Reader<'_> {
-    pub(super) fn robot_type(&mut self, mut section: Section<'_, '_>, sim: &mut SimSpec) {
+    /// A type of robots; `names` are those of the types before it.
+    pub(super) fn robot_type(&mut self, mut section: Section<'_, '_>, names: &mut BTreeSet<String>, sim: &mut SimSpec) {
         if section.has("file") {
             sim.robot_types.extend(self.reference(&mut section, "file"));
             self.alone(&section);
@@ -89,7 +84,7 @@ impl Reader<'_> {
         self.unknown_keys(&section);
         self.doubles(&robi);
         let Some(name) = name else { return };
-        if sim.inline.has_type(&name.text) {
+        if !names.insert(name.text.clone()) {
             let message = format!("a second type named `{}`; it is left out", name.text);
             self.sink.warn(Code::SimTypeTwice, name.span, message, "each name once");
             return;
@@ -263,7 +258,12 @@ impl Reader<'_> {
         collider
     }
 
-    pub(super) fn object_type(&mut self, mut section: Section<'_, '_>, sim: &mut SimSpec) {
+    pub(super) fn object_type(
+        &mut self,
+        mut section: Section<'_, '_>,
+        names: &mut BTreeSet<String>,
+        sim: &mut SimSpec,
+    ) {
         if section.has("file") {
             sim.object_types.extend(self.reference(&mut section, "file"));
             self.alone(&section);
@@ -281,15 +281,10 @@ impl Reader<'_> {
         }
         let scale = Quantity::coordinate("length of the mesh's unit").within(1e-6, 1e9);
         self.set(&mut section, "scale_mm", &scale, &mut object.scale);
-        let has_colliders = section.get("collider").is_some_and(|value| match value.get_ref() {
-            DeValue::Array(items) => !items.is_empty(),
-            _ => true,
-        });
-        if has_colliders {
-            object.colliders.clear();
-            for collider in self.sections(&mut section, "collider") {
-                object.colliders.extend(self.collider(collider));
-            }
+        let colliders = self.sections(&mut section, "collider");
+        let colliders: Vec<Collider> = colliders.into_iter().filter_map(|collider| self.collider(collider)).collect();
+        if !colliders.is_empty() {
+            object.colliders = colliders;
         }
         self.set(&mut section, "mass_kg", &Quantity::mass("mass"), &mut object.mass);
         if let Some([x, y, z]) = self.numbers(&mut section, "centre_of_mass_mm", &PLACE) {
@@ -305,7 +300,7 @@ impl Reader<'_> {
         self.set(&mut section, "buoyancy_m3", &Quantity::number("volume", 0.0, 1e6), &mut object.buoyancy);
         self.unknown_keys(&section);
         let Some(name) = name else { return };
-        if sim.inline.has_type(&name.text) {
+        if !names.insert(name.text.clone()) {
             let message = format!("a second type named `{}`; it is left out", name.text);
             self.sink.warn(Code::SimTypeTwice, name.span, message, "each name once");
             return;
