@@ -1,4 +1,4 @@
-//! Whole runs of the real binary: crowds of robots that avoid each other, and robots that wait.
+//! Whole runs of the real binary: crowds of robots that avoid each other, among cans too, and robots that wait.
 //!
 //! A harness of its own: criterion would run each scene a hundred times, and knows nothing of memory.
 #![forbid(unsafe_code)]
@@ -30,6 +30,9 @@ fn main() {
             let repeats = if is_smoke_test { 1 } else { REPEATS };
             crowd(&name, robots, seconds, repeats, &mut alone);
         }
+    }
+    if is_wanted("crowd/cans") {
+        cans(is_smoke_test);
     }
     if is_wanted("crowd/waiting") {
         waiting(is_smoke_test);
@@ -68,6 +71,30 @@ fn crowd(name: &str, robots: usize, seconds: f64, repeats: usize, alone: &mut Op
         }
     }
     println!("{line}");
+}
+
+/// A hundred robots, and the same among as many cans, which they push about: what the movable objects cost.
+fn cans(is_smoke_test: bool) {
+    const ROBOTS: usize = 100;
+    let scratch = Scratch::new();
+    let (seconds, repeats) = if is_smoke_test { (0.5, 1) } else { (60.0, REPEATS) };
+    write_crowd(&scratch, ROBOTS, AVOID);
+    let without = fastest(&scratch, seconds, repeats);
+    let mut sim = scratch.read("crowd.sim");
+    let side = ROBOTS.isqrt();
+    for can in 0..ROBOTS {
+        // Half a metre away from each robot.
+        let (x, y) = (1000 * (can % side) + 850, 1000 * (can / side) + 850);
+        sim += &format!("can {x} {y} 0\n");
+    }
+    scratch.write("crowd.sim", &sim);
+    let with = fastest(&scratch, seconds, repeats);
+    if is_smoke_test {
+        println!("crowd/cans     runs");
+        return;
+    }
+    let times = |run: Run| run.simulated / run.real;
+    println!("crowd/cans     {:>9.1} times real time, {:.1} without the cans", times(with), times(without));
 }
 
 /// A robot that drives among others that wait, and without them: what each waiting robot costs in a slot.
