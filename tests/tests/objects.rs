@@ -1,5 +1,7 @@
 //! Movable objects in whole runs: a goal is shot, crates are pushed or stall the wheels, what is recorded of it.
 
+#![allow(clippy::disallowed_methods, reason = "distances by hand, compared within a tolerance")]
+
 use serde_json::Value;
 use tests::{Scratch, number, root, write_scene};
 
