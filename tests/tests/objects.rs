@@ -31,8 +31,9 @@ fn the_ball_is_kicked_into_the_goal() {
     }
     for slot in ["1", "7.3", "20"] {
         let [other_x, other_y] = ball(&soccer(&["--slot", slot]));
-        println!("slots of {slot} ms: the ball is {} mm off", 1e3 * (other_x - x).hypot(other_y - y));
-        assert!((other_x - x).hypot(other_y - y) < 0.05, "slots of {slot} ms: {other_x} {other_y} for {x} {y}");
+        // Measured: the same place to the bit.
+        let off = ((other_x - x).powi(2) + (other_y - y).powi(2)).sqrt();
+        assert!(off < 0.001, "slots of {slot} ms: {other_x} {other_y} for {x} {y}");
     }
 }
 
