@@ -21,6 +21,9 @@ pub const DEFAULT_CELL: f64 = 0.36;
 /// Greatest distance of a PSD sensor without a companion file, in metres: the Sharp GP2D02 of the EyeBot robots.
 pub const DEFAULT_PSD_RANGE: f64 = 0.8;
 
+/// Greatest distance of a PSD sensor in a robot file of EyeSim VR, in metres: where EyeSim VR caps its readings.
+pub const VR_PSD_RANGE: f64 = 9.999;
+
 /// Mass of a robot type that does not say, in kg. Source: our choice.
 pub const DEFAULT_ROBOT_MASS: f64 = 1.0;
 

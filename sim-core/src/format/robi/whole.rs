@@ -4,7 +4,7 @@ use super::dialect::Dialect;
 use super::{DRIVE_FORM, Reader, WHEEL_FORM};
 use crate::format::Span;
 use crate::format::code::Code;
-use crate::format::spec::{Collider, DriveKind, MAX_LENGTH, RobiSpec};
+use crate::format::spec::{Collider, DriveKind, MAX_LENGTH, RobiSpec, VR_PSD_RANGE};
 use crate::math;
 use crate::unit;
 
@@ -46,6 +46,9 @@ impl Reader {
         self.settle_track(body);
         self.robi.diameter = body.unwrap_or_else(|| self.body_around_the_wheels());
         self.robi.drive.wheelbase = self.wheelbase();
+        if self.dialect >= Dialect::Vr {
+            self.robi.psds.iter_mut().for_each(|psd| psd.range = VR_PSD_RANGE);
+        }
     }
 
     /// Diameter of the body as far as the file says it: the smallest disc around the robot's centre that holds all
