@@ -173,7 +173,7 @@ fn scenes_of_the_list_are_the_scenes_of_the_folder() {
     let there: BTreeSet<String> = fs::read_dir(root().join("sims"))
         .expect("sims")
         .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
-        .filter(|name| name.ends_with(".sim"))
+        .filter(|name| name.ends_with(".sim") || name.ends_with(".scene.toml"))
         .collect();
     assert_eq!(listed, there);
 }

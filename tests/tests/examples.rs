@@ -272,7 +272,7 @@ fn all_scenes_are_free_of_mistakes() {
     let mut count = 0;
     for entry in std::fs::read_dir(root().join("sims")).expect("a folder of scenes") {
         let path = entry.expect("an entry").path();
-        if path.extension().is_some_and(|extension| extension == "sim") {
+        if path.extension().is_some_and(|extension| extension == "sim" || extension == "toml") {
             let ran = Scratch::new().eyesim(&["check", "--strict", path.to_str().expect("text")]);
             assert_eq!(ran.code, Some(0), "{}: {ran:#?}", path.display());
             count += 1;

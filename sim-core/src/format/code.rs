@@ -47,6 +47,9 @@ macro_rules! codes {
 // In alphabetical order. A new code needs its page, docs/formats/codes/CODE.md, or nothing compiles; its third line repeats the
 // meaning, and its examples are tried by tests/codes.rs.
 codes! {
+    ConvertKind = "convert-kind": "a file that cannot become one of the kind asked for",
+    ConvertLost = "convert-lost": "the target of a conversion has no place for something",
+    ConvertMaze = "convert-maze": "a world that is no maze",
     CostFunction = "cost-function": "a cost table names a function that there is not",
     EsobjArity = "esobj-arity": "a keyword of an object file with a wrong number of values",
     EsobjColliderKind = "esobj-collider-kind": "a collider of an unknown shape or axis",

@@ -9,6 +9,7 @@ pub mod builtin;
 mod clearance;
 mod code;
 mod companion;
+mod convert;
 mod diagnostic;
 mod esobj;
 mod given;
@@ -18,7 +19,9 @@ mod maze;
 mod mesh;
 pub mod path;
 mod place;
+pub mod print;
 mod robi;
+pub mod same;
 mod scene;
 mod sim;
 mod spec;
@@ -30,6 +33,7 @@ mod world;
 
 pub use code::{Code, UnknownCode};
 pub use companion::read_companion;
+pub use convert::{Converted, Output, convert};
 pub use diagnostic::{Diagnostic, Severity, Span, has_errors};
 pub use esobj::read_esobj;
 pub use load::{

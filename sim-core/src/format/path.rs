@@ -97,6 +97,22 @@ pub(super) fn with_extension(path: &str, extension: &str) -> String {
     format!("{}{}.{extension}", &path[..path.len() - file_name(path).len()], stem(path))
 }
 
+/// The `path` as seen from `folder`, if both are relative to the same place: `../worlds/a.wld`. Else the path as it is.
+pub(super) fn relative(folder: &str, path: &str) -> String {
+    if is_absolute(folder) != is_absolute(path) {
+        return path.to_owned();
+    }
+    let from: Vec<&str> = folder.split('/').filter(|part| !part.is_empty()).collect();
+    let to: Vec<&str> = path.split('/').filter(|part| !part.is_empty()).collect();
+    let shared = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
+    // What lies above a folder that is itself above the working folder has no name that is known here.
+    if from[shared..].contains(&"..") {
+        return path.to_owned();
+    }
+    let up = from[shared..].iter().map(|_| "..");
+    up.chain(to[shared..].iter().copied()).collect::<Vec<_>>().join("/")
+}
+
 fn strip_installation(text: &str) -> Option<&str> {
     let head = text.get(..INSTALLATION.len())?;
     head.eq_ignore_ascii_case(INSTALLATION).then(|| text[INSTALLATION.len()..].trim_start_matches('/'))

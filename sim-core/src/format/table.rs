@@ -80,7 +80,10 @@ impl Reader<'_> {
     }
 
     pub(super) fn missing(&mut self, section: &Section<'_, '_>, key: &str) {
-        let message = format!("`{}` has no `{key}`", section.name);
+        let message = match section.name {
+            "" => format!("there is no `{key}`"),
+            name => format!("`{name}` has no `{key}`"),
+        };
         self.sink.error(Code::TomlMissing, section.span, message, format!("a line `{key} = ...`"));
     }
 
@@ -143,22 +146,6 @@ impl Reader<'_> {
     ) -> Option<i64> {
         let value = section.get(key)?;
         self.as_integer(key, value, low, high)
-    }
-
-    /// An integer from 0 to 2^64 - 1.
-    pub(super) fn unsigned(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<u64> {
-        let value = section.get(key)?;
-        let expected = format!("an integer from 0 to {}", u64::MAX);
-        let DeValue::Integer(digits) = value.get_ref() else {
-            self.wrong_type(key, value, &expected);
-            return None;
-        };
-        let number = u64::from_str_radix(digits.as_str(), digits.radix()).ok();
-        if number.is_none() {
-            let message = format!("{key} `{digits}` is out of range");
-            self.sink.error(Code::NumberRange, self.span(value.span()), message, expected);
-        }
-        number
     }
 
     pub(super) fn as_integer(&mut self, key: &str, value: &Spanned<DeValue<'_>>, low: i64, high: i64) -> Option<i64> {

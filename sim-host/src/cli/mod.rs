@@ -9,6 +9,7 @@ use clap::{Parser, Subcommand};
 
 pub mod cc;
 pub mod check;
+pub mod convert;
 pub mod diagnostic;
 pub mod excerpt;
 pub mod explain;
@@ -50,6 +51,10 @@ enum Command {
     Explain(explain::ExplainArgs),
     /// Draw a sim, world, maze, robi or object file from above, to scale
     Plot(plot::PlotArgs),
+    /// Turn a scene, a world or a type into another form: .sim, .wld, .maz, .robi and .esObj to and from .toml
+    Convert(convert::ConvertArgs),
+    /// Print the JSON schema of scenes in TOML, from which editors complete
+    Schema,
     /// Build a robot program from C sources by hand
     Cc(cc::CcArgs),
     /// Write a new robot program with a robi, a world and a sim that run at once
@@ -63,6 +68,8 @@ pub fn main() -> ExitCode {
         Command::Check(args) => check::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Plot(args) => plot::run(&args),
+        Command::Convert(args) => convert::run(&args),
+        Command::Schema => convert::schema(),
         Command::Cc(args) => cc::run(&args),
         Command::New(args) => new::run(&args),
     };

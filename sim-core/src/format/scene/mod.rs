@@ -3,6 +3,7 @@
 //! This room turns its text into the same spec as a sim file; worlds, types and cost tables in files of their own are
 //! read by [`super::load_scene`].
 
+pub(super) mod form;
 mod place;
 mod room;
 mod types;
@@ -21,6 +22,7 @@ use super::table::{Reader, Section};
 use crate::time::Time;
 use place::MAX_ROBOTS;
 pub(super) use room::Room;
+pub(super) use types::default_wheelbase;
 
 /// Ending of the names of scenes that need no look at their content.
 pub const SCENE_EXTENSION: &str = ".scene.toml";
@@ -115,7 +117,7 @@ impl Reader<'_> {
     }
 
     fn run(&mut self, mut section: Section<'_, '_>, sim: &mut SimSpec) {
-        sim.run.seed = self.unsigned(&mut section, "seed");
+        sim.run.seed = self.integer(&mut section, "seed", 0, i64::MAX).map(i64::unsigned_abs);
         let slot = Quantity::milliseconds("length of a slot").within(1e-3, MAX_SLOT_MS);
         let until = Quantity::seconds("end of the run").within(1e-6, MAX_UNTIL_S);
         sim.run.slot = self.number(&mut section, "slot_ms", &slot).and_then(|slot| self.whole_micros(&section, slot));

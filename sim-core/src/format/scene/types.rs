@@ -32,7 +32,7 @@ const TURNS: [Quantity; 3] = [Quantity::angle("turn"), Quantity::angle("turn"), 
 const MAX_PIXELS: i64 = 65_536;
 
 /// The wheelbase of a type that does not say, as in a robi.
-fn default_wheelbase(robi: &RobiSpec) -> f64 {
+pub(in crate::format) fn default_wheelbase(robi: &RobiSpec) -> f64 {
     match robi.drive.kind {
         DriveKind::Ackermann => WHEELBASE_OF_DIAMETER * robi.diameter,
         _ => robi.wheel.track,

@@ -1,0 +1,399 @@
+//! Scenes of our own form, and their JSON schema.
+
+use std::collections::BTreeMap;
+
+use glam::{DVec2, DVec3};
+use serde::Serialize;
+use toml::{Table, Value};
+
+use super::number::{degrees, heading, mm, shortest};
+use super::text;
+use crate::drive::DriveKind;
+use crate::format::read_maze;
+use crate::format::scene::default_wheelbase;
+use crate::format::scene::form::{
+    ArcForm, AxisForm, BodyForm, CameraForm, ColliderForm, CompassForm, CostsForm, DriveForm, DriveKindForm,
+    GenerationsForm, InputForm, JointForm, LayoutForm, LetterForm, LidarForm, MarkerForm, ModelForm, MotorForm,
+    ObjectForm, ObjectTypeForm, PsdForm, RobotForm, RobotTypeForm, RunForm, SceneForm, ServoForm, SettingsForm,
+    StartForm, WallForm, WheelForm, WorldForm, WorldKindForm,
+};
+use crate::format::spec::{
+    Axis, CameraSpec, Collider, CostEntry, CostsRef, DEFAULT_WALL_HEIGHT, InputSpec, JointSpec, Layout, ModelSpec,
+    ObjectLine, ObjectType, RobiSpec, RobotLine, RunSpec, SimSpec, StartRef, WorldKind, WorldSpec,
+};
+
+/// The text of a scene. All that a spec can say has its place in it.
+///
+/// Lines whose type only a loaded file tells to be a robot or an object are taken for robots.
+pub fn print_scene(sim: &SimSpec) -> String {
+    // Serialising plain structs cannot fail.
+    text::document(&Table::try_from(scene_form(sim)).unwrap_or_default())
+}
+
+/// The JSON schema of [`print_scene`]'s texts, from which editors complete.
+pub fn scene_schema() -> String {
+    let schema = schemars::schema_for!(SceneForm);
+    serde_json::to_string_pretty(&schema).unwrap_or_default() + "\n"
+}
+
+fn point(point: DVec2) -> [f64; 2] {
+    point.to_array().map(mm)
+}
+
+fn place(place: DVec3) -> [f64; 3] {
+    place.to_array().map(mm)
+}
+
+/// A value that is left out where it is the default.
+fn unless<T: PartialEq>(value: T, default: T) -> Option<T> {
+    (value != default).then_some(value)
+}
+
+fn scene_form(sim: &SimSpec) -> SceneForm {
+    let files =
+        sim.robot_types.iter().map(|path| RobotTypeForm { file: Some(path.text.clone()), ..Default::default() });
+    let robot_type = files.chain(sim.inline.robot_types.iter().map(|(robi, _)| robot_type_form(robi))).collect();
+    let files =
+        sim.object_types.iter().map(|path| ObjectTypeForm { file: Some(path.text.clone()), ..Default::default() });
+    let object_type = files.chain(sim.inline.object_types.iter().map(|(object, _)| object_form(object))).collect();
+    let run = run_form(&sim.run);
+    let settings = SettingsForm { beams: sim.settings.shows_beams, trace: sim.settings.shows_trace };
+    SceneForm {
+        scene: (run != RunForm::default()).then_some(run),
+        world: world_of(sim),
+        settings: (settings.beams || settings.trace).then_some(settings),
+        robot_type,
+        object_type,
+        robot: sim.robots.iter().chain(&sim.named).map(robot_form).collect(),
+        object: sim.objects.iter().map(object_line).collect(),
+        marker: sim
+            .markers
+            .iter()
+            .map(|marker| {
+                let [red, green, blue, opacity] = marker.colour;
+                let [x_mm, y_mm] = point(marker.position);
+                let (colour, opacity) = (unless([red, green, blue], [255, 0, 0]), unless(opacity, 255));
+                MarkerForm { x_mm, y_mm, colour, opacity }
+            })
+            .collect(),
+    }
+}
+
+fn run_form(run: &RunSpec) -> RunForm {
+    let costs = run.costs.as_ref().map(|costs| match costs {
+        CostsRef::File(path) => CostsForm::File(path.text.clone()),
+        CostsRef::Table(table) => {
+            let of = |generation: &str| {
+                let entries = table.entries.iter().filter(|entry| entry.generation == generation);
+                // Costs of more than an hour are refused by the reader.
+                let entry = |entry: &CostEntry| (entry.function.clone(), entry.cost.0 as u32);
+                entries.map(entry).collect::<BTreeMap<String, u32>>()
+            };
+            CostsForm::Table(GenerationsForm { robios6: of("robios6"), robios7: of("robios7") })
+        }
+    });
+    let slot = |micros: i64| shortest(micros as f64 / 1e3, |ms| (ms * 1e3).round() as i64 == micros);
+    let until = |micros: i64| {
+        shortest(micros as f64 / 1e6, |seconds| crate::time::Time::from_seconds_ceil(seconds).0 == micros)
+    };
+    RunForm {
+        // The reader gives no larger one: TOML has none.
+        seed: run.seed.and_then(|seed| i64::try_from(seed).ok()),
+        slot_ms: run.slot.map(|time| slot(time.0)),
+        until_s: run.until.map(|time| until(time.0)),
+        costs,
+    }
+}
+
+fn world_of(sim: &SimSpec) -> WorldForm {
+    match (&sim.inline.world, &sim.world) {
+        (Some(world), _) => world_form(world),
+        (None, Some(line)) => {
+            let extension = crate::format::path::extension(&line.path.text);
+            let kind = match (line.kind, extension.as_str()) {
+                (WorldKind::Maze, "maz" | "maze") | (WorldKind::World, "wld") => None,
+                (WorldKind::Maze, _) => Some(WorldKindForm::Maze),
+                (WorldKind::World, _) => Some(WorldKindForm::World),
+            };
+            WorldForm { file: Some(line.path.text.clone()), kind, ..WorldForm::default() }
+        }
+        (None, None) => WorldForm::default(),
+    }
+}
+
+/// The world in place: drawn where it is a maze that a drawing gives back, else by its walls.
+pub(super) fn world_form(world: &WorldSpec) -> WorldForm {
+    let texture = world.texture.as_ref().map(|texture| texture.text.clone());
+    if let Some(maze) = super::print_maze(world).ok().filter(|maze| is_drawing(world, maze)) {
+        return WorldForm { maze: Some(maze), texture, ..WorldForm::default() };
+    }
+    let wall = world.walls.iter().map(|wall| WallForm {
+        from_mm: point(wall.from),
+        to_mm: point(wall.to),
+        thickness_mm: unless(wall.thickness, 0.0).map(mm),
+        height_mm: unless(wall.height, DEFAULT_WALL_HEIGHT).map(mm),
+        colour: wall.colour,
+    });
+    let start = world.starts.iter().map(|start| StartForm {
+        x_mm: mm(start.pose.position.x),
+        y_mm: mm(start.pose.position.y),
+        heading_deg: unless(heading(start.pose.heading), 0.0),
+        letter: start.letter.and_then(letter_form),
+    });
+    WorldForm {
+        floor_mm: Some(point(world.floor)),
+        texture,
+        cell_mm: world.cell.map(mm),
+        wall: wall.collect(),
+        start: start.collect(),
+        object: world.objects.iter().map(object_line).collect(),
+        ..WorldForm::default()
+    }
+}
+
+/// Whether reading `maze` gives `world` back, but for its texture.
+fn is_drawing(world: &WorldSpec, maze: &str) -> bool {
+    let mut read = read_maze(&world.file, maze).0;
+    read.texture.clone_from(&world.texture);
+    crate::format::same::world(&read) == crate::format::same::world(world)
+}
+
+fn letter_form(letter: char) -> Option<LetterForm> {
+    Some(match letter {
+        'S' => LetterForm::S,
+        'U' => LetterForm::U,
+        'R' => LetterForm::R,
+        'D' => LetterForm::D,
+        'L' => LetterForm::L,
+        _ => return None,
+    })
+}
+
+fn robot_form(line: &RobotLine) -> RobotForm {
+    let mut form = RobotForm {
+        kind: line.kind.written().text.clone(),
+        program: line.program.as_ref().map(|program| program.text.clone()),
+        arguments: line.arguments.clone(),
+        ..RobotForm::default()
+    };
+    match line.start {
+        StartRef::Next => {}
+        StartRef::Pose(pose) => {
+            form.x_mm = Some(mm(pose.position.x));
+            form.y_mm = Some(mm(pose.position.y));
+            form.heading_deg = unless(heading(pose.heading), 0.0);
+        }
+        StartRef::Letter { letter, heading } => {
+            form.start = letter_form(letter);
+            form.heading_deg = heading.map(degrees);
+        }
+        StartRef::Many { count, layout } => {
+            form.count = Some(count);
+            form.layout = Some(layout_form(&layout));
+        }
+    }
+    form
+}
+
+fn layout_form(layout: &Layout) -> LayoutForm {
+    match *layout {
+        Layout::Starts => LayoutForm::Starts {},
+        Layout::Line { from, to, heading } => {
+            LayoutForm::Line { from_mm: point(from), to_mm: point(to), heading_deg: unless(degrees(heading), 0.0) }
+        }
+        Layout::Grid { from, spacing, columns, heading } => LayoutForm::Grid {
+            from_mm: point(from),
+            spacing_mm: point(spacing),
+            columns,
+            heading_deg: unless(degrees(heading), 0.0),
+        },
+        Layout::Circle { centre, radius, first, facing } => LayoutForm::Circle {
+            centre_mm: point(centre),
+            radius_mm: mm(radius),
+            first_deg: unless(degrees(first), 0.0),
+            facing_deg: unless(degrees(facing), 0.0),
+        },
+        Layout::Random { area, clearance, heading } => LayoutForm::Random {
+            from_mm: area.map(|[from, _]| point(from)),
+            to_mm: area.map(|[_, to]| point(to)),
+            clearance_mm: unless(mm(clearance), 0.0),
+            heading_deg: heading.map(degrees),
+        },
+    }
+}
+
+fn object_line(line: &ObjectLine) -> ObjectForm {
+    ObjectForm {
+        kind: line.kind.written().text.clone(),
+        x_mm: mm(line.pose.position.x),
+        y_mm: mm(line.pose.position.y),
+        heading_deg: unless(heading(line.pose.heading), 0.0),
+        friction: line.friction,
+    }
+}
+
+fn model_form(model: &ModelSpec) -> ModelForm {
+    ModelForm {
+        file: model.path.text.clone(),
+        offset_mm: unless(model.offset, DVec3::ZERO).map(place),
+        turns_deg: unless(model.turns, DVec3::ZERO).map(|turns| turns.to_array().map(degrees)),
+    }
+}
+
+fn collider_form(collider: &Collider) -> ColliderForm {
+    let at = |centre: DVec3| unless(centre, DVec3::ZERO).map(place);
+    match *collider {
+        Collider::Box { centre, size } => ColliderForm::Box { centre_mm: at(centre), size_mm: place(size) },
+        Collider::Sphere { centre, radius } => ColliderForm::Sphere { centre_mm: at(centre), radius_mm: mm(radius) },
+        Collider::Capsule { centre, radius, height, axis } => ColliderForm::Capsule {
+            centre_mm: at(centre),
+            radius_mm: mm(radius),
+            height_mm: mm(height),
+            axis: match axis {
+                Axis::X => Some(AxisForm::X),
+                Axis::Y => Some(AxisForm::Y),
+                Axis::Z => Some(AxisForm::Z),
+            },
+        },
+        Collider::Cylinder { centre, radius, height } => {
+            ColliderForm::Cylinder { centre_mm: at(centre), radius_mm: mm(radius), height_mm: mm(height) }
+        }
+    }
+}
+
+/// A robot type in place.
+pub(crate) fn robot_type_form(robi: &RobiSpec) -> RobotTypeForm {
+    let beam = |name: &str, id, position: DVec3, angle, range| {
+        let [x, y, z] = place(position).map(|place| unless(place, 0.0));
+        let angle_deg = unless(degrees(angle), 0.0);
+        PsdForm { name: name.to_owned(), id, x_mm: x, y_mm: y, z_mm: z, angle_deg, range_mm: Some(mm(range)) }
+    };
+    RobotTypeForm {
+        file: None,
+        name: Some(robi.name.clone()),
+        diameter_mm: Some(mm(robi.diameter)),
+        max_speed_mm_per_s: Some(mm(robi.max_speed)),
+        max_turn_deg_per_s: Some(degrees(robi.max_turn)),
+        axis_mm: unless(mm(robi.axis_offset), 0.0),
+        centre_of_mass_mm: unless(robi.centre_of_mass, DVec3::ZERO).map(place),
+        model: robi.model.as_ref().map(model_form),
+        collider: robi.colliders.iter().map(collider_form).collect(),
+        body: Some(BodyForm { mass_kg: Some(robi.mass), traction: Some(robi.traction) }),
+        wheel: Some(WheelForm {
+            diameter_mm: Some(mm(robi.wheel.diameter)),
+            max_rate_deg_per_s: Some(degrees(robi.wheel.max_rate)),
+            ticks_per_turn: Some(robi.wheel.ticks_per_turn),
+            track_mm: Some(mm(robi.wheel.track)),
+        }),
+        drive: Some(drive_form(robi)),
+        psd: robi.psds.iter().map(|psd| beam(&psd.name, psd.id, psd.position, psd.angle, psd.range)).collect(),
+        camera: robi.camera.as_ref().map(camera_form),
+        lidar: robi.lidar.map(|lidar| LidarForm {
+            points: Some(lidar.points),
+            tilt_deg: unless(degrees(lidar.tilt), 0.0),
+            sweep_deg: Some(degrees(lidar.sweep)),
+        }),
+        infrared: robi.infrareds.iter().map(|it| beam(&it.name, it.id, it.position, it.angle, it.range)).collect(),
+        bumper: robi.bumpers.iter().map(arc_form).collect(),
+        servo: robi
+            .servos
+            .iter()
+            .map(|servo| ServoForm {
+                name: servo.name.clone(),
+                id: servo.id,
+                from_deg: Some(degrees(servo.from)),
+                to_deg: Some(degrees(servo.to)),
+            })
+            .collect(),
+        compass: robi.compass.as_ref().map(|compass| CompassForm {
+            name: Some(compass.name.clone()),
+            id: compass.id,
+            north_deg: unless(degrees(compass.north), 0.0),
+        }),
+        input: input_form(&robi.inputs),
+        hdt: robi.hdt.iter().cloned().collect(),
+    }
+}
+
+/// An arc whose end the reader finds again: counter-clockwise from its beginning, within -360 to 360.
+fn arc_form(bumper: &crate::format::spec::BumperSpec) -> ArcForm {
+    use std::f64::consts::TAU;
+    let from_deg = degrees(bumper.from);
+    let reads_back = |to_deg: f64| {
+        let mut to = crate::unit::radians_from_degrees(to_deg);
+        while to <= bumper.from {
+            to += TAU;
+        }
+        to == bumper.to
+    };
+    let near = crate::unit::degrees_from_radians(bumper.to);
+    let candidates = [near, near - 360.0].map(|near| shortest(near, reads_back));
+    let good = candidates.into_iter().find(|to| reads_back(*to) && (-360.0..=360.0).contains(to));
+    let to_deg = good.unwrap_or(if near > 360.0 { near - 360.0 } else { near });
+    ArcForm { name: bumper.name.clone(), id: bumper.id, from_deg, to_deg }
+}
+
+fn drive_form(robi: &RobiSpec) -> DriveForm {
+    let drive = &robi.drive;
+    let motor = drive.motors.iter().map(|it| MotorForm { name: it.motor.clone(), encoder: it.encoder.clone() });
+    DriveForm {
+        kind: Some(match drive.kind {
+            DriveKind::Differential => DriveKindForm::Differential,
+            DriveKind::Ackermann => DriveKindForm::Ackermann,
+            DriveKind::Omni => DriveKindForm::Omni,
+        }),
+        motor: motor.collect(),
+        steering: drive.steering.clone(),
+        wheelbase_mm: unless(drive.wheelbase, default_wheelbase(robi)).map(mm),
+        max_steer_deg: Some(degrees(drive.max_steer)),
+        wheel_lag_ms: unless(shortest(drive.wheel_lag * 1e3, |ms| ms / 1e3 == drive.wheel_lag), 0.0),
+    }
+}
+
+fn camera_form(camera: &CameraSpec) -> CameraForm {
+    let [x_mm, y_mm, z_mm] = place(camera.position).map(|place| unless(place, 0.0));
+    let joint = |joint: &JointSpec| match joint {
+        JointSpec::Fixed(angle) => (unless(degrees(*angle), 0.0), None),
+        JointSpec::Servo { name, from, to } => {
+            (None, Some(JointForm { name: name.clone(), from_deg: degrees(*from), to_deg: degrees(*to) }))
+        }
+    };
+    let ((pan_deg, pan_servo), (tilt_deg, tilt_servo)) = (joint(&camera.pan), joint(&camera.tilt));
+    let fisheye_deg = camera.fisheye.map(degrees);
+    CameraForm { x_mm, y_mm, z_mm, pan_deg, pan_servo, tilt_deg, tilt_servo, image_px: camera.image, fisheye_deg }
+}
+
+fn input_form(input: &InputSpec) -> Option<InputForm> {
+    (*input != InputSpec::default()).then(|| InputForm {
+        analog: input.analog.iter().map(|(channel, value)| (channel.to_string(), *value)).collect(),
+        latch: input.latches.iter().map(|(number, value)| (number.to_string(), *value)).collect(),
+        parallel_data: unless(input.parallel_data, 0),
+        parallel_status: unless(input.parallel_status, 0),
+    })
+}
+
+/// An object type in place.
+pub(crate) fn object_form(object: &ObjectType) -> ObjectTypeForm {
+    ObjectTypeForm {
+        file: None,
+        name: Some(object.name.clone()),
+        model: object.model.as_ref().map(model_form),
+        scale_mm: unless(mm(object.scale), 1.0),
+        collider: object.colliders.iter().map(collider_form).collect(),
+        mass_kg: Some(object.mass),
+        centre_of_mass_mm: unless(object.centre_of_mass, DVec3::ZERO).map(place),
+        fixed: object.is_fixed,
+        friction: Some(object.friction),
+        rolling: object.rolling,
+        restitution: Some(object.restitution),
+        colour: object.colour,
+        buoyancy_m3: unless(object.buoyancy, 0.0),
+    }
+}
+
+/// The texts of `[[robot_type]]`, `[[object_type]]` and `[world]` sections.
+pub(crate) fn section<T: Serialize>(key: &str, form: T) -> String {
+    let value = Value::try_from(form).unwrap_or(Value::Table(Table::new()));
+    let value = if key == "world" { value } else { Value::Array(vec![value]) };
+    text::document(&Table::from_iter([(key.to_owned(), value)]))
+}

@@ -1,0 +1,554 @@
+//! Our own form of a scene: what it reads as, its schema, and the way from and to all other forms.
+
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use proptest::prelude::*;
+use sim_core::format::print::{
+    print_companion, print_esobj, print_maze, print_robi, print_scene, print_world, scene_schema,
+};
+use sim_core::format::{
+    self, Code, FileError, Files, Severity, SimSpec, convert, load_scene, load_scene_with, read_companion, read_esobj,
+    read_maze, read_robi, read_scene, read_world, same,
+};
+
+/// Files below a folder, and before them those that were written here.
+#[derive(Default)]
+struct Overlay {
+    root: Option<PathBuf>,
+    written: RefCell<BTreeMap<String, String>>,
+}
+
+impl Overlay {
+    fn of(files: &[(&str, &str)]) -> Self {
+        let written = files.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect();
+        Self { root: None, written: RefCell::new(written) }
+    }
+
+    fn write(&self, converted: &format::Converted) {
+        for output in &converted.outputs {
+            self.written.borrow_mut().insert(output.path.clone(), output.text.clone());
+        }
+    }
+}
+
+impl Files for Overlay {
+    fn read(&self, path: &str) -> Result<Vec<u8>, FileError> {
+        if let Some(text) = self.written.borrow().get(path) {
+            return Ok(text.clone().into_bytes());
+        }
+        let root = self.root.as_ref().ok_or(FileError::Missing)?;
+        fs::read(root.join(path)).map_err(|error| match error.kind() {
+            ErrorKind::NotFound | ErrorKind::NotADirectory => FileError::Missing,
+            _ => FileError::Unreadable(error.to_string()),
+        })
+    }
+
+    fn list(&self, folder: &str) -> Vec<String> {
+        let entries = self.root.iter().flat_map(|root| fs::read_dir(root.join(folder)).into_iter().flatten().flatten());
+        let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+        let prefix = if folder.is_empty() { String::new() } else { format!("{folder}/") };
+        let written = self.written.borrow();
+        let here = written.keys().filter_map(|path| path.strip_prefix(&prefix)).filter(|name| !name.contains('/'));
+        names.extend(here.map(str::to_owned));
+        names
+    }
+
+    fn home(&self) -> Option<&str> {
+        self.root.as_ref().map(|_| "vr-2018/Test Assets")
+    }
+}
+
+fn below(root: &Path, extension: &str) -> Vec<String> {
+    let mut open = vec![root.to_owned()];
+    let mut files = Vec::new();
+    while let Some(path) = open.pop() {
+        if path.is_dir() {
+            open.extend(fs::read_dir(&path).into_iter().flatten().flatten().map(|entry| entry.path()));
+        } else if path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension)) {
+            files.push(path.strip_prefix(root).expect("below").to_string_lossy().into_owned());
+        }
+    }
+    files.sort();
+    files
+}
+
+fn corpus() -> Option<Overlay> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/eyesim/corpus");
+    if !root.is_dir() {
+        eprintln!("skipped: no corpus at {}", root.display());
+        return None;
+    }
+    Some(Overlay { root: Some(root), ..Overlay::default() })
+}
+
+#[test]
+fn every_scene_of_the_corpus_goes_to_toml_and_back() {
+    let Some(files) = corpus() else { return };
+    let mut count = 0;
+    for sim in below(files.root.as_ref().expect("a root"), "sim") {
+        let first = load_scene(&sim, &files);
+        if first.has_errors() {
+            continue;
+        }
+        let (toml, back) = (sim.replace(".sim", "-there.scene.toml"), sim.replace(".sim", "-back.sim"));
+        for (from, to) in [(&sim, &toml), (&toml, &back)] {
+            let converted = convert(from, to, &files);
+            assert!(!format::has_errors(&converted.diagnostics), "{from}: {:?}", converted.diagnostics);
+            assert!(
+                converted.diagnostics.iter().all(|said| said.code != Code::ConvertLost),
+                "{from}: something is lost"
+            );
+            files.write(&converted);
+            let read = load_scene(to, &files);
+            let text = &converted.outputs.last().expect("a file").text;
+            assert!(!read.has_errors(), "{from}: {:?}\n{text}", read.diagnostics);
+            assert_eq!(same::scene(&read.scene), same::scene(&first.scene), "{from} to {to}:\n{text}");
+        }
+        count += 1;
+    }
+    eprintln!("{count} scenes went to TOML and back");
+    assert!(count >= 10, "{count} scenes");
+}
+
+#[test]
+fn worlds_and_types_of_the_corpus_go_to_toml_and_back() {
+    let Some(files) = corpus() else { return };
+    let root = files.root.clone().expect("a root");
+    for extension in ["wld", "maz", "robi", "esObj"] {
+        for file in below(&root, extension) {
+            let stem = file.rsplit_once('.').expect("an extension").0;
+            let (toml, back) = (format!("{stem}-there.toml"), format!("{stem}-back.{extension}"));
+            let there = convert(&file, &toml, &files);
+            if format::has_errors(&there.diagnostics) {
+                continue;
+            }
+            files.write(&there);
+            let again = convert(&toml, &back, &files);
+            let text = &there.outputs[0].text;
+            assert!(!format::has_errors(&again.diagnostics), "{file}: {:?}\n{text}", again.diagnostics);
+            files.write(&again);
+            let text = &again.outputs[0].text;
+            let lost = again.diagnostics.iter().any(|said| said.code == Code::ConvertLost);
+            match extension {
+                "wld" => {
+                    let [old, new] = [&file, &back].map(|name| format::load_world(name, &files).scene.world);
+                    assert_eq!((old.walls.len(), old.starts.len()), (new.walls.len(), new.starts.len()), "{file}");
+                    for (old, new) in old.walls.iter().zip(&new.walls) {
+                        let apart = (old.from - new.from).length().max((old.to - new.to).length());
+                        // Inside `push` frames no decimal may hit the double.
+                        assert!(apart <= 1e-12, "{file}: a wall moves by {apart} m");
+                    }
+                }
+                "maz" => {
+                    let [old, new] = [&file, &back].map(|name| format::load_maze(name, &files).scene.world);
+                    assert_eq!(same::world(&new), same::world(&old), "{file}:\n{text}");
+                }
+                "robi" => {
+                    let [old, new] = [&file, &back].map(|name| format::load_robi(name, &files).0.expect("a robi"));
+                    assert!(lost || same::robi(&new) == same::robi(&old), "{file}:\n{text}");
+                }
+                _ => {
+                    let [old, new] = [&file, &back].map(|name| format::load_object(name, &files).0.expect("an object"));
+                    assert!(lost || same::object(&new) == same::object(&old), "{file}:\n{text}");
+                }
+            }
+        }
+    }
+}
+
+fn docs() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats")
+}
+
+#[test]
+fn the_schema_of_the_docs_is_that_of_the_code() {
+    let path = docs().join("scene.schema.json");
+    if std::env::var_os("UPDATE_SCHEMA").is_some() {
+        fs::write(&path, scene_schema()).expect("the schema is written");
+    }
+    let committed = fs::read_to_string(&path).unwrap_or_default();
+    assert_eq!(committed, scene_schema(), "write it anew with UPDATE_SCHEMA=1, or with `eyesim schema`");
+}
+
+/// The keys that the schema gives to a type, in all its variants together.
+fn keys_of_schema(schema: &serde_json::Value, name: &str) -> BTreeSet<String> {
+    let form = if name.is_empty() { schema } else { &schema["$defs"][name] };
+    let variants = form["oneOf"].as_array().cloned().unwrap_or_default();
+    let parts = std::iter::once(form.clone()).chain(variants);
+    let properties = parts.filter_map(|part| part["properties"].as_object().cloned());
+    properties.flat_map(|keys| keys.into_iter().map(|(key, _)| key)).collect()
+}
+
+/// The keys that the reader knows where `text` has the unknown key `zzz`.
+fn keys_of_reader(text: &str) -> BTreeSet<String> {
+    let said = read_scene("a.scene.toml", text).1;
+    let unknown = said.iter().find(|said| said.code == Code::TomlKey);
+    let unknown = unknown.unwrap_or_else(|| panic!("`zzz` is not reported in\n{text}\n{said:?}"));
+    let listed = unknown.expected.strip_prefix("one of ").expect("a list of keys");
+    listed.split(", ").map(str::to_owned).collect()
+}
+
+#[test]
+fn schema_and_reader_know_the_same_keys() {
+    let schema: serde_json::Value = serde_json::from_str(&scene_schema()).expect("JSON");
+    let robot = |inner: &str| format!("[[robot_type]]\nname = \"a\"\n{inner}\n");
+    let object = |inner: &str| format!("[[object_type]]\nname = \"a\"\n{inner}\n");
+    let layouts = ["starts", "line", "grid", "circle", "random"]
+        .map(|kind| format!("[[robot]]\ntype = \"S4\"\nlayout = {{ kind = \"{kind}\", zzz = 1 }}"));
+    let colliders = ["box", "sphere", "capsule", "cylinder"]
+        .map(|kind| object(&format!("collider = {{ kind = \"{kind}\", zzz = 1 }}")));
+    let cases: &[(&str, Vec<String>)] = &[
+        ("", vec!["zzz = 1".into()]),
+        ("RunForm", vec!["[scene]\nzzz = 1".into()]),
+        ("GenerationsForm", vec!["[scene.costs]\nzzz = { a = 1 }".into()]),
+        ("WorldForm", vec!["[world]\nfile = \"a.wld\"\nzzz = 1".into()]),
+        ("WallForm", vec!["[world]\nwall = [{ from_mm = [0, 0], to_mm = [1, 1], zzz = 1 }]".into()]),
+        ("StartForm", vec!["[world]\nstart = [{ x_mm = 0, y_mm = 0, zzz = 1 }]".into()]),
+        ("SettingsForm", vec!["[settings]\nzzz = 1".into()]),
+        ("RobotForm", vec!["[[robot]]\nzzz = 1".into()]),
+        ("ObjectForm", vec!["[[object]]\nzzz = 1".into()]),
+        ("MarkerForm", vec!["[[marker]]\nzzz = 1".into()]),
+        ("LayoutForm", layouts.to_vec()),
+        ("RobotTypeForm", vec![robot("zzz = 1")]),
+        ("ModelForm", vec![robot("model = { file = \"a\", zzz = 1 }")]),
+        ("ColliderForm", colliders.to_vec()),
+        ("BodyForm", vec![robot("body = { zzz = 1 }")]),
+        ("WheelForm", vec![robot("wheel = { zzz = 1 }")]),
+        ("DriveForm", vec![robot("drive = { zzz = 1 }")]),
+        ("MotorForm", vec![robot("drive = { motor = [{ name = \"a\", zzz = 1 }] }")]),
+        ("PsdForm", vec![robot("psd = [{ name = \"a\", zzz = 1 }]"), robot("infrared = [{ name = \"a\", zzz = 1 }]")]),
+        ("CameraForm", vec![robot("camera = { zzz = 1 }")]),
+        ("JointForm", vec![robot("camera = { pan_servo = { zzz = 1 } }")]),
+        ("LidarForm", vec![robot("lidar = { zzz = 1 }")]),
+        ("ArcForm", vec![robot("bumper = [{ name = \"a\", zzz = 1 }]")]),
+        ("ServoForm", vec![robot("servo = [{ name = \"a\", zzz = 1 }]")]),
+        ("CompassForm", vec![robot("compass = { zzz = 1 }")]),
+        ("InputForm", vec![robot("input = { zzz = 1 }")]),
+        ("ObjectTypeForm", vec![object("zzz = 1")]),
+    ];
+    for (name, texts) in cases {
+        let known: BTreeSet<String> = texts.iter().flat_map(|text| keys_of_reader(text)).collect();
+        assert_eq!(known, keys_of_schema(&schema, name), "{name}: the reader's keys left, the schema's right");
+    }
+    let forms: BTreeSet<&str> = cases.iter().map(|(name, _)| *name).collect();
+    for name in schema["$defs"].as_object().expect("types").keys() {
+        let has_keys = !keys_of_schema(&schema, name).is_empty();
+        assert!(!has_keys || forms.contains(name.as_str()), "no case for {name}");
+    }
+}
+
+#[test]
+fn the_examples_of_the_page_have_no_mistakes() {
+    let page = fs::read_to_string(docs().join("scene.md")).expect("the page");
+    let examples: Vec<&str> = page.split("```toml\n").skip(1).filter_map(|rest| rest.split("```\n").next()).collect();
+    assert_eq!(examples.len(), 2);
+    let world = Path::new(env!("CARGO_MANIFEST_DIR")).join("../worlds/empty.wld");
+    let world = fs::read_to_string(world).expect("worlds/empty.wld");
+    for example in examples {
+        let text = example.replace("%sim%/worlds/", "");
+        let files = Overlay::of(&[("a.scene.toml", &text), ("empty.wld", &world)]);
+        let loaded = load_scene("a.scene.toml", &files);
+        assert_eq!(loaded.diagnostics, [], "{text}");
+        assert!(!loaded.scene.robots.is_empty());
+    }
+}
+
+/// A scene of 4 m by 3 m with what follows its world.
+fn scene(rest: &str) -> format::Loaded {
+    let text = format!("[world]\nfloor_mm = [4000, 3000]\n{rest}");
+    load_scene("a.scene.toml", &Overlay::of(&[("a.scene.toml", &text)]))
+}
+
+/// Where the robots stand, in metres and degrees.
+fn places(loaded: &format::Loaded) -> Vec<(f64, f64, f64)> {
+    let rounded = |value: f64| (value * 1e6).round() / 1e6;
+    let of = |robot: &format::RobotSpec| {
+        let (place, heading) = (robot.start.position, robot.start.heading.radians().to_degrees());
+        (rounded(place.x), rounded(place.y), rounded(heading))
+    };
+    loaded.scene.robots.iter().map(of).collect()
+}
+
+#[test]
+fn layouts_stand_as_the_page_says() {
+    let of = |layout: &str| {
+        let loaded = scene(&format!("[[robot]]\ntype = \"S4\"\ncount = 4\nlayout = {{ {layout} }}\n"));
+        assert_eq!(loaded.diagnostics, [], "{layout}");
+        places(&loaded)
+    };
+    let line = of("kind = \"line\", from_mm = [500, 1000], to_mm = [3500, 1000], heading_deg = 90");
+    assert_eq!(line, [(0.5, 1.0, 90.0), (1.5, 1.0, 90.0), (2.5, 1.0, 90.0), (3.5, 1.0, 90.0)]);
+    let grid = of("kind = \"grid\", from_mm = [500, 500], spacing_mm = [1000, 800]");
+    assert_eq!(grid, [(0.5, 0.5, 0.0), (1.5, 0.5, 0.0), (0.5, 1.3, 0.0), (1.5, 1.3, 0.0)]);
+    let row = of("kind = \"grid\", from_mm = [500, 500], spacing_mm = [1000, 800], columns = 3");
+    assert_eq!(row[3], (0.5, 1.3, 0.0));
+    let circle = of("kind = \"circle\", centre_mm = [2000, 1500], radius_mm = 1000, facing_deg = 180");
+    assert_eq!(circle, [(3.0, 1.5, 180.0), (2.0, 2.5, 270.0), (1.0, 1.5, 360.0), (2.0, 0.5, 450.0)]);
+}
+
+#[test]
+fn random_places_keep_clear_and_follow_the_seed() {
+    let text = "[scene]\nseed = 5\n[world]\nfloor_mm = [4000, 3000]\n\
+                wall = [{ from_mm = [2000, 0], to_mm = [2000, 3000] }]\n\
+                [[robot]]\ntype = \"S4\"\ncount = 30\nlayout = { kind = \"random\", clearance_mm = 100 }\n\
+                [[robot]]\ntype = \"S4\"\nx_mm = 1000\ny_mm = 1500\n";
+    let files = Overlay::of(&[("a.scene.toml", text)]);
+    let loaded = load_scene("a.scene.toml", &files);
+    assert_eq!(loaded.diagnostics, []);
+    let robots = &loaded.scene.robots;
+    assert_eq!(robots.len(), 31);
+    for (index, robot) in robots.iter().enumerate() {
+        let (radius, place) = (robot.robi.diameter / 2.0, robot.start.position);
+        assert!(index == 30 || (place.x - 2.0).abs() >= radius + 0.1, "{place}");
+        assert!(place.min_element() >= radius && place.x <= 4.0 - radius && place.y <= 3.0 - radius, "{place}");
+        for other in &robots[..index] {
+            assert!(place.distance(other.start.position) >= 2.0 * radius + 0.1 - 1e-12, "{place}");
+        }
+    }
+    assert_eq!(places(&load_scene("a.scene.toml", &files)), places(&loaded));
+    let other = load_scene_with("a.scene.toml", Some(6), &files);
+    assert_ne!(places(&other), places(&loaded));
+    assert_eq!(other.scene.run.seed, Some(6));
+}
+
+#[test]
+fn ugly_scenes_end_in_messages() {
+    let deep = format!("a = {}1{}", "[".repeat(10_000), "]".repeat(10_000));
+    let long = format!("[world]\nfile = \"{}\"\n", "x".repeat(1_000_000));
+    let robot = |rest: &str| format!("[world]\nfloor_mm = [4000, 3000]\n[[robot]]\ntype = \"S4\"\n{rest}\n");
+    let cases: &[(&str, String, Code)] = &[
+        ("nothing", String::new(), Code::TomlMissing),
+        ("deep nesting", deep, Code::TomlSyntax),
+        ("a long name", long, Code::FileMissing),
+        ("a huge count", robot("count = 1000000000000"), Code::NumberRange),
+        ("no count", robot("count = 0"), Code::NumberRange),
+        ("many groups", robot(&"count = 60000\n[[robot]]\ntype = \"S4\"\n".repeat(3)), Code::SceneCount),
+        ("NaN", robot("x_mm = nan\ny_mm = 1"), Code::NumberRange),
+        ("infinity", robot("x_mm = 1\ny_mm = inf"), Code::NumberRange),
+        ("a wrong type", robot("x_mm = \"1\"\ny_mm = true"), Code::TomlType),
+        ("no room", robot("count = 1000\nlayout = { kind = \"random\" }"), Code::SceneRoom),
+        ("tables that are none", "world = 3\nrobot = \"S4\"\n".into(), Code::TomlType),
+        ("an object as a robot", robot("[[robot]]\ntype = \"Can\"\nx_mm = 1\ny_mm = 1"), Code::SimTypeUnknown),
+        ("half a pose", robot("x_mm = 1"), Code::TomlMissing),
+        ("a slot that is none", "[scene]\nslot_ms = 0.0001\n".into(), Code::NumberRange),
+        ("a slot of parts", "[scene]\nslot_ms = 0.0015\n".into(), Code::NumberRange),
+        ("a broken maze", "[world]\nmaze = \"\"\"\n _\n|?|\n\"\"\"\n".into(), Code::MazLetter),
+    ];
+    for (what, text, code) in cases {
+        let loaded = load_scene("a.scene.toml", &Overlay::of(&[("a.scene.toml", text)]));
+        let codes: Vec<Code> = loaded.diagnostics.iter().map(|said| said.code).collect();
+        assert!(codes.contains(code), "{what}: {codes:?}");
+        for said in &loaded.diagnostics {
+            assert!(text.get(said.span.start..said.span.end).is_some(), "{what}: {:?}", said.span);
+        }
+    }
+}
+
+#[test]
+fn mistakes_in_a_drawn_maze_have_their_own_lines() {
+    let text = "[world]\nmaze = '''\n _ _\n|?  |\n|_ _|\n'''\n";
+    let said = read_scene("a.scene.toml", text).1;
+    let letter = said.iter().find(|said| said.code == Code::MazLetter).expect("a letter that means nothing");
+    assert_eq!((letter.span.line, letter.span.column), (4, 2));
+    assert_eq!(&text[letter.span.start..letter.span.end], "?");
+}
+
+#[test]
+fn a_companion_is_no_scene() {
+    assert!(!format::is_scene("S4.toml", "[psd]\nrange_mm = 2000\n"));
+    assert!(!format::is_scene("costs.toml", "[robios6]\nPSDGet = 3\n"));
+    assert!(format::is_scene("a.toml", "[world]\nfile = \"a.wld\"\n"));
+    assert!(format::is_scene("A.SCENE.TOML", ""));
+    assert!(!format::is_scene("a.sim", "[world]\n"));
+}
+
+#[test]
+fn what_a_sim_cannot_hold_is_named() {
+    let text = "[scene]\nseed = 3\ncosts = { robios6 = { PSDGet = 5 } }\n[world]\nfloor_mm = [4000, 3000]\n\
+                [[robot_type]]\nname = \"Scout\"\ndiameter_mm = 120\n\
+                [[robot]]\ntype = \"Scout\"\nprogram = \"a.c\"\narguments = [\"-v\"]\ncount = 2\n\
+                layout = { kind = \"line\", from_mm = [500, 500], to_mm = [900, 500] }\n";
+    let files = Overlay::of(&[("a.scene.toml", text)]);
+    let converted = convert("a.scene.toml", "b.sim", &files);
+    let is_lost = |said: &format::Diagnostic| (said.code, said.severity) == (Code::ConvertLost, Severity::Warning);
+    assert!(converted.diagnostics.iter().all(is_lost), "{:?}", converted.diagnostics);
+    for what in ["the seed", "the cost table", "the arguments of r1", "2 robots"] {
+        let is_named = converted.diagnostics.iter().any(|said| said.message.contains(what));
+        assert!(is_named, "{what}: {:?}", converted.diagnostics);
+    }
+    let paths: Vec<&str> = converted.outputs.iter().map(|output| output.path.as_str()).collect();
+    assert_eq!(paths, ["b.wld", "b-Scout.toml", "b-Scout.robi", "b.sim"]);
+    files.write(&converted);
+    let [old, new] = ["a.scene.toml", "b.sim"].map(|name| load_scene(name, &files));
+    assert!(!new.has_errors(), "{:?}", new.diagnostics);
+    assert_eq!(places(&new), places(&old));
+    assert_eq!(same::robi(&new.scene.robots[0].robi), same::robi(&old.scene.robots[0].robi));
+}
+
+#[test]
+fn references_are_rewritten_for_the_new_folder() {
+    let files = Overlay::of(&[
+        ("sims/a.sim", "world ../worlds/w.wld\nrobi r.robi p.c 200 200 0\nrobi r.robi %sim%/q.c 600 600 0\n"),
+        ("worlds/w.wld", "floor 1000 1000\n"),
+        ("sims/r.robi", "wheel 54 3600 1100 90\ndrive OMNI_DRIVE\n"),
+        ("sims/p.c", ""),
+    ]);
+    let converted = convert("sims/a.sim", "other/deep/b.scene.toml", &files);
+    let text = &converted.outputs[0].text;
+    for line in ["\"../../worlds/w.wld\"", "\"../../sims/r.robi\"", "\"../../sims/p.c\"", "\"%sim%/q.c\""] {
+        assert!(text.contains(line), "{line} is not in\n{text}");
+    }
+}
+
+#[test]
+fn files_that_cannot_become_each_other_are_refused() {
+    let files = Overlay::of(&[("a.wld", "floor 1000 1000\n3 4 500 600\n"), ("a.sim", "")]);
+    let code = |from, to| convert(from, to, &files).diagnostics.last().expect("a message").code;
+    assert_eq!(code("a.wld", "b.robi"), Code::ConvertKind);
+    assert_eq!(code("a.wld", "b.maz"), Code::ConvertMaze);
+    assert_eq!(code("a.wld", "b.txt"), Code::FileKind);
+    assert!(convert("missing.sim", "b.toml", &files).outputs.is_empty());
+}
+
+fn number() -> impl Strategy<Value = String> {
+    prop_oneof![
+        (-100_000..100_000_i32).prop_map(|whole| whole.to_string()),
+        (-1e5..1e5_f64).prop_map(|number| format!("{number:.3}")),
+        (-1e5..1e5_f64).prop_map(|number| format!("{number}")),
+    ]
+}
+
+fn size() -> impl Strategy<Value = String> {
+    prop_oneof![
+        (1..10_000_u32).prop_map(|whole| whole.to_string()),
+        (0.01..1e4_f64).prop_map(|number| format!("{number}"))
+    ]
+}
+
+/// A world without frames: places that decimals give.
+fn world() -> impl Strategy<Value = String> {
+    let looks = (size(), size(), prop::option::of(any::<[u8; 3]>()));
+    let wall = (prop::collection::vec(number(), 4), prop::option::of(looks)).prop_map(|(ends, looks)| {
+        let looks = looks.map_or(String::new(), |(thickness, height, colour)| {
+            let colour = colour.map_or(String::new(), |[r, g, b]| format!(" {r} {g} {b}"));
+            format!(" {thickness} {height}{colour}")
+        });
+        format!("{}{looks}", ends.join(" "))
+    });
+    let start = prop::collection::vec(number(), 3).prop_map(|pose| format!("position {}", pose.join(" ")));
+    (size(), size(), prop::collection::vec(prop_oneof![wall, start], 0..20))
+        .prop_map(|(width, height, lines)| format!("floor {width} {height}\n{}\n", lines.join("\n")))
+}
+
+fn maze() -> impl Strategy<Value = String> {
+    let cell = prop::sample::select(vec![" ", "_", "s", "U", "o", "X", "d", "L"]);
+    let side = prop::sample::select(vec![" ", "|"]);
+    (2..6_usize, 2..6_usize).prop_flat_map(move |(columns, rows)| {
+        prop::collection::vec((cell.clone(), side.clone()), columns * rows).prop_map(move |cells| {
+            let row =
+                |cells: &[(&str, &str)]| cells.iter().map(|(cell, side)| format!("{cell}{side}")).collect::<String>();
+            let rows = cells
+                .chunks(columns)
+                .map(|cells| format!("|{}\n", row(&cells[..columns - 1]) + cells[columns - 1].0 + "|"));
+            format!("{}\n{}180\n", " _".repeat(columns), rows.collect::<String>())
+        })
+    })
+}
+
+fn robi() -> impl Strategy<Value = String> {
+    let psd = prop::collection::vec(number(), 4).prop_map(|values| values.join(" "));
+    let parts = (prop::collection::vec(size(), 7), prop::collection::vec(psd, 0..4), 0..3_usize, any::<bool>());
+    parts.prop_map(|(sizes, psds, drive, is_vr)| {
+        let drive = ["DIFFERENTIAL_DRIVE", "ACKERMANN_DRIVE", "OMNI_DRIVE"][drive];
+        let [a, b, c, d, e, f, g] = &sizes[..] else { unreachable!("seven sizes") };
+        let psds = psds.iter().enumerate().map(|(id, psd)| format!("psd PSD_{id} {} {psd}\n", id + 1));
+        let psds: String = psds.collect();
+        let vr = if is_vr { format!("mass {a} {b} {c} {d}\ncollider sphere {e} {f} {g} {a}\n") } else { String::new() };
+        format!("drive {drive}\nname Some type\ndiameter {a}\nspeed {b}\nturn {c}\n{psds}wheel {d} {e} {f} {g}\n{vr}")
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn worlds_read_back_as_they_were_printed(text in world()) {
+        let world = read_world("a.wld", &text).0;
+        let printed = print_world(&world);
+        prop_assert_eq!(&printed.lost, &Vec::<String>::new());
+        let read = read_world("a.wld", &printed.text).0;
+        prop_assert_eq!(same::world(&read), same::world(&world), "{}", printed.text);
+        let mut sim = SimSpec::default();
+        sim.inline.world = Some(world.clone());
+        let toml = print_scene(&sim);
+        let read = read_scene("a.scene.toml", &toml).0.inline.world.expect("a world");
+        prop_assert_eq!(same::world(&read), same::world(&world), "{}", toml);
+    }
+
+    #[test]
+    fn mazes_read_back_as_they_were_printed(text in maze()) {
+        let world = read_maze("a.maz", &text).0;
+        let printed = print_maze(&world).expect("a maze");
+        prop_assert_eq!(same::world(&read_maze("a.maz", &printed).0), same::world(&world), "{}", printed);
+    }
+
+    #[test]
+    fn robot_types_read_back_as_they_were_printed(text in robi()) {
+        let robi = read_robi("a.robi", &text).0;
+        let mut sim = SimSpec::default();
+        sim.inline.robot_types.push((robi.clone(), format::Span::default()));
+        let toml = print_scene(&sim);
+        let (read, said) = read_scene("a.scene.toml", &toml);
+        // There is no floor.
+        let others: Vec<_> = said.iter().filter(|said| said.code != Code::TomlMissing).collect();
+        prop_assert!(others.is_empty(), "{:?}\n{}", others, toml);
+        prop_assert_eq!(same::robi(&read.inline.robot_types[0].0), same::robi(&robi), "{}", toml);
+        let printed = print_robi(&robi);
+        let mut read = read_robi("a.robi", &printed.text).0;
+        read_companion("a.toml", &print_companion(&robi), &mut read);
+        prop_assert!(!printed.lost.is_empty() || same::robi(&read) == same::robi(&robi), "{}", printed.text);
+    }
+
+    #[test]
+    fn object_types_read_back_as_they_were_printed(
+        scale in size(), values in prop::collection::vec(number(), 3), radius in size(), is_fixed in any::<bool>()
+    ) {
+        let fixed = if is_fixed { "fixed\n" } else { "" };
+        let values = values.join(" ");
+        let text = format!("name A\nscale {scale}\nmass 2 0 0 0\ncollider sphere {values} {radius}\n{fixed}");
+        let object = read_esobj("a.esObj", &text).0;
+        let printed = print_esobj(&object);
+        let read = read_esobj("a.esObj", &printed.text).0;
+        prop_assert!(!printed.lost.is_empty() || same::object(&read) == same::object(&object), "{}", printed.text);
+    }
+
+    #[test]
+    fn scenes_read_back_as_they_were_printed(
+        poses in prop::collection::vec((prop::collection::vec(number(), 3), prop::collection::vec(".*", 0..3)), 0..10),
+        seed in prop::option::of(0..1_u64 << 63),
+        slot in prop::option::of(1..3_600_000_000_i64),
+        until in prop::option::of(1..1_000_000_000_000_i64),
+    ) {
+        let mut text = String::from("[world]\nfile = \"a.wld\"\n");
+        for (pose, _) in &poses {
+            let [x, y, phi] = &pose[..] else { unreachable!("three numbers") };
+            text += "[[robot]]\ntype = \"S4\"\nprogram = \"a b.c\"\n";
+            text += &format!("x_mm = {x}\ny_mm = {y}\nheading_deg = {phi}\n");
+        }
+        let mut sim = read_scene("a.scene.toml", &text).0;
+        for (line, (_, arguments)) in sim.robots.iter_mut().zip(&poses) {
+            line.arguments.clone_from(arguments);
+        }
+        sim.run.seed = seed;
+        sim.run.slot = slot.map(sim_core::time::Time);
+        sim.run.until = until.map(sim_core::time::Time);
+        let printed = print_scene(&sim);
+        let (read, said) = read_scene("a.scene.toml", &printed);
+        prop_assert_eq!(said, vec![], "{}", printed);
+        prop_assert_eq!(same::sim(&read), same::sim(&sim), "{}", printed);
+    }
+}

@@ -1,0 +1,81 @@
+//! `eyesim convert`: one form of a file to another; `eyesim schema`: what editors complete scenes from.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context, bail};
+use clap::Args;
+use sim_core::format::print::scene_schema;
+use sim_core::format::{Converted, convert, has_errors};
+
+use super::EXIT_USAGE;
+use super::diagnostic::{self, Colour, Format, Screen};
+use crate::files::{DiskFiles, slashed};
+
+/// Arguments of `eyesim convert`.
+#[derive(Args)]
+pub struct ConvertArgs {
+    /// File to convert: .sim, .scene.toml, .wld, .maz, .robi (with its .toml), .esObj
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// File to write; its extension says what it becomes
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Replace files that are there
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Runs the command: 0, or 2 where there are errors; then nothing is written.
+///
+/// # Errors
+/// A file that is there and is not to be replaced, one that was read, or one that cannot be written.
+pub fn run(args: &ConvertArgs) -> anyhow::Result<ExitCode> {
+    let mut files = DiskFiles::of_environment();
+    // References are rewritten from the one folder to the other, so both must be seen from the same place.
+    let same_root = args.file.is_absolute() == args.output.is_absolute();
+    let rooted = |path: &Path| if same_root { Ok(path.to_owned()) } else { std::path::absolute(path) };
+    let from = rooted(&args.file).context("no working folder")?;
+    let to = rooted(&args.output).context("no working folder")?;
+    let converted = convert(&files.name(&from), &slashed(&to), &files);
+    if !converted.diagnostics.is_empty() {
+        let screen = Screen::of_stderr(Colour::Auto);
+        eprint!("{}", diagnostic::render(&converted.diagnostics, &converted.inputs, Format::Auto, screen)?);
+    }
+    if has_errors(&converted.diagnostics) {
+        eprintln!("nothing is written: {}", diagnostic::count(&converted.diagnostics));
+        return Ok(ExitCode::from(EXIT_USAGE));
+    }
+    check_outputs(&converted, args.force)?;
+    for output in &converted.outputs {
+        std::fs::write(&output.path, &output.text).with_context(|| format!("`{}` cannot be written", output.path))?;
+        println!("{}", output.path);
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Refuses, before anything is written, to replace what was read, and what is there unless `force`.
+fn check_outputs(converted: &Converted, force: bool) -> anyhow::Result<()> {
+    let inputs: Vec<PathBuf> =
+        converted.inputs.iter().filter_map(|input| std::fs::canonicalize(&input.path).ok()).collect();
+    for output in &converted.outputs {
+        let Ok(place) = std::fs::canonicalize(&output.path) else { continue };
+        if inputs.contains(&place) {
+            bail!("`{}` would replace a file that it is made from", output.path);
+        }
+        // Devices such as /dev/stdout take any number of outputs.
+        if !force && !place.starts_with("/dev") && place.is_file() {
+            bail!("`{}` is there already: --force replaces it", output.path);
+        }
+    }
+    Ok(())
+}
+
+/// Prints the JSON schema of scenes.
+///
+/// # Errors
+/// Standard output that takes nothing.
+pub fn schema() -> anyhow::Result<ExitCode> {
+    diagnostic::print(&scene_schema())?;
+    Ok(ExitCode::SUCCESS)
+}
