@@ -258,18 +258,36 @@ fn the_walls_of_a_real_building_meet() {
     for path in files.iter().filter(|path| path.ends_with("uwa-ee4.wld")) {
         let world = load_world(&name(path), &disk()).scene.world;
         assert_eq!(world.walls.len(), 443, "{}", path.display());
-        for (index, wall) in world.walls.iter().enumerate() {
-            for end in [wall.from, wall.to] {
-                let others = world.walls.iter().enumerate().filter(|(other, _)| *other != index);
-                let gap = others.map(|(_, other)| segment(other).distance(end)).fold(f64::INFINITY, f64::min);
-                assert!(
-                    gap < 0.012,
-                    "the end {end:?} of the wall in line {} is {gap} m from all others",
-                    wall.span.line
-                );
-            }
-        }
+        assert!(gaps(&world).iter().all(|gap| *gap < 0.012), "{}: {:?}", path.display(), gaps(&world));
+        // Were `push` to turn the other way, ten ends would hang free.
+        let text = format::decode(&fs::read(path).expect("a readable file")).0;
+        let (mirrored, _) = format::read_world("x", &with_turns_negated(&text));
+        let far: Vec<f64> = gaps(&mirrored).into_iter().filter(|gap| *gap > 0.012).collect();
+        assert_eq!(far.len(), 10, "{}: {far:?}", path.display());
+        assert!(far.iter().any(|gap| *gap > 1.0), "{}: {far:?}", path.display());
         found += 1;
     }
     assert!(found > 0, "uwa-ee4.wld is not in the corpus");
+}
+
+/// For each end of each wall, how far it is from all other walls, in metres.
+fn gaps(world: &WorldSpec) -> Vec<f64> {
+    let ends = world.walls.iter().enumerate().flat_map(|(index, wall)| [(index, wall.from), (index, wall.to)]);
+    let gap = |(index, end): (usize, DVec2)| {
+        let others = world.walls.iter().enumerate().filter(|(other, _)| *other != index);
+        others.map(|(_, other)| segment(other).distance(end)).fold(f64::INFINITY, f64::min)
+    };
+    ends.map(gap).collect()
+}
+
+/// The text of a world with the angle of each `push` turned round.
+fn with_turns_negated(text: &str) -> String {
+    let line = |line: &str| {
+        let data = line.split(';').next().unwrap_or_default();
+        match data.split_whitespace().collect::<Vec<_>>()[..] {
+            ["push", x, y, phi] => format!("push {x} {y} {}\n", -phi.parse::<f64>().expect("an angle")),
+            _ => format!("{line}\n"),
+        }
+    };
+    text.lines().map(line).collect()
 }
