@@ -306,6 +306,8 @@ fn the_track_of_eyesim_vr_is_half_of_what_the_wheels_stand_apart() {
 #[test]
 fn one_robot_in_three_dialects_behaves_to_the_bit_alike() {
     let scratch = scratch();
+    // Robot files of EyeSim VR have PSDs of this range.
+    scratch.write("classic.toml", "[psd]\nrange_mm = 9999\n");
     let classic = |robi: &str| format!("world room.wld\nrobi {robi}.robi wander.c 800 900 20\n");
     let vr = |robi: &str| format!("world room.wld\nrobi {robi}.robi\nTwin 800 900 20 wander.c\n");
     let first = digest(&scratch, &classic("classic"));
@@ -434,6 +436,8 @@ fn our_own_form_gives_programs_their_arguments() {
 #[test]
 fn one_robot_in_our_own_form_behaves_to_the_bit_alike() {
     let scratch = scratch();
+    // Robot files of EyeSim VR have PSDs of this range.
+    scratch.write("classic.toml", "[psd]\nrange_mm = 9999\n");
     let first = digest(&scratch, "world room.wld\nrobi classic.robi wander.c 800 900 20\n");
     for robi in ["classic", "vr", "vr2022"] {
         scratch.write(
