@@ -7,7 +7,7 @@ use plotters::style::RGBColor;
 use sim_core::pose::Pose;
 use sim_core::scene::Texture;
 
-/// Everything in a picture; see [`super::render`] for how it becomes one. Shapes cover those before them.
+/// Everything in a picture; see `render` for how it becomes one. Shapes cover those before them.
 #[derive(Clone, Debug, Default)]
 pub struct Drawing {
     /// The line above the picture.
