@@ -1,7 +1,8 @@
 /* The part of a C program's library that is not the program: its entry, its RoBIOS functions, and its C library.
  *
  * One file with its parts, compiled once for every library: it has globals of its own in each copy.
- *   robios6.c  the RoBIOS functions that follow from the list (generated)
+ *   robios6.c, robios7.c          the RoBIOS functions that follow from the lists (generated); one of them, as eyebot.h says
+ *   robios6_own.c, robios7_own.c  those whose form in C is not that of the call
  *   libc.c     the functions of the C library that must not break out of the robot or of virtual time
  *   getopt.c   getopt, whose state all copies of a library would share
  *
@@ -20,7 +21,6 @@
 
 #include "abi.h"
 #include "eyebot.h"
-#include "hdt.h"
 
 #define WEAK __attribute__((weak))
 #define CONSOLE_LINE 1024
@@ -56,7 +56,6 @@ static struct {
     int is_leaving;
     int exit_code;
     int wants_out; /* the host has stopped the program while it could not be left */
-    struct tcb *tasks;
     struct console out, err;
     struct eyesim_call_site call_site;
 } self = {.out = {.number = 1}, .err = {.number = 2}};
@@ -92,6 +91,7 @@ static void returned(int32_t status, struct frame *frame)
         }                                                                                                               \
     } while (0)
 #define ROBIOS6(name, ...) CALL(robios6, name, __VA_ARGS__)
+#define ROBIOS7(name, ...) CALL(robios7, name, __VA_ARGS__)
 #define SUPPORT(name, ...) CALL(support, name, __VA_ARGS__)
 
 /* ---- conversions ---- */
@@ -113,9 +113,13 @@ static struct eyesim_room room_of(void *data, size_t len)
     return room;
 }
 
-static int32_t task_of(const struct tcb *task)
+/* A WAV file in memory, as long as its head says, or else a text. */
+static struct eyesim_bytes sample_of(const void *sample)
 {
-    return task == NULL ? 0 : task->id;
+    const unsigned char *size = (const unsigned char *)sample + 4;
+    if (sample == NULL || strncmp(sample, "RIFF", 4) != 0)
+        return text_of(sample);
+    return bytes_of(sample, 8 + (size[0] | (size_t)size[1] << 8 | (size_t)size[2] << 16 | (size_t)size[3] << 24));
 }
 
 /* Calls a function of the program for the host: leaving the program ends here, as the host's frames lie between. */
@@ -149,35 +153,6 @@ static struct eyesim_callback callback_of(TimerFnc function)
 
 #include "libc.c"
 #include "getopt.c"
-#include "robios6.c"
-
-/* ---- RoBIOS functions whose form in C is not that of the call ---- */
-
-WEAK char *OSVersion(void)
-{
-    static char text[64];
-    int32_t result;
-    memset(text, 0, sizeof text);
-    ROBIOS6(OSVersion, room_of(text, sizeof text - 1), &result);
-    return text;
-}
-
-WEAK char *OSMachineName(void)
-{
-    static char text[64];
-    int32_t result;
-    memset(text, 0, sizeof text);
-    ROBIOS6(OSMachineName, room_of(text, sizeof text - 1), &result);
-    return text;
-}
-
-WEAK void *HDT_FindEntry(TypeID type_id, DeviceSemantics semantics)
-{
-    static HDT_entry_type entry;
-    int32_t is_found = 0;
-    ROBIOS6(HDT_FindEntry, type_id, semantics, &entry, &is_found);
-    return is_found ? &entry : NULL;
-}
 
 /* Formats as printf does; the text is at `local` or, when that is too short, to be freed. NULL: no format. */
 static char *formatted(char *local, size_t room, const char *format, va_list arguments)
@@ -197,139 +172,13 @@ static char *formatted(char *local, size_t room, const char *format, va_list arg
     return text;
 }
 
-WEAK int LCDPrintf(const char *format, ...)
-{
-    char local[512];
-    char *text;
-    int32_t result = 0;
-    va_list arguments;
-    va_start(arguments, format);
-    text = formatted(local, sizeof local, format, arguments);
-    va_end(arguments);
-    ROBIOS6(LCDPrintf, text_of(text), &result);
-    if (text != local)
-        free(text);
-    return result;
-}
-
-WEAK int LCDSetPrintf(int row, int column, const char *format, ...)
-{
-    char local[512];
-    char *text;
-    int32_t result = 0;
-    va_list arguments;
-    va_start(arguments, format);
-    text = formatted(local, sizeof local, format, arguments);
-    va_end(arguments);
-    ROBIOS6(LCDSetPrintf, row, column, text_of(text), &result);
-    if (text != local)
-        free(text);
-    return result;
-}
-
-WEAK struct tcb *OSSpawn(const char *name, void (*code)(void), int stksiz, int pri, int uid)
-{
-    int32_t id = 0;
-    struct tcb *task = calloc(1, sizeof *task);
-    if (task == NULL)
-        return NULL;
-    ROBIOS6(OSSpawn, text_of(name), callback_of(code), stksiz, pri, uid, &id);
-    if (id == 0) {
-        free(task);
-        return NULL;
-    }
-    task->id = id;
-    task->uid = uid;
-    task->pri = pri;
-    task->stksiz = stksiz;
-    if (name != NULL)
-        memcpy(task->name, name, strnlen(name, sizeof task->name - 1));
-    task->next = self.tasks;
-    self.tasks = task;
-    return task;
-}
-
-WEAK int OSExit(int code)
-{
-    int32_t result = 0;
-    ROBIOS6(OSExit, code, &result);
-    /* There is no other task, or this is the first one. */
-    end_program(code);
-}
-
-WEAK int OSPanic(const char *message)
-{
-    int32_t result = 0;
-    ROBIOS6(OSPanic, text_of(message), &result);
-    fail(1, message);
-}
-
-WEAK int OSSemInit(struct sem *sem, int val)
-{
-    int32_t result = 0;
-    ROBIOS6(OSSemInit, sem == NULL ? NULL : &sem->id, val, &result);
-    if (sem != NULL)
-        sem->count = val;
-    return result;
-}
-
-WEAK int OSSemP(struct sem *sem)
-{
-    int32_t result = 0;
-    ROBIOS6(OSSemP, sem == NULL ? 0 : sem->id, &result);
-    return result;
-}
-
-WEAK int OSSemV(struct sem *sem)
-{
-    int32_t result = 0;
-    ROBIOS6(OSSemV, sem == NULL ? 0 : sem->id, &result);
-    return result;
-}
-
-WEAK int AUPlaySample(char *sample)
-{
-    int32_t result = 0;
-    struct eyesim_bytes bytes = text_of(NULL);
-    if (sample != NULL && strncmp(sample, "RIFF", 4) == 0) {
-        const unsigned char *size = (const unsigned char *)sample + 4;
-        bytes = bytes_of(sample, 8 + (size[0] | (size_t)size[1] << 8 | (size_t)size[2] << 16 | (size_t)size[3] << 24));
-    } else if (sample != NULL) {
-        bytes = text_of(sample);
-    }
-    ROBIOS6(AUPlaySample, bytes, &result);
-    return result;
-}
-
-WEAK int AURecordSample(BYTE *buf, long len, long freq)
-{
-    int32_t result = 0;
-    ROBIOS6(AURecordSample, room_of(len > 0 ? buf : NULL, len > 0 ? (size_t)len : 0), freq, &result);
-    return result;
-}
-
-WEAK int RADIOCheck()
-{
-    int32_t result = 0;
-    ROBIOS6(RADIOCheck, &result);
-    return result;
-}
-
-WEAK int RADIOSend(BYTE id, int byteCount, BYTE *buffer)
-{
-    int32_t result = 0;
-    /* One byte more than allowed is enough to be refused. */
-    size_t len = byteCount < 0 ? 0 : byteCount > MAXMSGLEN ? MAXMSGLEN + 1 : (size_t)byteCount;
-    ROBIOS6(RADIOSend, id, bytes_of(byteCount < 0 ? NULL : buffer, len), &result);
-    return result;
-}
-
-WEAK int RADIORecv(BYTE *id, int *bytesReceived, BYTE *buffer)
-{
-    int32_t result = 0;
-    ROBIOS6(RADIORecv, id, bytesReceived, room_of(buffer, MAXMSGLEN), &result);
-    return result;
-}
+#if EYESIM_ROBIOS == 7
+#include "robios7_own.c"
+#include "robios7.c"
+#else
+#include "robios6_own.c"
+#include "robios6.c"
+#endif
 
 /* ---- entry ---- */
 
@@ -383,11 +232,15 @@ static int run(const struct eyesim_host *host, void *robot, int argc, const char
 __attribute__((visibility("default"))) const struct eyesim_program eyesim_program = {
     .size = sizeof(struct eyesim_program),
     .abi = EYESIM_ABI_VERSION,
-    .generation = 6,
+    .generation = EYESIM_ROBIOS,
     .flags = FLAGS,
     .language = EYESIM_LANGUAGE_C,
     .support_size = sizeof(struct eyesim_support),
+#if EYESIM_ROBIOS == 7
+    .robios_size = sizeof(struct eyesim_robios7),
+#else
     .robios_size = sizeof(struct eyesim_robios6),
+#endif
     .run = run,
     .call_site = &self.call_site,
 };

@@ -3,7 +3,7 @@
 
 use std::ffi::{c_char, c_int, c_void};
 
-use crate::{robios6::Robios6Table, support::SupportTable};
+use crate::{robios6::Robios6Table, robios7::Robios7Table, support::SupportTable};
 
 /// The version of everything in this crate that has a layout: a host runs only programs that state the same one.
 ///
@@ -65,6 +65,8 @@ pub struct Host {
     pub support: *const SupportTable,
     /// RoBIOS 6; null for a program of another generation.
     pub robios6: *const Robios6Table,
+    /// RoBIOS-7; null for a program of another generation.
+    pub robios7: *const Robios7Table,
 }
 
 // SAFETY: the pointers lead to tables that are constant for the whole run.
@@ -73,9 +75,19 @@ unsafe impl Sync for Host {}
 unsafe impl Send for Host {}
 
 impl Host {
-    /// The root over tables that live for ever.
-    pub const fn new(support: &'static SupportTable, robios6: &'static Robios6Table) -> Self {
-        Self { size: size_of::<Self>() as u32, abi: ABI_VERSION, support, robios6 }
+    /// The root for a program of RoBIOS 6, over tables that live for ever.
+    pub const fn of_robios6(support: &'static SupportTable, robios6: &'static Robios6Table) -> Self {
+        Self { robios6, ..Self::without_robios(support) }
+    }
+
+    /// The root for a program of RoBIOS-7, over tables that live for ever.
+    pub const fn of_robios7(support: &'static SupportTable, robios7: &'static Robios7Table) -> Self {
+        Self { robios7, ..Self::without_robios(support) }
+    }
+
+    const fn without_robios(support: &'static SupportTable) -> Self {
+        let (robios6, robios7) = (std::ptr::null(), std::ptr::null());
+        Self { size: size_of::<Self>() as u32, abi: ABI_VERSION, support, robios6, robios7 }
     }
 }
 
@@ -132,7 +144,7 @@ pub struct Program {
     pub size: u32,
     /// [`ABI_VERSION`] that the program was built against.
     pub abi: u32,
-    /// RoBIOS generation: 6.
+    /// RoBIOS generation: 6 or 7.
     pub generation: u32,
     /// Bits of [`flag`].
     pub flags: u32,
@@ -157,14 +169,23 @@ unsafe impl Send for Program {}
 impl Program {
     /// The description of a RoBIOS 6 program built against this crate.
     pub const fn robios6(language: u32, run: Run, call_site: *const CallSite) -> Self {
+        Self::new(6, size_of::<Robios6Table>(), language, run, call_site)
+    }
+
+    /// The description of a RoBIOS-7 program built against this crate.
+    pub const fn robios7(language: u32, run: Run, call_site: *const CallSite) -> Self {
+        Self::new(7, size_of::<Robios7Table>(), language, run, call_site)
+    }
+
+    const fn new(generation: u32, table: usize, language: u32, run: Run, call_site: *const CallSite) -> Self {
         Self {
             size: size_of::<Self>() as u32,
             abi: ABI_VERSION,
-            generation: 6,
+            generation,
             flags: 0,
             language,
             support_size: size_of::<SupportTable>() as u32,
-            robios_size: size_of::<Robios6Table>() as u32,
+            robios_size: table as u32,
             run,
             call_site,
         }
@@ -178,10 +199,12 @@ impl Program {
         if self.abi != ABI_VERSION {
             return Err(Misfit::Abi { program: self.abi });
         }
-        if self.generation != 6 {
-            return Err(Misfit::Generation(self.generation));
-        }
-        let offered = [size_of::<SupportTable>(), size_of::<Robios6Table>()];
+        let table = match self.generation {
+            6 => size_of::<Robios6Table>(),
+            7 => size_of::<Robios7Table>(),
+            other => return Err(Misfit::Generation(other)),
+        };
+        let offered = [size_of::<SupportTable>(), table];
         if [self.support_size as usize, self.robios_size as usize]
             .iter()
             .zip(offered)
@@ -214,7 +237,7 @@ impl std::fmt::Display for Misfit {
                 write!(f, "the program was built against ABI version {program}, this is {ABI_VERSION}: build it again")
             }
             Self::Generation(generation) => {
-                write!(f, "the program was built for RoBIOS `{generation}`, known is 6")
+                write!(f, "the program was built for RoBIOS `{generation}`, known are 6 and 7")
             }
             Self::Newer => f.write_str("the program was built for a newer eyesim with more functions: build it again"),
         }
@@ -241,7 +264,8 @@ mod tests {
         assert_eq!(newer.check(), Err(Misfit::Newer));
         let other = Program { abi: ABI_VERSION + 1, ..good() };
         assert_eq!(other.check(), Err(Misfit::Abi { program: ABI_VERSION + 1 }));
-        let seventh = Program { generation: 7, ..good() };
-        assert_eq!(seventh.check(), Err(Misfit::Generation(7)));
+        assert_eq!(Program::robios7(language::C, run, std::ptr::null()).check(), Ok(()));
+        let eighth = Program { generation: 8, ..good() };
+        assert_eq!(eighth.check(), Err(Misfit::Generation(8)));
     }
 }

@@ -396,6 +396,75 @@ impl Param for OutBytes {
     }
 }
 
+/// Room for whole numbers: across the ABI [`ByteRoom`] with `len` numbers, the host gets `&mut OutInts` and
+/// [sets](Self::set) them.
+///
+/// The thunk writes as many as fit, after the method has returned without [`Stop`]; the rest of the room stays as it was.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OutInts {
+    is_null: bool,
+    capacity: usize,
+    numbers: Vec<i32>,
+}
+
+impl OutInts {
+    /// Room for so many numbers.
+    pub const fn with_capacity(capacity: usize) -> Self {
+        Self { is_null: false, capacity, numbers: Vec::new() }
+    }
+
+    /// As for a null pointer.
+    pub const fn null() -> Self {
+        Self { is_null: true, capacity: 0, numbers: Vec::new() }
+    }
+
+    /// Whether the program passed a null pointer.
+    pub fn is_null(&self) -> bool {
+        self.is_null
+    }
+
+    /// How many numbers fit; 0 for a null pointer.
+    pub fn capacity(&self) -> usize {
+        self.capacity
+    }
+
+    /// The numbers to be written; those that do not fit are dropped. Returns how many fit.
+    pub fn set(&mut self, numbers: &[i32]) -> usize {
+        self.numbers.clear();
+        self.numbers.extend_from_slice(&numbers[..numbers.len().min(self.capacity)]);
+        self.numbers.len()
+    }
+
+    /// The numbers that have been set.
+    pub fn numbers(&self) -> &[i32] {
+        &self.numbers
+    }
+}
+
+impl Param for OutInts {
+    type Abi = ByteRoom;
+    type Held = Self;
+    type View<'a> = &'a mut Self;
+
+    unsafe fn take(abi: ByteRoom) -> Self {
+        if abi.data.is_null() { Self::null() } else { Self::with_capacity(abi.len) }
+    }
+    fn view(held: &mut Self) -> &mut Self {
+        held
+    }
+    unsafe fn give(abi: ByteRoom, held: Self) {
+        if !held.numbers.is_empty() {
+            let bytes = held.numbers.len() * size_of::<i32>();
+            // SAFETY: numbers are kept only if there is room for them, so the pointer is not null, and the caller
+            // vouches for the length; copied as bytes, as C may have aligned it badly.
+            unsafe { std::ptr::copy_nonoverlapping(held.numbers.as_ptr().cast::<u8>(), abi.data, bytes) };
+        }
+    }
+    fn show(held: &Self, f: &mut Formatter<'_>) -> fmt::Result {
+        if held.is_null { f.write_str("NULL") } else { write!(f, "&[{} numbers]", held.numbers.len()) }
+    }
+}
+
 /// A function of the program that the host calls later, on the robot's own thread and inside a call of the program.
 ///
 /// Code and data belong to the program and are valid until [`Program::run`](crate::Program::run) has returned.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use sim_core::format::load_scene;
 use sim_host::files::DiskFiles;
-use sim_host::program::{Builder, Cache, Loader, Prepared, SearchPath, ShimKit, Tools, find_program, prepare};
+use sim_host::program::{Builder, Cache, Kits, Loader, Prepared, SearchPath, Tools, find_program, prepare};
 
 /// A folder that stays from one test run to the next, so that cargo need not build `robios-api` each time.
 fn place(name: &str) -> PathBuf {
@@ -32,7 +32,7 @@ fn new(place: &Path, name: &str, language: &str) -> Arc<Prepared> {
     let search = SearchPath { sim_folder: sim.parent().map(Path::to_owned), ..SearchPath::default() };
     let found = find_program(loaded.scene.robots[0].program_name(), &search).unwrap_or_else(|error| panic!("{error}"));
     let cache = Cache::open(&place.join("cache")).expect("a cache");
-    let builder = Builder::new(cache, ShimKit::robios6(), Tools::of_environment());
+    let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
     let prepared = prepare(&builder, &[found]).pop().expect("a result").unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(prepared.output, "", "the compiler warns");
     assert_eq!(prepared.warnings, Vec::<String>::new());

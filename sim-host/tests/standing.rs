@@ -9,7 +9,7 @@ use sim_host::executive::conductor::End;
 use sim_host::executive::run::{Ended, Limits, Parts, Run};
 use sim_host::executive::thread::ThreadExecutor;
 use sim_host::files::DiskFiles;
-use sim_host::program::{Builder, Cache, SearchPath, ShimKit, Tools};
+use sim_host::program::{Builder, Cache, Kits, SearchPath, Tools};
 use sim_host::record::trace::TraceHeader;
 use sim_host::record::{Outcome, Recorder, Trace};
 use sim_host::robios::cost::Costs;
@@ -65,7 +65,7 @@ fn scene(programs: [&str; 3]) -> (tempfile::TempDir, SceneSpec) {
 fn run(folder: &Path, scene: &SceneSpec, lanes: usize) -> Ended {
     let search = SearchPath { sim_folder: Some(folder.to_owned()), ..SearchPath::default() };
     let cache = Cache::open(&Path::new(env!("CARGO_TARGET_TMPDIR")).join("standing-cache")).expect("a cache");
-    let builder = Builder::new(cache, ShimKit::robios6(), Tools::of_environment());
+    let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
     let programs = Programs::build(scene, &search, &builder).unwrap_or_else(|error| panic!("{error:#}"));
     let loaded = programs.load(scene).unwrap_or_else(|error| panic!("{error:#}"));
     let slot = Time::from_millis(50);

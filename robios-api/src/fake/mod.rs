@@ -184,7 +184,7 @@ impl Fake {
     ) -> Run {
         static SUPPORT: SupportTable = SupportTable::of::<FakeRobot>();
         static ROBIOS: Robios6Table = Robios6Table::of::<FakeRobot>();
-        static HOST: Host = Host::new(&SUPPORT, &ROBIOS);
+        static HOST: Host = Host::of_robios6(&SUPPORT, &ROBIOS);
         let arguments: Vec<CString> = std::iter::once("program".to_owned())
             .chain(std::mem::take(&mut self.arguments))
             .map(|argument| CString::new(argument.replace('\0', "")).unwrap_or_default())

@@ -4,20 +4,54 @@ use std::fmt::Write as _;
 
 use crate::abi;
 use crate::constant::Constant;
-use crate::robios6::{CONSTANTS, Robios6Call, Robios6Table, hdt_type, semantics};
+use crate::robios6::{self, Robios6Call, Robios6Table, hdt_type, semantics};
+use crate::robios7::{self, Robios7Call, Robios7Table};
 use crate::support::{SupportCall, SupportTable};
 use crate::table::{Family, Function, Parameter};
 
+/// What header and shim of one generation are written from.
+struct Generation {
+    /// As the header says it.
+    title: &'static str,
+    /// The macro by which the shim calls the table.
+    call: &'static str,
+    families: &'static [Family],
+    functions: Vec<&'static Function>,
+    constants: &'static [Constant],
+    /// Headers that `eyebot.h` includes, before its functions and behind them.
+    includes: &'static [&'static str],
+    includes_behind: &'static [&'static str],
+}
+
 /// The generated files: path from the crate's folder, and text.
 pub fn generated() -> Vec<(&'static str, String)> {
-    let robios6: Vec<_> = Robios6Call::ALL.iter().map(|call| call.function()).collect();
+    let six = Generation {
+        title: "RoBIOS 6",
+        call: "ROBIOS6",
+        families: Robios6Call::FAMILIES,
+        functions: Robios6Call::ALL.iter().map(|call| call.function()).collect(),
+        constants: robios6::CONSTANTS,
+        includes: &["types.h", "hdt_sem.h"],
+        includes_behind: &[],
+    };
+    let seven = Generation {
+        title: "RoBIOS-7",
+        call: "ROBIOS7",
+        families: Robios7Call::FAMILIES,
+        functions: Robios7Call::ALL.iter().map(|call| call.function()).collect(),
+        constants: robios7::CONSTANTS,
+        includes: &["types.h"],
+        includes_behind: &["variants.h"],
+    };
     let support: Vec<_> = SupportCall::ALL.iter().map(|call| call.function()).collect();
     vec![
-        ("include/eyebot.h", eyebot_header(&robios6)),
-        ("include/hdt_sem.h", constant_header("HDT_SEM", "which device of its kind", semantics::SEMANTICS)),
-        ("include/hdt.h", constant_header("HDT", "kinds of devices", hdt_type::HDT_TYPES)),
-        ("shim/abi.h", abi_header(&support, &robios6)),
-        ("shim/robios6.c", shim_functions(&robios6)),
+        ("include/robios6/eyebot.h", eyebot_header(&six)),
+        ("include/robios6/hdt_sem.h", constant_header("HDT_SEM", "which device of its kind", semantics::SEMANTICS)),
+        ("include/robios6/hdt.h", constant_header("HDT", "kinds of devices", hdt_type::HDT_TYPES)),
+        ("include/robios7/eyebot.h", eyebot_header(&seven)),
+        ("shim/abi.h", abi_header(&support, &six.functions, &seven.functions)),
+        ("shim/robios6.c", shim_functions(&six)),
+        ("shim/robios7.c", shim_functions(&seven)),
         ("../docs/c-library.md", super::page::c_library_page()),
     ]
 }
@@ -44,6 +78,9 @@ impl CType {
             "f32" => ("float", "float"),
             "u8" | "Byte" => ("BYTE", "uint8_t"),
             "Char" => ("char", "uint8_t"),
+            "Flag" => ("bool", "uint8_t"),
+            "Color" => ("COLOR", "int32_t"),
+            "Timer" => ("TIMER", "int32_t"),
             "Bool" => ("BOOL", "int32_t"),
             "Metre" => ("meter", "float"),
             "Radian" => ("radians", "float"),
@@ -64,6 +101,7 @@ impl CType {
             "Text" => ("const char *", "struct eyesim_bytes"),
             "Bytes" => ("const BYTE *", "struct eyesim_bytes"),
             "OutBytes" => ("BYTE *", "struct eyesim_room"),
+            "OutInts" => ("int *", "struct eyesim_room"),
             "Callback" => ("TimerFnc ", "struct eyesim_callback"),
             "In<Image>" => ("image *", "const void *"),
             "In<ColImage>" => ("colimage *", "const void *"),
@@ -72,7 +110,7 @@ impl CType {
             "InOut<ColImage>" => ("colimage *", "void *"),
             "InOut<Semaphore>" => ("struct sem *", "void *"),
             "Out<i32>" => ("int *", "void *"),
-            "Out<Byte>" | "Out<MonoFrame>" | "Out<ColorFrame>" | "Out<BayerFrame>" => ("BYTE *", "void *"),
+            "Out<Byte>" | "Out<u8>" | "Out<MonoFrame>" | "Out<ColorFrame>" | "Out<BayerFrame>" => ("BYTE *", "void *"),
             "Out<Char>" | "Out<[u8; 16]>" => ("char *", "void *"),
             "Out<Image>" => ("image *", "void *"),
             "Out<ColImage>" => ("colimage *", "void *"),
@@ -132,28 +170,34 @@ fn printf_attribute(function: &Function) -> &'static str {
     }
 }
 
-fn eyebot_header(functions: &[&Function]) -> String {
+fn eyebot_header(generation: &Generation) -> String {
+    let title = generation.title;
+    let include = |headers: &[&str]| headers.iter().map(|name| format!("#include \"{name}\"\n")).collect::<String>();
     let mut text = format!(
-        "/* RoBIOS 6 for robot programs.\n\
+        "/* {title} for robot programs.\n\
          \x20*\n\
          \x20* Every call takes effect, and reads what it reads, at its end. Those that wait say so; the others return at once.\n\
          \x20* [any task of the robot] marks who may call a function: all may be called from timer functions too, where those\n\
          \x20* that wait are errors. No call keeps a pointer. Null pointers and wrong handles give the documented failure.\n\
          \x20*\n\
          \x20* {NOTICE} */\n\
-         #ifndef EYESIM_EYEBOT_H\n#define EYESIM_EYEBOT_H\n\n#include \"types.h\"\n#include \"hdt_sem.h\"\n\n"
+         #ifndef EYESIM_EYEBOT_H\n#define EYESIM_EYEBOT_H\n\n{}\n",
+        include(generation.includes)
     );
-    text += &defines(CONSTANTS);
+    text += &defines(generation.constants);
     text += "\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n";
-    for family in Robios6Call::FAMILIES {
+    for family in generation.families {
         writeln!(text, "\n/* ---- {}: {} ---- */", family.name, family.title).expect("a string takes every line");
-        for function in functions.iter().filter(|function| function.family == family.name) {
+        for function in generation.functions.iter().filter(|function| function.family == family.name) {
             let (comment, prototype) = (comment(function, family), prototype(function));
             write!(text, "\n{comment}{prototype}{};\n", printf_attribute(function)).expect("a string takes every line");
         }
     }
-    text += "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
-    text
+    text += "\n#ifdef __cplusplus\n}\n#endif\n";
+    if !generation.includes_behind.is_empty() {
+        write!(text, "\n{}", include(generation.includes_behind)).expect("a string takes every line");
+    }
+    text + "\n#endif\n"
 }
 
 fn constant_header(name: &str, title: &str, constants: &[Constant]) -> String {
@@ -166,7 +210,11 @@ fn constant_header(name: &str, title: &str, constants: &[Constant]) -> String {
 fn defines(constants: &[Constant]) -> String {
     let mut text = String::new();
     for constant in constants {
-        let value = if constant.value < 0 { format!("({})", constant.value) } else { constant.value.to_string() };
+        let value = match constant.value {
+            value @ ..0 => format!("({value})"),
+            value @ 0x1_0000.. => format!("{value:#08X}").replace("0X", "0x"),
+            value => value.to_string(),
+        };
         // Programs of old define these two themselves.
         if let name @ ("TRUE" | "FALSE") = constant.name {
             writeln!(text, "#undef {name}").expect("a string takes every line");
@@ -177,7 +225,7 @@ fn defines(constants: &[Constant]) -> String {
     text
 }
 
-fn abi_header(support: &[&Function], robios6: &[&Function]) -> String {
+fn abi_header(support: &[&Function], robios6: &[&Function], robios7: &[&Function]) -> String {
     let mut text = format!(
         "/* What crosses between a program's library and the host: see docs/abi.md.\n * {NOTICE} */\n\
          #ifndef EYESIM_ABI_H\n#define EYESIM_ABI_H\n\n#include <stddef.h>\n#include <stdint.h>\n\n\
@@ -193,8 +241,9 @@ fn abi_header(support: &[&Function], robios6: &[&Function]) -> String {
              struct eyesim_callback { int32_t (*code)(void *data); void *data; };\n\n";
     text += &table("eyesim_support", SupportTable::VERSION, support);
     text += &table("eyesim_robios6", Robios6Table::VERSION, robios6);
+    text += &table("eyesim_robios7", Robios7Table::VERSION, robios7);
     text += "struct eyesim_host {\n    uint32_t size;\n    uint32_t abi;\n    const struct eyesim_support *support;\n    \
-             const struct eyesim_robios6 *robios6;\n};\n\n\
+             const struct eyesim_robios6 *robios6;\n    const struct eyesim_robios7 *robios7;\n};\n\n\
              /* Where the program called the function that it is in: an address in its code, or file and line. */\n\
              struct eyesim_call_site {\n    const void *address;\n    const char *file;\n    size_t file_len;\n    \
              uint32_t line;\n};\n\n\
@@ -217,15 +266,16 @@ fn table(name: &str, version: u32, functions: &[&Function]) -> String {
     text + "};\n\n"
 }
 
-fn shim_functions(functions: &[&Function]) -> String {
-    let mut text = format!("/* The RoBIOS 6 functions as a program calls them; part of shim.c.\n * {NOTICE} */\n");
-    for function in functions.iter().filter(|function| function.prototype.is_none()) {
+fn shim_functions(generation: &Generation) -> String {
+    let Generation { title, call, .. } = generation;
+    let mut text = format!("/* The {title} functions as a program calls them; part of shim.c.\n * {NOTICE} */\n");
+    for function in generation.functions.iter().filter(|function| function.prototype.is_none()) {
         let arguments: String = function.parameters.iter().map(|p| format!("{}, ", argument(p))).collect();
         let (prototype, name) = (prototype(function), function.name);
         let body = match CType::of(function.returns) {
-            CType { abi: "void", .. } => format!("    ROBIOS6({name}, {arguments}NULL);\n"),
+            CType { abi: "void", .. } => format!("    {call}({name}, {arguments}NULL);\n"),
             CType { abi, .. } => {
-                format!("    {abi} result = 0;\n    ROBIOS6({name}, {arguments}&result);\n    return result;\n")
+                format!("    {abi} result = 0;\n    {call}({name}, {arguments}&result);\n    return result;\n")
             }
         };
         write!(text, "\nWEAK {prototype}\n{{\n{body}}}\n").expect("a string takes every line");

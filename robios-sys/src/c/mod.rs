@@ -23,20 +23,33 @@ macro_rules! files {
     };
 }
 
-/// The headers for programs: a folder of them goes to the compiler with `-I`.
-pub const HEADERS: &[SourceFile] = files![
-    "include" / "eyebot.h",
-    "include" / "types.h",
-    "include" / "hdt_sem.h",
-    "include" / "hdt.h",
-    "include" / "keys.h",
-    "include" / "kern.h",
-    "include" / "protos.h",
+/// The headers for programs of RoBIOS 6: a folder of them goes to the compiler with `-I`.
+pub const HEADERS6: &[SourceFile] = files![
+    "include/robios6" / "eyebot.h",
+    "include/robios6" / "types.h",
+    "include/robios6" / "hdt_sem.h",
+    "include/robios6" / "hdt.h",
+    "include/robios6" / "keys.h",
+    "include/robios6" / "kern.h",
+    "include/robios6" / "protos.h",
 ];
 
-/// The shim: with these files and [`HEADERS`] in `-I` folders, [`SHIM_SOURCE`] is compiled and linked into a program.
-pub const SHIM: &[SourceFile] =
-    files!["shim" / "shim.c", "shim" / "abi.h", "shim" / "robios6.c", "shim" / "libc.c", "shim" / "getopt.c"];
+/// The headers for programs of RoBIOS-7.
+pub const HEADERS7: &[SourceFile] =
+    files!["include/robios7" / "eyebot.h", "include/robios7" / "types.h", "include/robios7" / "variants.h"];
+
+/// The shim: with these files and the headers of a generation in `-I` folders, [`SHIM_SOURCE`] is compiled and linked into
+/// a program.
+pub const SHIM: &[SourceFile] = files![
+    "shim" / "shim.c",
+    "shim" / "abi.h",
+    "shim" / "robios6.c",
+    "shim" / "robios6_own.c",
+    "shim" / "robios7.c",
+    "shim" / "robios7_own.c",
+    "shim" / "libc.c",
+    "shim" / "getopt.c",
+];
 
 /// The file of [`SHIM`] that is compiled; it includes the others.
 pub const SHIM_SOURCE: &str = "shim.c";

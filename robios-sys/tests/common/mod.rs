@@ -28,10 +28,15 @@ pub fn has_compiler() -> bool {
     has
 }
 
-/// A folder with the C side's files in it.
+/// A folder with the C side's files for RoBIOS 6 in it.
 pub fn folder() -> tempfile::TempDir {
+    folder_with(c::HEADERS6)
+}
+
+/// A folder with these headers and the shim in it.
+pub fn folder_with(headers: &[c::SourceFile]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("the temporary folder is writable");
-    for file in c::HEADERS.iter().chain(c::SHIM) {
+    for file in headers.iter().chain(c::SHIM) {
         std::fs::write(folder.path().join(file.name), file.text).expect("the temporary folder is writable");
     }
     folder
@@ -116,7 +121,7 @@ impl Built {
 
 static SUPPORT: SupportTable = SupportTable::of::<Robot>();
 static ROBIOS6: Robios6Table = Robios6Table::of::<Robot>();
-static HOST: Host = Host::new(&SUPPORT, &ROBIOS6);
+static HOST: Host = Host::of_robios6(&SUPPORT, &ROBIOS6);
 
 /// One robot of the small host.
 #[derive(Default)]

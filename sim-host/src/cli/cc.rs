@@ -8,7 +8,7 @@ use clap::Args;
 
 use crate::program::build::{Builder, Tools};
 use crate::program::cache::Cache;
-use crate::program::compile::ShimKit;
+use crate::program::compile::Kits;
 
 /// Arguments of `eyesim cc`.
 #[derive(Args, Debug)]
@@ -37,7 +37,7 @@ pub struct CcArgs {
 pub fn run(args: &CcArgs) -> anyhow::Result<ExitCode> {
     check_files(&args.files, &args.output)?;
     let cache = Cache::of_user().context("no folder to build in")?;
-    let builder = Builder::new(cache, ShimKit::robios6(), Tools::of_environment());
+    let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
     let (commands, output) = builder.build_to(&args.files, &args.output, &args.flags)?;
     if args.verbose {
         eprint!("{commands}");

@@ -190,7 +190,7 @@ pub fn unknown_functions(table: &CostTable) -> impl Iterator<Item = Diagnostic> 
         span: entry.span,
         message: format!("there is no function `{}`", entry.function),
         expected: "a function of RoBIOS, or the beginning of names and `*`".to_owned(),
-        suggestion: cost::most_similar(&entry.function).map(|name| format!("write `{name}`")),
+        suggestion: cost::most_similar(&entry.generation, &entry.function).map(|name| format!("write `{name}`")),
     })
 }
 

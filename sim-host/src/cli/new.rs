@@ -161,7 +161,7 @@ fn files(name: &str, lang: Language, api: Option<&Path>) -> Vec<(String, String)
             files.push((program.clone(), fill(include_str!("new/program.c"))));
             files.push(("README.md".into(), fill(include_str!("new/readme-c.md"))));
             files.push(("compile_flags.txt".into(), "-std=gnu17\n-Wall\n-Iinclude\n".into()));
-            let headers = robios_sys::c::HEADERS.iter();
+            let headers = robios_sys::c::HEADERS6.iter();
             files.extend(headers.map(|header| (format!("include/{}", header.name), header.text.to_owned())));
         }
         Language::Rust => {

@@ -29,7 +29,7 @@ use crate::executive::run::{Ended, Limits, Parts, RobotEnd, Run};
 use crate::executive::thread::ThreadExecutor;
 use crate::files::DiskFiles;
 use crate::plot::{self, RunObject, RunPicture, RunRobot};
-use crate::program::{Builder, Cache, SearchPath, ShimKit, Tools};
+use crate::program::{Builder, Cache, Kits, SearchPath, Tools};
 use crate::record::report::{Input, ObjectReport, REPORT_SCHEMA, RobotReport};
 use crate::record::trace::{TraceHeader, TraceRobot};
 use crate::record::{Log, Outcome, Recorder, Report, Sink, Trace, Trails};
@@ -230,7 +230,7 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
 /// Builds the programs of `scene`, and says on a terminal what takes so long.
 fn build_programs(args: &RunArgs, scene: &SceneSpec, search: &SearchPath) -> anyhow::Result<Programs> {
     let cache = Cache::of_user().context("no folder for built programs")?;
-    let mut builder = Builder::new(cache, ShimKit::robios6(), Tools::of_environment());
+    let mut builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
     if !args.quiet {
         builder = builder.watched_by(Box::new(Building::on_stderr()));
     }

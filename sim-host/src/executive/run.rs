@@ -110,9 +110,6 @@ pub struct RobotEnd {
     pub lcd: Vec<String>,
 }
 
-/// What a service for the program's language takes: enough that a loop which waits for a time ends.
-const SUPPORT_COST: Time = Time(1);
-
 /// How often the supervisor looks at the programs and shows progress.
 const LOOK: Duration = Duration::from_millis(50);
 
@@ -191,10 +188,7 @@ impl Run {
 
     /// Virtual time that `call` takes.
     pub(crate) fn cost(&self, call: Call) -> Time {
-        match call {
-            Call::Robios6(call) => self.costs.of(call),
-            Call::Support(_) => SUPPORT_COST,
-        }
+        self.costs.of(call)
     }
 
     /// True when every call is recorded.

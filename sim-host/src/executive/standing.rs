@@ -1,12 +1,12 @@
 //! How a robot's program stands at the end of a run, and the words in which the user is told.
 
-use robios_sys::Robios6Call;
 use sim_core::time::Time;
 
 use super::conductor::End;
 use super::fault::Broken;
 use crate::program::load::LoadedProgram;
 use crate::record::Outcome;
+use crate::robios::caller::Call;
 use crate::robios::robot::{Ending, Robot, Waiting, Waits};
 
 /// How a program stands.
@@ -94,7 +94,7 @@ fn wait_in_words(robot: &mut Robot, waiting: &Waiting, program: &LoadedProgram, 
 
 fn place(broken: &Broken, program: &LoadedProgram) -> Place {
     let location = program.own_source_line(&broken.addresses);
-    let last_call = Robios6Call::ALL.get(usize::from(broken.last_call)).map_or("", |call| call.name());
+    let last_call = Call::of_robios_number(broken.last_call).map_or("", Call::name);
     Place {
         what: broken.what.clone(),
         location: location.map(|location| location.to_string()).unwrap_or_default(),

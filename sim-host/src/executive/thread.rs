@@ -102,8 +102,8 @@ impl Executor for ThreadExecutor {
 
     fn enter(&self, robot: RobotId, call: Call) -> bool {
         let block = self.robot(robot).block;
-        if let Call::Robios6(call) = call {
-            block.last_call.store(call as u16, Ordering::Relaxed);
+        if let Some(number) = call.robios_number() {
+            block.last_call.store(number, Ordering::Relaxed);
         }
         if block.stack_left() < RESERVE {
             return false;

@@ -7,7 +7,7 @@ use std::sync::{Mutex, OnceLock};
 
 use super::cache::Cache;
 use super::cargo::{CargoError, build_package};
-use super::compile::{Compilation, CompileError, Compiled, ShimKit};
+use super::compile::{Compilation, CompileError, Compiled, Kits, ShimKit};
 use super::compiler::{Compiler, CompilerError};
 use super::find::ProgramSource;
 use super::words::{WordsError, split_words};
@@ -93,7 +93,7 @@ pub trait Watch: std::fmt::Debug + Send + Sync {
 #[derive(Debug)]
 pub struct Builder {
     cache: Cache,
-    kit: ShimKit,
+    kits: Kits,
     tools: Tools,
     compiler: OnceLock<Compiler>,
     /// Held while the compiler is looked for, so that only one thread does.
@@ -102,9 +102,9 @@ pub struct Builder {
 }
 
 impl Builder {
-    /// A builder that keeps what it builds in `cache` and gives C programs the headers and the shim of `kit`.
-    pub fn new(cache: Cache, kit: ShimKit, tools: Tools) -> Self {
-        Self { cache, kit, tools, compiler: OnceLock::new(), looking: Mutex::new(()), watch: None }
+    /// A builder that keeps what it builds in `cache` and gives C programs the headers and the shim of `kits`.
+    pub fn new(cache: Cache, kits: Kits, tools: Tools) -> Self {
+        Self { cache, kits, tools, compiler: OnceLock::new(), looking: Mutex::new(()), watch: None }
     }
 
     /// The same builder with somebody who watches.
@@ -218,9 +218,9 @@ impl Builder {
 
     fn compile(&self, sources: &[PathBuf], extra_flags: &[String], folder: &Path) -> Result<Compiled, BuildError> {
         let compiler = self.compiler()?;
-        let kit_folder = self.kit_folder().map_err(|error| self.cache_error(error))?;
-        let compilation =
-            Compilation { compiler, kit: &self.kit, kit_folder: &kit_folder, sources, extra_flags, folder };
+        let kit = self.kits.of_sources(sources);
+        let kit_folder = self.kit_folder(kit).map_err(|error| self.cache_error(error))?;
+        let compilation = Compilation { compiler, kit, kit_folder: &kit_folder, sources, extra_flags, folder };
         Ok(compilation.run()?)
     }
 
@@ -245,11 +245,11 @@ impl Builder {
         Ok(self.tools.cflags.as_deref().map(split_words).transpose()?.unwrap_or_default())
     }
 
-    /// The kit's files, written into the cache: a place that stays, for debuggers and editors.
-    fn kit_folder(&self) -> io::Result<PathBuf> {
-        let folder = self.cache.folder("kits")?.join(self.kit.digest());
-        let headers = self.kit.headers.iter().map(|(name, text)| (folder.join("include").join(name), text));
-        let shim = self.kit.shim.iter().map(|(name, text)| (folder.join("shim").join(name), text));
+    /// The files of `kit`, written into the cache: a place that stays, for debuggers and editors.
+    fn kit_folder(&self, kit: &ShimKit) -> io::Result<PathBuf> {
+        let folder = self.cache.folder("kits")?.join(kit.digest());
+        let headers = kit.headers.iter().map(|(name, text)| (folder.join("include").join(name), text));
+        let shim = kit.shim.iter().map(|(name, text)| (folder.join("shim").join(name), text));
         for (path, text) in headers.chain(shim) {
             if fs::read(&path).is_ok_and(|there| there == text.as_bytes()) {
                 continue;
@@ -268,7 +268,7 @@ impl Builder {
             hasher.update(bytes);
         };
         add(format!("eyesim {CACHE_VERSION}").as_bytes());
-        add(self.kit.digest().as_bytes());
+        add(self.kits.of_sources(sources).digest().as_bytes());
         add(compiler.identity().as_bytes());
         for flag in compiler.compile_flags().chain(compiler.link_flags()) {
             add(flag.as_bytes());

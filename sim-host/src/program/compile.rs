@@ -8,6 +8,7 @@ use std::process::Command;
 use robios_sys::{Robios6Call, c};
 
 use super::compiler::Compiler;
+use super::generation::Generation;
 
 /// The texts that every C program is built with: the headers it may include, and the shim that is linked to it.
 #[derive(Clone, Debug)]
@@ -21,12 +22,16 @@ pub struct ShimKit {
 }
 
 impl ShimKit {
-    /// The kit of RoBIOS 6.
-    pub fn robios6() -> Self {
+    /// The kit of a generation.
+    pub fn of(generation: Generation) -> Self {
+        let headers = match generation {
+            Generation::Robios6 => c::HEADERS6,
+            Generation::Robios7 => c::HEADERS7,
+        };
         let texts = |files: &[c::SourceFile]| files.iter().map(|file| (file.name, file.text)).collect();
         let mut shim: Vec<_> = texts(c::SHIM);
         shim.sort_by_key(|(name, _)| *name != c::SHIM_SOURCE);
-        Self { headers: texts(c::HEADERS), shim, shim_flags: c::SHIM_FLAGS }
+        Self { headers: texts(headers), shim, shim_flags: c::SHIM_FLAGS }
     }
 
     /// A digest of everything in the kit, in hex.
@@ -37,6 +42,39 @@ impl ShimKit {
         }
         hasher.update(format!("{:?}", self.shim_flags).as_bytes());
         hasher.finalize().to_hex()[..32].to_owned()
+    }
+}
+
+/// Which kit a program is built with.
+#[derive(Clone, Debug)]
+pub enum Kits {
+    /// That of the generation that its sources are written for.
+    ByGeneration {
+        /// For RoBIOS 6.
+        robios6: ShimKit,
+        /// For RoBIOS-7.
+        robios7: ShimKit,
+    },
+    /// This one, whatever the sources say.
+    Only(ShimKit),
+}
+
+impl Kits {
+    /// The kits of both generations.
+    pub fn of_robios() -> Self {
+        let [robios6, robios7] = [Generation::Robios6, Generation::Robios7].map(ShimKit::of);
+        Self::ByGeneration { robios6, robios7 }
+    }
+
+    /// The kit for a program with these sources.
+    pub fn of_sources(&self, sources: &[PathBuf]) -> &ShimKit {
+        match self {
+            Self::Only(kit) => kit,
+            Self::ByGeneration { robios6, robios7 } => match Generation::of_sources(sources) {
+                Generation::Robios6 => robios6,
+                Generation::Robios7 => robios7,
+            },
+        }
     }
 }
 

@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 use robios_sys::{
-    ABI_VERSION, CallSite, Host, PROGRAM_SYMBOL, Program, Robios6, Robios6Call, Robios6Table, Support, SupportTable,
-    flag,
+    ABI_VERSION, CallSite, Host, PROGRAM_SYMBOL, Program, Robios6, Robios6Call, Robios6Table, Robios7, Robios7Call,
+    Robios7Table, Support, SupportTable, flag,
 };
 
 use super::image::{ProgramImage, SourceLine};
@@ -137,10 +137,15 @@ impl std::fmt::Debug for LoadedProgram {
 /// The tables of a host type.
 struct Tables<H>(PhantomData<H>);
 
-impl<H: Support + Robios6> Tables<H> {
+impl<H: Support + Robios6 + Robios7> Tables<H> {
     const SUPPORT: &'static SupportTable = &SupportTable::of::<H>();
-    const ROBIOS6: &'static Robios6Table = &Robios6Table::of::<H>();
-    const HOST: &'static Host = &Host::new(Self::SUPPORT, Self::ROBIOS6);
+    const ROBIOS6: &'static Host = &Host::of_robios6(Self::SUPPORT, &Robios6Table::of::<H>());
+    const ROBIOS7: &'static Host = &Host::of_robios7(Self::SUPPORT, &Robios7Table::of::<H>());
+
+    /// The tables for a program of this generation.
+    fn of(generation: u32) -> &'static Host {
+        if generation == 7 { Self::ROBIOS7 } else { Self::ROBIOS6 }
+    }
 }
 
 impl LoadedProgram {
@@ -163,7 +168,7 @@ impl LoadedProgram {
     ///
     /// The program is native code of the user's and can do whatever this process can; faults are the executive's. One run
     /// at a time, as the copy has its globals once.
-    pub fn run<H: Support + Robios6>(&self, host: &H) -> i32 {
+    pub fn run<H: Support + Robios6 + Robios7>(&self, host: &H) -> i32 {
         let mut argv: Vec<*const c_char> = self.arguments.iter().map(|argument| argument.as_ptr()).collect();
         argv.push(std::ptr::null());
         let argc = self.arguments.len() as c_int;
@@ -171,7 +176,7 @@ impl LoadedProgram {
         // SAFETY: the tables are those of `H`, so that `robot` leads to what their entries expect
         // (`CallContext::from_context`), shared and alive until `run` returns; argv has argc strings that end in 0, then
         // a null pointer, alive as long; the description was checked when it was loaded.
-        unsafe { (self.description.run)(Tables::<H>::HOST, robot, argc, argv.as_ptr()) }
+        unsafe { (self.description.run)(Tables::<H>::of(self.description.generation), robot, argc, argv.as_ptr()) }
     }
 
     /// The addresses at which the copy's code and variables lie.
@@ -338,7 +343,7 @@ fn base_of(address: usize) -> Option<usize> {
 
 /// The RoBIOS functions that a library expects the simulator to define.
 fn robios_functions(image: &ProgramImage) -> Vec<String> {
-    let is_robios = |name: &&String| Robios6Call::ALL.iter().any(|call| call.name() == name.as_str());
+    let is_robios = |name: &&String| Robios6Call::from_name(name).is_some() || Robios7Call::from_name(name).is_some();
     image.undefined().iter().filter(is_robios).cloned().collect()
 }
 

@@ -9,6 +9,7 @@ pub mod cargo;
 pub mod compile;
 pub mod compiler;
 pub mod find;
+pub mod generation;
 pub mod image;
 pub mod kind;
 pub mod load;
@@ -21,8 +22,9 @@ pub mod words;
 
 pub use build::{Builder, Tools};
 pub use cache::Cache;
-pub use compile::ShimKit;
+pub use compile::{Kits, ShimKit};
 pub use find::{Found, SearchPath, find_program};
+pub use generation::Generation;
 pub use load::{LoadedProgram, Loader, check_mappings};
 pub use prepare::{Prepared, prepare};
 pub use words::split_words;

@@ -5,11 +5,11 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use robios_sys::{CallContext, Robios6, Support, c};
+use robios_sys::{CallContext, Robios6, Robios7, Support, c};
 
 use super::build::{BuildError, Builder, Built, Tools};
 use super::cache::Cache;
-use super::compile::{CompileError, ShimKit};
+use super::compile::{CompileError, Kits, ShimKit};
 use super::compiler::{Compiler, CompilerError};
 use super::find::Found;
 use super::find::ProgramSource;
@@ -94,7 +94,7 @@ impl Bench {
     }
 
     fn builder(&self) -> Builder {
-        Builder::new(self.cache(), kit(), self.tools.clone())
+        Builder::new(self.cache(), Kits::Only(kit()), self.tools.clone())
     }
 
     fn sources(&self, names: &[&str]) -> ProgramSource {
@@ -141,6 +141,8 @@ struct NoHost;
 impl CallContext for NoHost {}
 impl Support for NoHost {}
 impl Robios6 for NoHost {}
+
+impl Robios7 for NoHost {}
 
 fn prepared(image: ProgramImage) -> Arc<Prepared> {
     let source = ProgramSource::Library(image.path().to_owned());
@@ -431,6 +433,8 @@ struct Listener {
 
 impl CallContext for Listener {}
 impl Robios6 for Listener {}
+
+impl Robios7 for Listener {}
 impl Support for Listener {
     fn console(&self, _: i32, bytes: Option<&[u8]>) -> Result<i32, robios_sys::Stop> {
         self.console.borrow_mut().push_str(&String::from_utf8_lossy(bytes.unwrap_or_default()));
@@ -442,7 +446,7 @@ impl Support for Listener {
 fn the_kit_of_robios_6_gives_programs_what_they_include() {
     let text = "#include <stdio.h>\n#include <stdlib.h>\n#include \"eyebot.h\"\n#include \"hdt_sem.h\"\nint main(int argc, char **argv)\n{\n  VWHandle vw = VWInit(VW_DRIVE, 1);\n  printf(\"%s %d %d\\n\", argv[1], argc, vw);\n  exit(PSD_FRONT == -200 ? 3 : 4);\n}\n";
     let Some(bench) = Bench::with(&[("a.c", text)]) else { return };
-    let builder = Builder::new(bench.cache(), ShimKit::robios6(), Tools::default());
+    let builder = Builder::new(bench.cache(), Kits::of_robios(), Tools::default());
     let source = bench.sources(&["a.c"]);
     let found = [Found { name: "a".into(), source, notes: Vec::new() }];
     let prepared = prepare(&builder, &found).pop().expect("a result").unwrap_or_else(|error| panic!("{error}"));

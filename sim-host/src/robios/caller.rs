@@ -7,7 +7,7 @@ use std::any::Any;
 use std::sync::Arc;
 
 use parking_lot::MutexGuard;
-use robios_sys::{CallContext, CallRecord, Callback, Robios6Call, Stop, SupportCall};
+use robios_sys::{CallContext, CallRecord, Callback, Robios6Call, Robios7Call, Stop, SupportCall};
 use sim_core::RobotId;
 use sim_core::time::{TICK, Time};
 use sim_core::world::World;
@@ -23,10 +23,12 @@ pub struct Caller {
 }
 
 /// A function that a program can call, of whichever list.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Call {
     /// Of RoBIOS 6.
     Robios6(Robios6Call),
+    /// Of RoBIOS-7.
+    Robios7(Robios7Call),
     /// A service for the program's language.
     Support(SupportCall),
 }
@@ -36,7 +38,26 @@ impl Call {
     pub fn name(self) -> &'static str {
         match self {
             Self::Robios6(call) => call.name(),
+            Self::Robios7(call) => call.name(),
             Self::Support(call) => call.name(),
+        }
+    }
+
+    /// Its number among the functions of RoBIOS, to be kept where only a number can be; none for a service.
+    pub fn robios_number(self) -> Option<u16> {
+        match self {
+            Self::Robios6(call) => Some(call as u16),
+            Self::Robios7(call) => Some(Robios6Call::ALL.len() as u16 + call as u16),
+            Self::Support(_) => None,
+        }
+    }
+
+    /// The RoBIOS function of this number.
+    pub fn of_robios_number(number: u16) -> Option<Self> {
+        let (number, of_6) = (usize::from(number), Robios6Call::ALL.len());
+        match number.checked_sub(of_6) {
+            None => Some(Robios6Call::ALL[number].into()),
+            Some(number) => Robios7Call::ALL.get(number).map(|call| (*call).into()),
         }
     }
 }
@@ -44,6 +65,12 @@ impl Call {
 impl From<Robios6Call> for Call {
     fn from(call: Robios6Call) -> Self {
         Self::Robios6(call)
+    }
+}
+
+impl From<Robios7Call> for Call {
+    fn from(call: Robios7Call) -> Self {
+        Self::Robios7(call)
     }
 }
 

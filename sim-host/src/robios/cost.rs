@@ -6,10 +6,12 @@
 
 use std::collections::BTreeMap;
 
-use robios_sys::Robios6Call as Call;
+use robios_sys::{Robios6Call, Robios7Call};
 use sim_core::format::{CostEntry, CostTable};
 use sim_core::time::Time;
 use toml::Spanned;
+
+use super::caller::Call;
 
 /// The table that is compiled in.
 const DEFAULT: &str = include_str!("costs.toml");
@@ -17,8 +19,20 @@ const DEFAULT: &str = include_str!("costs.toml");
 /// Name of the section for RoBIOS 6.
 const ROBIOS6: &str = "robios6";
 
+/// Name of the section for RoBIOS-7.
+const ROBIOS7: &str = "robios7";
+
 /// Sections that a table may have.
-const SECTIONS: [&str; 2] = [ROBIOS6, "robios7"];
+const SECTIONS: [&str; 2] = [ROBIOS6, ROBIOS7];
+
+/// The functions of the generation that a section is for.
+fn functions(section: &str) -> Vec<Call> {
+    match section {
+        ROBIOS6 => Robios6Call::ALL.iter().map(|call| Call::from(*call)).collect(),
+        ROBIOS7 => Robios7Call::ALL.iter().map(|call| Call::from(*call)).collect(),
+        _ => Vec::new(),
+    }
+}
 
 /// Greatest cost: an hour, in microseconds.
 const MAX_COST_US: i64 = 3_600_000_000;
@@ -26,8 +40,8 @@ const MAX_COST_US: i64 = 3_600_000_000;
 /// How much virtual time each call takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Costs {
-    /// By [`robios_sys::Robios6Call::index`].
-    robios6: Box<[Time]>,
+    /// By [`Call::robios_number`].
+    costs: Box<[Time]>,
 }
 
 /// What is wrong with a cost table.
@@ -84,23 +98,28 @@ impl Costs {
         if let Some((_, error)) = mistakes(table).next() {
             return Err(error);
         }
-        let of_robios6 = table.entries.iter().filter(|entry| entry.generation == ROBIOS6);
-        Ok(Self::with_entries(&of_robios6.map(|entry| (entry.function.clone(), entry.cost)).collect()))
+        let mut entries = Entries::new();
+        for entry in &table.entries {
+            entries.entry(entry.generation.clone()).or_default().insert(entry.function.clone(), entry.cost);
+        }
+        Ok(Self::with_entries(&entries))
     }
 
-    fn with_entries(own: &BTreeMap<String, Time>) -> Self {
+    fn with_entries(own: &Entries) -> Self {
         let mut costs = Self::default();
-        for call in Call::ALL {
-            if let Some(cost) = find(own, call.name()) {
-                costs.robios6[call.index()] = cost;
+        for (section, entries) in own {
+            for call in functions(section) {
+                if let (Some(cost), Some(number)) = (find(entries, call.name()), call.robios_number()) {
+                    costs.costs[usize::from(number)] = cost;
+                }
             }
         }
         costs
     }
 
-    /// What `call` costs.
-    pub fn of(&self, call: Call) -> Time {
-        self.robios6[call.index()]
+    /// What a RoBIOS call costs; 1 us for a service of the language, enough that a loop which waits for a time ends.
+    pub fn of(&self, call: impl Into<Call>) -> Time {
+        call.into().robios_number().map_or(Time(1), |number| self.costs[usize::from(number)])
     }
 }
 
@@ -109,44 +128,48 @@ impl Default for Costs {
     fn default() -> Self {
         // A test reads the compiled-in table, so 1 us for what it does not have is never seen.
         let table = parse(DEFAULT).unwrap_or_default();
-        let cost = |call: &Call| find(&table, call.name()).unwrap_or(Time(1));
-        Self { robios6: Call::ALL.iter().map(cost).collect() }
+        let cost = |section: &str, call: Call| {
+            table.get(section).and_then(|entries| find(entries, call.name())).unwrap_or(Time(1))
+        };
+        let costs = SECTIONS.iter().flat_map(|section| functions(section).into_iter().map(move |call| (section, call)));
+        Self { costs: costs.map(|(section, call)| cost(section, call)).collect() }
     }
 }
 
 /// The entries of a scene's table that fit no function.
 pub fn mistakes(table: &CostTable) -> impl Iterator<Item = (&CostEntry, CostError)> {
-    let of_robios6 = table.entries.iter().filter(|entry| entry.generation == ROBIOS6);
-    of_robios6.filter_map(|entry| Some((entry, unknown_function(&entry.function, entry.span.line as usize)?)))
+    let mistake = |entry: &CostEntry| unknown_function(&entry.generation, &entry.function, entry.span.line as usize);
+    table.entries.iter().filter_map(move |entry| Some((entry, mistake(entry)?)))
 }
 
-/// The error of an entry in `line` whose `name` fits no function.
-fn unknown_function(name: &str, line: usize) -> Option<CostError> {
-    let is_known = Call::ALL.iter().any(|call| fits(name, call.name()));
-    let error = || CostError::Function { line, name: name.to_owned(), suggestion: most_similar(name) };
+/// The error of an entry in `line` of `section` whose `name` fits no function.
+fn unknown_function(section: &str, name: &str, line: usize) -> Option<CostError> {
+    let is_known = functions(section).iter().any(|call| fits(name, call.name()));
+    let error = || CostError::Function { line, name: name.to_owned(), suggestion: most_similar(section, name) };
     (!is_known).then(error)
 }
 
-/// The entries for RoBIOS 6, by name or pattern.
-fn parse(table: &str) -> Result<BTreeMap<String, Time>, CostError> {
+/// Entries by section, and by name or pattern.
+type Entries = BTreeMap<String, BTreeMap<String, Time>>;
+
+fn parse(table: &str) -> Result<Entries, CostError> {
     let line_of = |place: usize| 1 + table.as_bytes()[..place].iter().filter(|byte| **byte == b'\n').count();
     let sections: BTreeMap<Spanned<String>, Section> =
         toml::from_str(table).map_err(|error| CostError::Syntax(error.to_string().trim_end().to_owned()))?;
-    let mut entries = BTreeMap::new();
-    for (name, section) in &sections {
-        if !SECTIONS.contains(&name.get_ref().as_str()) {
-            return Err(CostError::Section { line: line_of(name.span().start), name: name.get_ref().clone() });
+    let mut entries = Entries::new();
+    for (section, of_section) in &sections {
+        let name = section.get_ref();
+        if !SECTIONS.contains(&name.as_str()) {
+            return Err(CostError::Section { line: line_of(section.span().start), name: name.clone() });
         }
-        for (function, cost) in section {
-            let (line, name_of) = (line_of(function.span().start), function.get_ref().clone());
+        for (function, cost) in of_section {
+            let (line, function) = (line_of(function.span().start), function.get_ref().clone());
             let micros = cost.get_ref().as_integer().filter(|micros| (1..=MAX_COST_US).contains(micros));
-            let Some(micros) = micros else { return Err(CostError::Cost { line, name: name_of }) };
-            if name.get_ref() == ROBIOS6 {
-                if let Some(error) = unknown_function(&name_of, line) {
-                    return Err(error);
-                }
-                entries.insert(name_of, Time(micros));
+            let Some(micros) = micros else { return Err(CostError::Cost { line, name: function }) };
+            if let Some(error) = unknown_function(name, &function, line) {
+                return Err(error);
             }
+            entries.entry(name.clone()).or_default().insert(function, Time(micros));
         }
     }
     Ok(entries)
@@ -164,10 +187,12 @@ fn fits(name: &str, function: &str) -> bool {
     name.strip_suffix('*').map_or(name == function, |beginning| function.starts_with(beginning))
 }
 
-/// The function whose name is at most a third of its letters away from `name`.
-pub fn most_similar(name: &str) -> Option<&'static str> {
+/// The function of a section whose name is at most a third of its letters away from `name`.
+pub fn most_similar(section: &str, name: &str) -> Option<&'static str> {
     let name = name.to_lowercase();
-    let similar = Call::ALL.iter().map(|call| (strsim::osa_distance(&name, &call.name().to_lowercase()), call.name()));
+    let similar = functions(section)
+        .into_iter()
+        .map(|call| (strsim::osa_distance(&name, &call.name().to_lowercase()), call.name()));
     similar.min_by_key(|(edits, _)| *edits).filter(|(edits, call)| *edits * 3 <= call.len()).map(|(_, call)| call)
 }
 
@@ -178,8 +203,10 @@ mod tests {
     #[test]
     fn the_compiled_in_table_has_every_function() {
         let table = parse(DEFAULT).unwrap();
-        for call in Call::ALL {
-            assert!(find(&table, call.name()).is_some_and(|cost| cost >= Time(1)), "{}", call.name());
+        for section in SECTIONS {
+            for call in functions(section) {
+                assert!(find(&table[section], call.name()).is_some_and(|cost| cost >= Time(1)), "{}", call.name());
+            }
         }
     }
 
@@ -187,17 +214,21 @@ mod tests {
     fn the_users_entries_go_before_as_a_whole() {
         let costs = Costs::with("[robios6]\n\"PSD*\" = 7\nPSDGet = 8\n\"VWDrive*\" = 9\n").unwrap();
         assert_eq!(
-            [Call::PSDGet, Call::PSDStart, Call::VWDriveWait, Call::VWInit].map(|call| costs.of(call)),
-            [Time(8), Time(7), Time(9), Costs::default().of(Call::VWInit)]
+            [Robios6Call::PSDGet, Robios6Call::PSDStart, Robios6Call::VWDriveWait, Robios6Call::VWInit]
+                .map(|call| costs.of(call)),
+            [Time(8), Time(7), Time(9), Costs::default().of(Robios6Call::VWInit)]
         );
         assert_eq!(Costs::with("").unwrap(), Costs::default());
-        assert!(Costs::with("[robios7]\nVWStraight = 3\n").is_ok());
+        let seven = Costs::with("[robios7]\nPSDGet = 3\n").unwrap();
+        assert_eq!(seven.of(Robios7Call::PSDGet), Time(3));
+        assert_eq!(seven.of(Robios6Call::PSDGet), Costs::default().of(Robios6Call::PSDGet));
     }
 
     #[test]
     fn mistakes_in_tables() {
         for (table, message) in [
             ("[robios6]\nPSDget = 5\n", "line 2: unknown function `PSDget`, did you mean `PSDGet`?"),
+            ("[robios7]\nVWInit = 5\n", "line 2: unknown function `VWInit`, did you mean `VWWait`?"),
             ("[robios6]\n\n\"Foo*\" = 5\n", "line 3: unknown function `Foo*`"),
             ("[robios6]\nPSDGet = 0\n", "line 2: `PSDGet` must cost 1 to 3600000000 us, in whole microseconds"),
             ("[robios6]\nPSDGet = 1.5\n", "line 2: `PSDGet` must cost 1 to 3600000000 us, in whole microseconds"),

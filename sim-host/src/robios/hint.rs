@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use robios_sys::Robios6Call as Call;
+use super::caller::Call;
 
 /// After how many failures of one function the program is told that it does not look.
 const IGNORED_FAILURES: u32 = 100;
@@ -89,12 +89,15 @@ impl Mistake {
 
 #[cfg(test)]
 mod tests {
+    use robios_sys::Robios6Call;
+
     use super::*;
 
     #[test]
     fn the_hundredth_failure_is_told_once() {
         let mut hints = Hints::default();
-        let told: Vec<u32> = (1..=300).filter(|_| hints.count_failure(Call::MOTORDrive).is_some()).collect();
+        let told: Vec<u32> =
+            (1..=300).filter(|_| hints.count_failure(Robios6Call::MOTORDrive.into()).is_some()).collect();
         assert_eq!(told, [100]);
         assert!(hints.is_first(Mistake::PsdBusy) && !hints.is_first(Mistake::PsdBusy));
     }

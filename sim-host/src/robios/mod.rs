@@ -24,6 +24,7 @@ pub mod motor;
 pub mod os;
 pub mod psd;
 mod robios6;
+mod robios7;
 pub mod robot;
 pub mod serial;
 pub mod servo;
@@ -35,7 +36,6 @@ pub mod vw;
 
 use std::borrow::Cow;
 
-use robios_sys::Robios6Call;
 use robios_sys::robios6::semantics::SEMANTICS;
 use sim_core::drive::{Command, CommandError};
 use sim_core::format::RobiSpec;
@@ -43,6 +43,7 @@ use sim_core::time::Time;
 use sim_core::world::World;
 
 use crate::record::Event;
+use caller::Call;
 use hint::Mistake;
 use robot::Robot;
 
@@ -116,15 +117,16 @@ impl Robot {
     }
 
     /// The answer of a call that has failed; a program that never looks at it gets a hint.
-    fn failed(&mut self, call: Robios6Call, answer: i32) -> i32 {
-        if let Some(text) = self.devices.hints.count_failure(call) {
+    fn failed(&mut self, call: impl Into<Call>, answer: i32) -> i32 {
+        if let Some(text) = self.devices.hints.count_failure(call.into()) {
             self.hint(&text);
         }
         answer
     }
 
     /// The answer of a call that has failed for a reason that the program cannot see: the user is told once a function.
-    fn refused(&mut self, call: Robios6Call, answer: i32, reason: impl FnOnce(&Self) -> String) -> i32 {
+    fn refused(&mut self, call: impl Into<Call>, answer: i32, reason: impl FnOnce(&Self) -> String) -> i32 {
+        let call = call.into();
         if self.devices.hints.is_first_failure(call) {
             let text = format!("`{}` returned {answer}: {}", call.name(), reason(self));
             self.hint(&text);
@@ -133,7 +135,7 @@ impl Robot {
     }
 
     /// The answer of a call that asks for a device that the robot does not have.
-    fn has_no(&mut self, call: Robios6Call, answer: i32, kind: i32, semantics: i32) -> i32 {
+    fn has_no(&mut self, call: impl Into<Call>, answer: i32, kind: i32, semantics: i32) -> i32 {
         self.refused(call, answer, |robot| {
             let wanted = SEMANTICS.iter().find(|constant| constant.value == i64::from(semantics));
             let wanted = wanted.map_or_else(|| semantics.to_string(), |constant| constant.name.to_owned());
@@ -144,7 +146,8 @@ impl Robot {
     }
 
     /// The answer of a call whose device is not simulated: the user is told once a function.
-    fn unavailable<R>(&mut self, call: Robios6Call, answer: R) -> R {
+    fn unavailable<R>(&mut self, call: impl Into<Call>, answer: R) -> R {
+        let call = call.into();
         if self.devices.hints.is_first_failure(call) {
             let text = format!("`{}` is not simulated: it answers as a robot without that device does", call.name());
             self.hint(&text);

@@ -2,6 +2,9 @@
 #ifndef EYESIM_TYPES_H
 #define EYESIM_TYPES_H
 
+/* The generation of RoBIOS that this header is of. */
+#define EYESIM_ROBIOS 6
+
 /* Checks the arguments of a function that formats as printf does. */
 #if defined(__GNUC__)
 #define EYESIM_PRINTF(text, first) __attribute__((__format__(__printf__, text, first)))

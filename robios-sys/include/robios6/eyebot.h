@@ -64,7 +64,7 @@
 #define SER19200           19200 /* OSInitRS232: 19,200 baud. */
 #define SER38400           38400 /* OSInitRS232: 38,400 baud. */
 #define SER57600           57600 /* OSInitRS232: 57,600 baud. */
-#define SER115200         115200 /* OSInitRS232: 115,200 baud. */
+#define SER115200         0x01C200 /* OSInitRS232: 115,200 baud. */
 #define NONE                   0 /* OSInitRS232: no handshake. */
 #define RTSCTS                 1 /* OSInitRS232: handshake by RTS and CTS. */
 #define SERIAL1                1 /* The first serial interface. */

@@ -1,0 +1,56 @@
+/* What programs for the RoBIOS-7 headers of 2016 and 2017 use; part of eyebot.h. */
+#ifndef EYESIM_VARIANTS_H
+#define EYESIM_VARIANTS_H
+
+#include "types.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- 2016: tasks and semaphores; newer programs use pthreads ---- */
+
+int MTInit(void);                               /* 0 */
+int MTSleep(int n);                             /* waits n hundredths of a second */
+TASK MTSpawn(void *(*fct)(void *), int id);     /* fct gets a pointer to the identifier */
+int MTGetUID(TASK t);                           /* its identifier */
+int MTKill(TASK t);                             /* 0, 1 on failure */
+int MTExit(void);                               /* ends the task that calls it */
+int SEMAInit(SEMA *sem, int val);               /* 0, 1 on failure */
+int SEMALock(SEMA *sem);                        /* 0, 1 on failure */
+int SEMAUnlock(SEMA *sem);                      /* 0, 1 on failure */
+
+/* ---- 2016: other names ---- */
+
+int VWDriveRemain(void); /* VWRemain */
+int VWDriveDone(void);   /* VWDone */
+int VWDriveWait(void);   /* VWWait */
+
+/* ---- 2017: other names ---- */
+
+void SIMGetPose(int *x, int *y, int *phi); /* of this robot: mm, mm, degrees */
+void SIMSetPose(int x, int y, int phi);
+int SIMLaserScan(int *dists);              /* LIDARGet: 360 distances in mm */
+int MOTORPIDoff(int motor);                /* MOTORPIDOff */
+
+/* ---- the same name with fewer arguments ---- */
+
+char *eyesim_OSExecute(const char *command);                             /* 2016: the output stays valid until the next call */
+int eyesim_SERSend(int interface, const char *text);                     /* 2016: a text that ends in 0 */
+void eyesim_SIMGetObject(int id, int *x, int *y, int *phi);              /* 2017: without z */
+void eyesim_SIMSetObject(int id, int x, int y, int phi);                 /* 2017: without z */
+
+#define EYESIM_NTH(_1, _2, _3, _4, _5, name, ...) name
+#define OSExecute(...) \
+    EYESIM_NTH(__VA_ARGS__, OSExecute, OSExecute, OSExecute, OSExecute, eyesim_OSExecute, 0)(__VA_ARGS__)
+#define SERSend(...) EYESIM_NTH(__VA_ARGS__, SERSend, SERSend, SERSend, eyesim_SERSend, SERSend, 0)(__VA_ARGS__)
+#define SIMGetObject(...) \
+    EYESIM_NTH(__VA_ARGS__, SIMGetObject, eyesim_SIMGetObject, SIMGetObject, SIMGetObject, SIMGetObject, 0)(__VA_ARGS__)
+#define SIMSetObject(...) \
+    EYESIM_NTH(__VA_ARGS__, SIMSetObject, eyesim_SIMSetObject, SIMSetObject, SIMSetObject, SIMSetObject, 0)(__VA_ARGS__)
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,431 @@
+/* The RoBIOS-7 functions whose form in C is not that of the call, and those of older headers; part of shim.c. */
+#undef OSExecute
+#undef SERSend
+#undef SIMGetObject
+#undef SIMSetObject
+
+enum {
+    MAX_NAME = 32,
+    MAX_OUTPUT = 4096,
+    MAX_SERIAL = 256,
+    MAX_RADIO_IDS = 256,
+    MAX_LIDAR_POINTS = 65536,
+    MAX_RECORDING = 1 << 20
+};
+
+/* ---- sizes of images ---- */
+
+WEAK int CAMWIDTH = QVGA_X, CAMHEIGHT = QVGA_Y, CAMPIXELS = QVGA_PIXELS, CAMSIZE = QVGA_SIZE, CAMMODE = QVGA;
+WEAK int IP_WIDTH = QVGA_X, IP_HEIGHT = QVGA_Y, IP_PIXELS = QVGA_PIXELS, IP_SIZE = QVGA_SIZE;
+static int shown_width = QVGA_X, shown_height = QVGA_Y; /* of the images for the display */
+
+/* The size of a resolution; 0 if there is none of that number. CUSTOM leaves the size as it is. */
+static int size_of(int resolution, int *width, int *height)
+{
+    static const struct {
+        int resolution, width, height;
+    } sizes[] = {{QQVGA, QQVGA_X, QQVGA_Y},    {QVGA, QVGA_X, QVGA_Y},    {VGA, VGA_X, VGA_Y},
+                 {CAM1MP, CAM1MP_X, CAM1MP_Y}, {CAMHD, CAMHD_X, CAMHD_Y}, {CAM5MP, CAM5MP_X, CAM5MP_Y}};
+    size_t i;
+    if (resolution == CUSTOM)
+        return *width > 0 && *height > 0 && (int64_t)*width * *height <= 3 * CAM5MP_SIZE;
+    for (i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        if (sizes[i].resolution == resolution) {
+            *width = sizes[i].width;
+            *height = sizes[i].height;
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static void set_ip_size(int width, int height)
+{
+    IP_WIDTH = width;
+    IP_HEIGHT = height;
+    IP_PIXELS = width * height;
+    IP_SIZE = 3 * IP_PIXELS;
+}
+
+static struct eyesim_bytes grey_of(const BYTE *image) { return bytes_of(image, (size_t)IP_PIXELS); }
+static struct eyesim_bytes colours_of(const BYTE *image) { return bytes_of(image, (size_t)IP_SIZE); }
+static struct eyesim_room grey_room(BYTE *image) { return room_of(image, (size_t)IP_PIXELS); }
+static struct eyesim_room colour_room(BYTE *image) { return room_of(image, (size_t)IP_SIZE); }
+
+/* ---- LCD ---- */
+
+WEAK int LCDPrintf(const char *format, ...)
+{
+    char local[512];
+    char *text;
+    int32_t result = 0;
+    va_list arguments;
+    va_start(arguments, format);
+    text = formatted(local, sizeof local, format, arguments);
+    va_end(arguments);
+    ROBIOS7(LCDPrintf, text_of(text), &result);
+    if (text != local)
+        free(text);
+    return result;
+}
+
+WEAK int LCDSetPrintf(int row, int column, const char *format, ...)
+{
+    char local[512];
+    char *text;
+    int32_t result = 0;
+    va_list arguments;
+    va_start(arguments, format);
+    text = formatted(local, sizeof local, format, arguments);
+    va_end(arguments);
+    ROBIOS7(LCDSetPrintf, row, column, text_of(text), &result);
+    if (text != local)
+        free(text);
+    return result;
+}
+
+WEAK int LCDImageSize(int t)
+{
+    int32_t result = 0;
+    int width = CAMWIDTH, height = CAMHEIGHT;
+    ROBIOS7(LCDImageSize, t, &result);
+    if (result == 0 && size_of(t, &width, &height)) {
+        shown_width = width;
+        shown_height = height;
+    }
+    return result;
+}
+
+WEAK int LCDImageStart(int x, int y, int xs, int ys)
+{
+    int32_t result = 0;
+    ROBIOS7(LCDImageStart, x, y, xs, ys, &result);
+    if (result == 0) {
+        shown_width = xs;
+        shown_height = ys;
+    }
+    return result;
+}
+
+static size_t shown_pixels(void) { return (size_t)shown_width * (size_t)shown_height; }
+
+WEAK int LCDImage(BYTE *img)
+{
+    int32_t result = 0;
+    ROBIOS7(LCDImage, bytes_of(img, 3 * shown_pixels()), &result);
+    return result;
+}
+
+WEAK int LCDImageGray(BYTE *g)
+{
+    int32_t result = 0;
+    ROBIOS7(LCDImageGray, bytes_of(g, shown_pixels()), &result);
+    return result;
+}
+
+WEAK int LCDImageBinary(BYTE *b)
+{
+    int32_t result = 0;
+    ROBIOS7(LCDImageBinary, bytes_of(b, shown_pixels()), &result);
+    return result;
+}
+
+/* ---- CAM and IP ---- */
+
+WEAK int CAMInit(int resolution)
+{
+    int32_t result = 0;
+    int width = CAMWIDTH, height = CAMHEIGHT;
+    if (size_of(resolution, &width, &height)) {
+        CAMMODE = resolution;
+        CAMWIDTH = width;
+        CAMHEIGHT = height;
+        CAMPIXELS = width * height;
+        CAMSIZE = 3 * CAMPIXELS;
+        set_ip_size(width, height);
+        shown_width = width;
+        shown_height = height;
+    }
+    ROBIOS7(CAMInit, resolution, CAMWIDTH, CAMHEIGHT, &result);
+    return result;
+}
+
+WEAK int CAMGet(BYTE *buf)
+{
+    int32_t result = 0;
+    ROBIOS7(CAMGet, room_of(buf, (size_t)CAMSIZE), &result);
+    return result;
+}
+
+WEAK int CAMGetGray(BYTE *buf)
+{
+    int32_t result = 0;
+    ROBIOS7(CAMGetGray, room_of(buf, (size_t)CAMPIXELS), &result);
+    return result;
+}
+
+WEAK int IPSetSize(int resolution)
+{
+    int32_t result = 0;
+    int width = IP_WIDTH, height = IP_HEIGHT;
+    ROBIOS7(IPSetSize, resolution, &result);
+    if (!size_of(resolution, &width, &height))
+        return 1;
+    set_ip_size(width, height);
+    return result;
+}
+
+WEAK int IPReadFile(const char *filename, BYTE *img)
+{
+    int32_t result = 0;
+    ROBIOS7(IPReadFile, text_of(filename), IP_WIDTH, IP_HEIGHT, colour_room(img), &result);
+    return result;
+}
+
+WEAK int IPWriteFile(const char *filename, BYTE *img)
+{
+    int32_t result = 0;
+    ROBIOS7(IPWriteFile, text_of(filename), IP_WIDTH, IP_HEIGHT, colours_of(img), &result);
+    return result;
+}
+
+WEAK int IPWriteFileGray(const char *filename, BYTE *gray)
+{
+    int32_t result = 0;
+    ROBIOS7(IPWriteFileGray, text_of(filename), IP_WIDTH, IP_HEIGHT, grey_of(gray), &result);
+    return result;
+}
+
+WEAK void IPLaplace(BYTE *grayIn, BYTE *grayOut)
+{
+    ROBIOS7(IPLaplace, IP_WIDTH, IP_HEIGHT, grey_of(grayIn), grey_room(grayOut), NULL);
+}
+
+WEAK void IPSobel(BYTE *grayIn, BYTE *grayOut)
+{
+    ROBIOS7(IPSobel, IP_WIDTH, IP_HEIGHT, grey_of(grayIn), grey_room(grayOut), NULL);
+}
+
+WEAK void IPCol2Gray(BYTE *imgIn, BYTE *grayOut) { ROBIOS7(IPCol2Gray, colours_of(imgIn), grey_room(grayOut), NULL); }
+
+WEAK void IPGray2Col(BYTE *imgIn, BYTE *colOut) { ROBIOS7(IPGray2Col, grey_of(imgIn), colour_room(colOut), NULL); }
+
+WEAK void IPRGB2Col(BYTE *r, BYTE *g, BYTE *b, BYTE *imgOut)
+{
+    ROBIOS7(IPRGB2Col, grey_of(r), grey_of(g), grey_of(b), colour_room(imgOut), NULL);
+}
+
+WEAK void IPCol2HSI(BYTE *img, BYTE *h, BYTE *s, BYTE *i)
+{
+    ROBIOS7(IPCol2HSI, colours_of(img), grey_room(h), grey_room(s), grey_room(i), NULL);
+}
+
+WEAK void IPOverlay(BYTE *c1, BYTE *c2, BYTE *cOut)
+{
+    ROBIOS7(IPOverlay, colours_of(c1), colours_of(c2), colour_room(cOut), NULL);
+}
+
+WEAK void IPOverlayGray(BYTE *g1, BYTE *g2, COLOR col, BYTE *cOut)
+{
+    ROBIOS7(IPOverlayGray, grey_of(g1), grey_of(g2), col, colour_room(cOut), NULL);
+}
+
+/* ---- OS ---- */
+
+WEAK int OSExecute(const char *command, char *out)
+{
+    int32_t result = 0;
+    ROBIOS7(OSExecute, text_of(command), room_of(out, MAX_OUTPUT), &result);
+    return result;
+}
+
+WEAK char *eyesim_OSExecute(const char *command)
+{
+    static char out[MAX_OUTPUT];
+    memset(out, 0, sizeof out);
+    OSExecute(command, out);
+    return out;
+}
+
+WEAK int OSVersion(char *buf)
+{
+    int32_t result = 0;
+    ROBIOS7(OSVersion, room_of(buf, MAX_NAME), &result);
+    return result;
+}
+
+WEAK int OSVersionIO(char *buf)
+{
+    int32_t result = 0;
+    ROBIOS7(OSVersionIO, room_of(buf, MAX_NAME), &result);
+    return result;
+}
+
+WEAK int OSMachineName(char *buf)
+{
+    int32_t result = 0;
+    ROBIOS7(OSMachineName, room_of(buf, MAX_NAME), &result);
+    return result;
+}
+
+/* ---- tasks of the header of 2016 ---- */
+
+WEAK int MTInit(void) { return 0; }
+
+WEAK int MTSleep(int n)
+{
+    int32_t result = 0;
+    ROBIOS7(OSWait, n > INT32_MAX / 10 ? INT32_MAX : 10 * n, &result);
+    return result;
+}
+
+static __thread int task_identifier;
+
+struct task_start {
+    void *(*function)(void *);
+    int identifier;
+};
+
+static void *start_task(void *data)
+{
+    struct task_start start = *(struct task_start *)data;
+    free(data);
+    task_identifier = start.identifier;
+    return start.function(&task_identifier);
+}
+
+WEAK TASK MTSpawn(void *(*fct)(void *), int id)
+{
+    TASK task;
+    struct task_start *start = malloc(sizeof *start);
+    memset(&task, 0, sizeof task);
+    task.identifier = id;
+    if (start != NULL) {
+        start->function = fct;
+        start->identifier = id;
+        if (pthread_create(&task.thread, NULL, start_task, start) != 0)
+            free(start);
+    }
+    return task;
+}
+
+WEAK int MTGetUID(TASK t) { return t.identifier; }
+WEAK int MTKill(TASK t) { return pthread_cancel(t.thread) == 0 ? 0 : 1; }
+WEAK int MTExit(void) { pthread_exit(NULL); }
+WEAK int SEMAInit(SEMA *sem, int val) { return val >= 0 && sem_init(sem, 0, (unsigned)val) == 0 ? 0 : 1; }
+WEAK int SEMALock(SEMA *sem) { return sem_wait(sem) == 0 ? 0 : 1; }
+WEAK int SEMAUnlock(SEMA *sem) { return sem_post(sem) == 0 ? 0 : 1; }
+
+/* ---- SER, AU ---- */
+
+WEAK int SERSend(int interface, const char *buf, uint32_t size)
+{
+    int32_t result = 0;
+    ROBIOS7(SERSend, interface, bytes_of(buf, size), &result);
+    return result;
+}
+
+WEAK int eyesim_SERSend(int interface, const char *text)
+{
+    int32_t result = 0;
+    ROBIOS7(SERSend, interface, text_of(text), &result);
+    return result;
+}
+
+WEAK int SERReceive(int interface, unsigned char *buf)
+{
+    int32_t result = 0;
+    ROBIOS7(SERReceive, interface, room_of(buf, MAX_SERIAL), &result);
+    return result;
+}
+
+WEAK int AUPlay(const void *sample)
+{
+    int32_t result = 0;
+    ROBIOS7(AUPlay, sample_of(sample), &result);
+    return result;
+}
+
+WEAK int AURecord(BYTE *buf, int time, long freq)
+{
+    int32_t result = 0;
+    int64_t len = time > 0 && freq > 0 && freq <= 1000000 ? (int64_t)time * freq / 1000 : 0;
+    ROBIOS7(AURecord, room_of(len > 0 ? buf : NULL, (size_t)len), freq, &result);
+    return result;
+}
+
+/* ---- LIDAR, ANALOG, VW ---- */
+
+WEAK int LIDARGet(int distance[])
+{
+    int32_t result = 0;
+    ROBIOS7(LIDARGet, room_of(distance, MAX_LIDAR_POINTS), &result);
+    return result;
+}
+
+WEAK int SIMLaserScan(int *dists) { return LIDARGet(dists); }
+
+WEAK int ANALOGTransfer(BYTE *buffer)
+{
+    int32_t result = 0;
+    ROBIOS7(ANALOGTransfer, room_of(buffer, MAX_RECORDING), &result);
+    return result;
+}
+
+WEAK int MOTORPIDoff(int motor)
+{
+    int32_t result = 0;
+    ROBIOS7(MOTORPIDOff, motor, &result);
+    return result;
+}
+
+WEAK int VWDriveRemain(void)
+{
+    int32_t result = 0;
+    ROBIOS7(VWRemain, &result);
+    return result;
+}
+
+WEAK int VWDriveDone(void)
+{
+    int32_t result = 0;
+    ROBIOS7(VWDone, &result);
+    return result;
+}
+
+WEAK int VWDriveWait(void)
+{
+    int32_t result = 0;
+    ROBIOS7(VWWait, &result);
+    return result;
+}
+
+/* ---- RADIO ---- */
+
+WEAK int RADIOCheck()
+{
+    int32_t result = 0;
+    ROBIOS7(RADIOCheck, &result);
+    return result;
+}
+
+WEAK int RADIOReceive(int *id, char *buf, int size)
+{
+    int32_t result = 0;
+    ROBIOS7(RADIOReceive, id, room_of(size > 0 ? buf : NULL, size > 0 ? (size_t)size : 0), &result);
+    return result;
+}
+
+WEAK int RADIOStatus(int IDlist[])
+{
+    int32_t result = 0;
+    ROBIOS7(RADIOStatus, room_of(IDlist, MAX_RADIO_IDS), &result);
+    return result;
+}
+
+/* ---- SIM of the header of 2017 ---- */
+
+WEAK void SIMGetPose(int *x, int *y, int *phi) { ROBIOS7(SIMGetRobot, 0, x, y, NULL, phi, NULL); }
+WEAK void SIMSetPose(int x, int y, int phi) { ROBIOS7(SIMSetRobot, 0, x, y, 0, phi, NULL); }
+WEAK void eyesim_SIMGetObject(int id, int *x, int *y, int *phi) { ROBIOS7(SIMGetObject, id, x, y, NULL, phi, NULL); }
+WEAK void eyesim_SIMSetObject(int id, int x, int y, int phi) { ROBIOS7(SIMSetObject, id, x, y, 0, phi, NULL); }

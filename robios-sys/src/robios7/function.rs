@@ -1,0 +1,480 @@
+//! The list of RoBIOS-7 functions, from which table, trait, thunks, C header and C shim come.
+//!
+//! The doc of a function goes to rustdoc and to `eyebot.h`; names of parameters carry their unit where C's do not.
+//! Where sources conflict, `docs/robios7.md` says which is followed.
+
+use super::*;
+use crate::param::{Bytes, Callback, Out, OutBytes, OutInts, Text};
+use crate::table::function_table;
+
+function_table! {
+    /// The RoBIOS-7 functions as a program's library gets them.
+    table Robios7Table, trait Robios7, call Robios7Call, version 1;
+
+    family LCD "the colour display", source "RoBIOS-7 library, LCD output" {
+        /// Prints as printf does, at the cursor. Returns 0.
+        fn LCDPrintf(text: Text) -> i32 = 1, c "int LCDPrintf(const char *format, ...)";
+
+        /// Prints as printf does, at a row and a column of characters, both from 0. Returns 0, 1 if there is no such place.
+        fn LCDSetPrintf(row: i32, column: i32, text: Text) -> i32 = 1,
+            c "int LCDSetPrintf(int row, int column, const char *format, ...)";
+
+        /// Clears the display; the cursor goes to row 0, column 0. Returns 0.
+        fn LCDClear() -> i32 = 1;
+
+        /// Moves the cursor. Returns 0, 1 if there is no such place.
+        fn LCDSetPos(row: i32, column: i32) -> i32 = 1;
+
+        /// Where the cursor is. Returns 0.
+        fn LCDGetPos(row: Out<i32>, column: Out<i32>) -> i32 = 1;
+
+        /// Colours of text from now on. Returns 0.
+        fn LCDSetColor(fg: Color, bg: Color) -> i32 = 1;
+
+        /// Font of text from now on: HELVETICA, TIMES or COURIER; NORMAL, BOLD or ITALICS. Returns 0, 1 for others.
+        fn LCDSetFont(font: i32, variation: i32) -> i32 = 1;
+
+        /// Size of text from now on: 8, 12, 14, 18 or 24. Returns 0, 1 for others.
+        fn LCDSetFontSize(fontsize: i32) -> i32 = 1;
+
+        /// Modes, LCD_SCROLLING and the like, or-ed. Returns 0.
+        fn LCDSetMode(mode: i32) -> i32 = 1;
+
+        /// Names the four keys under the display; an empty text leaves a name, a blank clears it. Returns 0.
+        fn LCDMenu(st1: Text, st2: Text, st3: Text, st4: Text) -> i32 = 1;
+
+        /// Names one key, 1 to 4, with colours of its own. Returns 0, 1 if there is no such key.
+        fn LCDMenuI(pos: i32, string: Text, fg: Color, bg: Color) -> i32 = 1;
+
+        /// Size of the display in pixels. Returns 0.
+        fn LCDGetSize(x: Out<i32>, y: Out<i32>) -> i32 = 1;
+
+        /// Draws one pixel; x to the right, y down, from the upper left corner. Returns 0, here and in all that draw: what lies
+        /// outside of the display is left out.
+        fn LCDPixel(x: i32, y: i32, col: Color) -> i32 = 1;
+
+        /// Colour of one pixel; 0 outside of the display.
+        fn LCDGetPixel(x: i32, y: i32) -> Color = 0;
+
+        /// Draws a line with both ends. Returns 0.
+        fn LCDLine(x1: i32, y1: i32, x2: i32, y2: i32, col: Color) -> i32 = 1;
+
+        /// Draws a rectangle between two corners; fill: if not 0, filled. Returns 0.
+        fn LCDArea(x1: i32, y1: i32, x2: i32, y2: i32, col: Color, fill: i32) -> i32 = 1;
+
+        /// Draws a circle; size: its radius in pixels. Returns 0.
+        fn LCDCircle(x1: i32, y1: i32, size: i32, col: Color, fill: i32) -> i32 = 1;
+
+        /// Inverts one pixel. Returns 0.
+        fn LCDPixelInvert(x: i32, y: i32) -> i32 = 1;
+
+        /// Inverts the pixels of a line. Returns 0.
+        fn LCDLineInvert(x1: i32, y1: i32, x2: i32, y2: i32) -> i32 = 1;
+
+        /// Inverts a filled rectangle. Returns 0.
+        fn LCDAreaInvert(x1: i32, y1: i32, x2: i32, y2: i32) -> i32 = 1;
+
+        /// Inverts a filled circle. Returns 0.
+        fn LCDCircleInvert(x1: i32, y1: i32, size: i32) -> i32 = 1;
+
+        /// Size of the images that LCDImage and the like show, a resolution such as QVGA; they go to the upper left corner.
+        /// Returns 0, 1 for another number.
+        fn LCDImageSize(t: i32) -> i32 = 1, c "int LCDImageSize(int t)";
+
+        /// Place and size in pixels of the images that LCDImage and the like show. Returns 0, 1 for a size below 1.
+        fn LCDImageStart(x: i32, y: i32, xs: i32, ys: i32) -> i32 = 1, c "int LCDImageStart(int x, int y, int xs, int ys)";
+
+        /// Shows a colour image, 3 bytes a pixel, of the size that LCDImageStart or LCDImageSize has set. Returns 0.
+        fn LCDImage(img: Bytes) -> i32 = 1, c "int LCDImage(BYTE *img)";
+
+        /// Shows a grey image, 1 byte a pixel. Returns 0.
+        fn LCDImageGray(g: Bytes) -> i32 = 1, c "int LCDImageGray(BYTE *g)";
+
+        /// Shows a binary image, 1 byte a pixel: 0 is white, everything else black. Returns 0.
+        fn LCDImageBinary(b: Bytes) -> i32 = 1, c "int LCDImageBinary(BYTE *b)";
+
+        /// Shows what has been drawn, where LCD_NOAUTOREFRESH is set. Returns 0.
+        fn LCDRefresh() -> i32 = 1;
+    }
+
+    family KEY "the four keys, and touches of the display", source "RoBIOS-7 library, keys" {
+        /// Waits for a key. Returns KEY1, KEY2, KEY3 or KEY4.
+        fn KEYGet() -> i32 = 0;
+
+        /// The key that was pressed; NOKEY if none was. Does not wait.
+        fn KEYRead() -> i32 = 0;
+
+        /// Waits for one key, or with ANYKEY for whichever. Returns 0.
+        fn KEYWait(key: i32) -> i32 = 1;
+
+        /// Waits for a touch of the display, and tells its place in pixels. Returns 0.
+        fn KEYGetXY(x: Out<i32>, y: Out<i32>) -> i32 = 1;
+
+        /// The place of a touch of the display. Does not wait. Returns 0 if there was one, else 1.
+        fn KEYReadXY(x: Out<i32>, y: Out<i32>) -> i32 = 1;
+    }
+
+    family CAM "the camera", source "RoBIOS-7 library, camera" {
+        /// Switches the camera on, with a resolution such as QVGA. Returns 0, 1 if there is no camera.
+        fn CAMInit(resolution: i32, width_px: i32, height_px: i32) -> i32 = 1, c "int CAMInit(int resolution)";
+
+        /// Switches the camera off. Returns 0, 1 if there is no camera.
+        fn CAMRelease() -> i32 = 1;
+
+        /// Takes a colour image, 3 bytes a pixel, CAMSIZE in all, row 0 on top. Returns 0, 1 if there is no camera.
+        fn CAMGet(buf: OutBytes) -> i32 = 1, c "int CAMGet(BYTE *buf)";
+
+        /// Takes a grey image, CAMPIXELS bytes. Returns 0, 1 if there is no camera.
+        fn CAMGetGray(buf: OutBytes) -> i32 = 1, c "int CAMGetGray(BYTE *buf)";
+    }
+
+    family IP "image processing", source "RoBIOS-7 library, image processing" {
+        /// Sets the size of the images of all IP functions; CUSTOM: what the program has written to IP_WIDTH and IP_HEIGHT.
+        /// Returns 0, 1 for another number.
+        fn IPSetSize(resolution: i32) -> i32 = 1, c "int IPSetSize(int resolution)";
+
+        /// Reads a PNM file: P1 to P6; a size other than the images' is cut, or filled up with black. Grey files become grey
+        /// images, colour files colour images. Returns 0, 1 if it cannot be read.
+        fn IPReadFile(filename: Text, width_px: i32, height_px: i32, img: OutBytes) -> i32 = 1,
+            c "int IPReadFile(const char *filename, BYTE *img)";
+
+        /// Writes a colour image as PPM. Returns 0, 1 if it cannot be written.
+        fn IPWriteFile(filename: Text, width_px: i32, height_px: i32, img: Bytes) -> i32 = 1,
+            c "int IPWriteFile(const char *filename, BYTE *img)";
+
+        /// Writes a grey image as PGM. Returns 0, 1 if it cannot be written.
+        fn IPWriteFileGray(filename: Text, width_px: i32, height_px: i32, gray: Bytes) -> i32 = 1,
+            c "int IPWriteFileGray(const char *filename, BYTE *gray)";
+
+        /// Laplace edges of a grey image.
+        fn IPLaplace(width_px: i32, height_px: i32, gray_in: Bytes, gray_out: OutBytes) -> () = (),
+            c "void IPLaplace(BYTE *grayIn, BYTE *grayOut)";
+
+        /// Sobel edges of a grey image.
+        fn IPSobel(width_px: i32, height_px: i32, gray_in: Bytes, gray_out: OutBytes) -> () = (),
+            c "void IPSobel(BYTE *grayIn, BYTE *grayOut)";
+
+        /// Grey of a colour image.
+        fn IPCol2Gray(img_in: Bytes, gray_out: OutBytes) -> () = (), c "void IPCol2Gray(BYTE *imgIn, BYTE *grayOut)";
+
+        /// A colour image that looks like a grey one.
+        fn IPGray2Col(gray_in: Bytes, col_out: OutBytes) -> () = (), c "void IPGray2Col(BYTE *imgIn, BYTE *colOut)";
+
+        /// A colour image of its three channels.
+        fn IPRGB2Col(r: Bytes, g: Bytes, b: Bytes, img_out: OutBytes) -> () = (),
+            c "void IPRGB2Col(BYTE *r, BYTE *g, BYTE *b, BYTE *imgOut)";
+
+        /// Hue, saturation and intensity of a colour image, a channel each.
+        fn IPCol2HSI(img: Bytes, h: OutBytes, s: OutBytes, i: OutBytes) -> () = (),
+            c "void IPCol2HSI(BYTE *img, BYTE *h, BYTE *s, BYTE *i)";
+
+        /// The second colour image over the first, where it is not black.
+        fn IPOverlay(c1: Bytes, c2: Bytes, c_out: OutBytes) -> () = (), c "void IPOverlay(BYTE *c1, BYTE *c2, BYTE *cOut)";
+
+        /// The second grey image over the first, in a colour, where it is not 0.
+        fn IPOverlayGray(g1: Bytes, g2: Bytes, col: Color, c_out: OutBytes) -> () = (),
+            c "void IPOverlayGray(BYTE *g1, BYTE *g2, COLOR col, BYTE *cOut)";
+
+        /// The colour of red, green and blue.
+        fn IPPRGB2Col(r: u8, g: u8, b: u8) -> Color = 0;
+
+        /// Red, green and blue of a colour.
+        fn IPPCol2RGB(col: Color, r: Out<u8>, g: Out<u8>, b: Out<u8>) -> () = ();
+
+        /// Hue, saturation and intensity of a colour.
+        fn IPPCol2HSI(c: Color, h: Out<u8>, s: Out<u8>, i: Out<u8>) -> () = ();
+
+        /// Hue of red, green and blue; 0 for grey.
+        fn IPPRGB2Hue(r: u8, g: u8, b: u8) -> u8 = 0;
+
+        /// Hue, saturation and intensity of red, green and blue.
+        fn IPPRGB2HSI(r: u8, g: u8, b: u8, h: Out<u8>, s: Out<u8>, i: Out<u8>) -> () = ();
+    }
+
+    family OS "the machine, time and timers", source "RoBIOS-7 library, system functions and timer" {
+        /// Runs a command of the machine that simulates, where that is allowed; its output goes to out, at most 4095 bytes.
+        /// Returns 0, 1 if it is not allowed or has failed.
+        fn OSExecute(command: Text, out: OutBytes) -> i32 = 1, c "int OSExecute(const char *command, char *out)";
+
+        /// Version of RoBIOS as text, at most 31 characters. Returns 0.
+        fn OSVersion(buf: OutBytes) -> i32 = 1, c "int OSVersion(char *buf)";
+
+        /// Version of the input and output board as text, at most 31 characters. Returns 0.
+        fn OSVersionIO(buf: OutBytes) -> i32 = 1, c "int OSVersionIO(char *buf)";
+
+        /// Clock rate of the processor in Hz.
+        fn OSMachineSpeed() -> i32 = 700_000_000;
+
+        /// The kind of machine: VEHICLE, PLATFORM or WALKER.
+        fn OSMachineType() -> i32 = VEHICLE;
+
+        /// Name of the robot as text, at most 31 characters. Returns 0.
+        fn OSMachineName(buf: OutBytes) -> i32 = 1, c "int OSMachineName(char *buf)";
+
+        /// The robot's number, unique in the scene; also its address on the radio.
+        fn OSMachineID() -> i32 = 0;
+
+        /// Shows an error: text and number, on the display and in the record of the run.
+        /// dead: if not 0, the robot stops here for ever; else the program waits for a key and goes on. Returns 0.
+        fn OSError(message: Text, number: i32, dead: i32) -> i32 = 1;
+
+        /// Waits n milliseconds. Returns 0.
+        fn OSWait(n: i32) -> i32 = 1;
+
+        /// Calls a function every `scale` milliseconds. It may not wait. Returns the timer, 0 if there is no room for it.
+        fn OSAttachTimer(scale: i32, fct: Callback) -> Timer = 0;
+
+        /// Ends a timer. Returns 0, 1 if there is none of that number.
+        fn OSDetachTimer(t: Timer) -> i32 = 1;
+
+        /// Sets the robot's clock. Returns 0, 1 for no time of a day.
+        fn OSSetTime(hrs: i32, mins: i32, secs: i32) -> i32 = 1;
+
+        /// Reads the robot's clock; ticks: milliseconds. Returns 0.
+        fn OSGetTime(hrs: Out<i32>, mins: Out<i32>, secs: Out<i32>, ticks: Out<i32>) -> i32 = 1;
+
+        /// Shows the robot's clock on the display. Returns 0.
+        fn OSShowTime() -> i32 = 1;
+
+        /// Milliseconds since the robot's start.
+        fn OSGetCount() -> i32 = 0;
+    }
+
+    family SER "serial interfaces", source "RoBIOS-7 library, serial communication" {
+        /// Opens an interface, 1 to 16. handshake: 0 none, 1 RTS/CTS. Returns 0, 1 if there is no such interface.
+        fn SERInit(interface: i32, baud: i32, handshake: i32) -> i32 = 1;
+
+        /// Sends a character. Returns 0, 1 if the interface is not open.
+        fn SERSendChar(interface: i32, ch: Char) -> i32 = 1;
+
+        /// Sends bytes. Returns 0, 1 if the interface is not open.
+        fn SERSend(interface: i32, buf: Bytes) -> i32 = 1, c "int SERSend(int interface, const char *buf, uint32_t size)";
+
+        /// Waits for a character. Returns it, 0 if the interface is not open.
+        fn SERReceiveChar(interface: i32) -> Char = 0;
+
+        /// What has come in, at most 255 bytes and a final 0. Does not wait. Returns how many, 0 if the interface is not open.
+        fn SERReceive(interface: i32, buf: OutBytes) -> i32 = 0, c "int SERReceive(int interface, unsigned char *buf)";
+
+        /// Whether something has come in.
+        fn SERCheck(interface: i32) -> Flag = 0;
+
+        /// Forgets what has come in. Returns 0, 1 if the interface is not open.
+        fn SERFlush(interface: i32) -> i32 = 1;
+
+        /// Closes an interface. Returns 0, 1 if it is not open.
+        fn SERClose(interface: i32) -> i32 = 1;
+    }
+
+    family AU "sound", source "RoBIOS-7 library, audio" {
+        /// Beeps. Returns 0.
+        fn AUBeep() -> i32 = 1;
+
+        /// Plays a sound file of this name, or the WAV file that is in memory there. Does not wait. Returns 0, 1 if it is none.
+        fn AUPlay(sample: Bytes) -> i32 = 1, c "int AUPlay(const void *sample)";
+
+        /// Whether the sound is over: 1, else 0.
+        fn AUDone() -> i32 = 1;
+
+        /// A value of the microphone, 0 to 255.
+        fn AUMicrophone() -> i32 = 128;
+
+        /// Plays a tone. Does not wait. Returns 0, 1 for a frequency that cannot be played.
+        fn AUTone(freq_hz: i32, time_ms: i32) -> i32 = 1;
+
+        /// Whether the tone is over: 1, else 0.
+        fn AUCheckTone() -> i32 = 1;
+
+        /// Whether the sound is over: 1, else 0.
+        fn AUCheckPlay() -> i32 = 1;
+
+        /// Records the microphone into memory. Does not wait. Returns 0, 1 for no room or no rate.
+        fn AURecord(buf: OutBytes, freq_hz: i64) -> i32 = 1, c "int AURecord(BYTE *buf, int time, long freq)";
+
+        /// Whether the recording is over: 1, else 0.
+        fn AUCheckRecord() -> i32 = 1;
+    }
+
+    family PSD "distance sensors", source "RoBIOS-7 library, distance sensors" {
+        /// Distance of sensor 1 to 6 in millimetres, now; 9999 if there is nothing near, 0 if there is no such sensor.
+        fn PSDGet(psd: i32) -> i32 = 0;
+
+        /// The same as the sensor's own number; 0 if there is no such sensor.
+        fn PSDGetRaw(psd: i32) -> i32 = 0;
+    }
+
+    family LIDAR "the laser scanner", source "RoBIOS-7 library, LIDAR" {
+        /// Distances in millimetres from left to right, the middle one (of n, that of index n/2) straight ahead; 9999 for nothing.
+        /// Room for as many as LIDARSet has set, at first 360. Returns 0, 1 if there is no scanner.
+        fn LIDARGet(distance: OutInts) -> i32 = 1, c "int LIDARGet(int distance[])";
+
+        /// Sets angle in degrees, 1 to 360, the scanner's tilt in degrees, and the number of points.
+        fn LIDARSet(range: i32, tilt: i32, points: i32) -> () = ();
+    }
+
+    family SERVO "servos", source "RoBIOS-7 library, servos and motors" {
+        /// Turns servo 1 to 14 to a position of 0 to 255. Returns 0, 1 if there is no such servo or position.
+        fn SERVOSet(servo: i32, angle: i32) -> i32 = 1;
+
+        /// The same as the servo's own number, past its range. Returns 0, 1 if there is no such servo.
+        fn SERVOSetRaw(servo: i32, angle: i32) -> i32 = 1;
+
+        /// Sets what positions 0 and 255 mean, in the servo's own numbers. Returns 0, 1 if there is no such servo.
+        fn SERVORange(servo: i32, low: i32, high: i32) -> i32 = 1;
+    }
+
+    family MOTOR "motors", source "RoBIOS-7 library, servos and motors" {
+        /// Drives motor 1 to 4 with -100 to 100 percent. Returns 0, 1 if there is no such motor.
+        fn MOTORDrive(motor: i32, speed: i32) -> i32 = 1;
+
+        /// The same as the motor's own number, -127 to 127. Returns 0, 1 if there is no such motor.
+        fn MOTORDriveRaw(motor: i32, speed: i32) -> i32 = 1;
+
+        /// Sets the controller of a motor, each 1 to 255. Returns 0, 1 if there is no such motor.
+        fn MOTORPID(motor: i32, p: i32, i: i32, d: i32) -> i32 = 1;
+
+        /// Takes a motor's controller away. Returns 0, 1 if there is no such motor.
+        fn MOTORPIDOff(motor: i32) -> i32 = 1;
+
+        /// Drives a motor with a speed in encoder ticks a second. Returns 0, 1 if there is no such motor.
+        fn MOTORSpeed(motor: i32, ticks: i32) -> i32 = 1;
+    }
+
+    family ENCODER "encoders", source "RoBIOS-7 library, servos and motors" {
+        /// Ticks of encoder 1 to 4 since its reset; 0 if there is no such encoder.
+        fn ENCODERRead(quad: i32) -> i32 = 0;
+
+        /// Sets an encoder to 0. Returns 0, 1 if there is no such encoder.
+        fn ENCODERReset(quad: i32) -> i32 = 1;
+    }
+
+    family VW "driving", source "RoBIOS-7 library, V-Omega driving" {
+        /// Drives with a speed in mm/s and a turning speed in degrees/s, until the next command. Returns 0, 1 on failure.
+        fn VWSetSpeed(linSpeed: i32, angSpeed: i32) -> i32 = 1;
+
+        /// Speeds in mm/s and degrees/s. Returns 0, 1 on failure.
+        fn VWGetSpeed(linSpeed: Out<i32>, angSpeed: Out<i32>) -> i32 = 1;
+
+        /// Sets the position by odometry: mm, mm, degrees. Returns 0, 1 on failure.
+        fn VWSetPosition(x: i32, y: i32, phi: i32) -> i32 = 1;
+
+        /// Position by odometry: mm, mm, and degrees from -180 to 180. Returns 0, 1 on failure.
+        fn VWGetPosition(x: Out<i32>, y: Out<i32>, phi: Out<i32>) -> i32 = 1;
+
+        /// Starts to drive straight for dist mm; the sign is that of dist. Returns 0, 1 on failure.
+        fn VWStraight(dist: i32, lin_speed: i32) -> i32 = 1;
+
+        /// Starts to turn by angle degrees, to the left for positive ones. Returns 0, 1 on failure.
+        fn VWTurn(angle: i32, ang_speed: i32) -> i32 = 1;
+
+        /// Starts to drive dist mm while turning by angle degrees. Returns 0, 1 on failure.
+        fn VWCurve(dist: i32, angle: i32, lin_speed: i32) -> i32 = 1;
+
+        /// Starts to drive in an arc to the place dx mm ahead and dy mm to the left. Returns 0, 1 on failure.
+        fn VWDrive(dx: i32, dy: i32, lin_speed: i32) -> i32 = 1;
+
+        /// What is left of the drive: mm, of a turn degrees; 0 when it is done.
+        fn VWRemain() -> i32 = 0;
+
+        /// 1 when the drive is done or there was none, 0 while it goes on, -1 on failure.
+        fn VWDone() -> i32 = -1;
+
+        /// Waits for the drive's end. Returns 0, -1 on failure.
+        fn VWWait() -> i32 = -1;
+
+        /// Which wheel stalls: 0 none, 1 the left, 2 the right, 3 both.
+        fn VWStalled() -> i32 = 0;
+
+        /// Starts the controllers of speed and turning speed, with parameters in tenths and hundredths as 70 30 70 10.
+        /// Returns 0, 1 on failure.
+        fn VWControl(Vv: i32, Tv: i32, Vw: i32, Tw: i32) -> i32 = 1;
+
+        /// Stops the controllers. Returns 0, 1 on failure.
+        fn VWControlOff() -> i32 = 1;
+    }
+
+    family DIGITAL "digital inputs and outputs", source "RoBIOS-7 library, digital and analog I/O" {
+        /// Direction of line 1 to 16: 'i' in, 'o' out, 'I' in with pull-up, 'J' in with pull-down. Returns 0, 1 for others.
+        fn DIGITALSetup(io: i32, direction: Char) -> i32 = 1;
+
+        /// State of a line: 0 or 1; -1 if there is no such line.
+        fn DIGITALRead(io: i32) -> i32 = -1;
+
+        /// States of all lines, line 1 in the lowest bit.
+        fn DIGITALReadAll() -> i32 = 0;
+
+        /// Sets an output. Returns 0, 1 if there is no such line or it is no output.
+        fn DIGITALWrite(io: i32, state: i32) -> i32 = 1;
+    }
+
+    family ANALOG "analog inputs", source "RoBIOS-7 library, digital and analog I/O" {
+        /// Value of channel 0 to 8; -1 if there is no such channel.
+        fn ANALOGRead(channel: i32) -> i32 = -1;
+
+        /// Voltage of the battery in hundredths of a volt.
+        fn ANALOGVoltage() -> i32 = 0;
+
+        /// Starts to record a channel at 1 kHz. Does not wait. Returns 0, 1 if there is no such channel or it records.
+        fn ANALOGRecord(channel: i32, iterations: i32) -> i32 = 1;
+
+        /// Moves the recording to a buffer, as long as it is. Returns how many bytes, 0 while it goes on.
+        fn ANALOGTransfer(buffer: OutBytes) -> i32 = 0, c "int ANALOGTransfer(BYTE *buffer)";
+    }
+
+    family IRTV "the remote control", source "RoBIOS-7 library, IR remote control" {
+        /// Waits for a key of the remote control. Returns its code.
+        fn IRTVGet() -> i32 = 0;
+
+        /// A key of the remote control that was pressed, 0 if none was. Does not wait.
+        fn IRTVRead() -> i32 = 0;
+
+        /// Forgets the keys that were pressed. Returns 0.
+        fn IRTVFlush() -> i32 = 1;
+
+        /// Whether there is a receiver: 1, else 0.
+        fn IRTVGetStatus() -> i32 = 0;
+    }
+
+    family RADIO "messages between robots", source "RoBIOS-7 library, radio communication" {
+        /// Switches the radio on. Returns 0, 1 on failure.
+        fn RADIOInit() -> i32 = 1;
+
+        /// The robot's address; 0 on failure.
+        fn RADIOGetID() -> i32 = 0;
+
+        /// Sends text. Returns 0, 1 on failure.
+        fn RADIOSend(id: i32, buf: Text) -> i32 = 1;
+
+        /// Waits for a message; size: room in buf. Returns 0, 1 on failure.
+        fn RADIOReceive(id: Out<i32>, buf: OutBytes) -> i32 = 1, c "int RADIOReceive(int *id, char *buf, int size)";
+
+        /// Number of messages that wait.
+        fn RADIOCheck() -> i32 = 0, c "int RADIOCheck(EYESIM_ANY)";
+
+        /// Addresses of the robots on the radio. Returns their number, 0 on failure.
+        fn RADIOStatus(IDlist: OutInts) -> i32 = 0, c "int RADIOStatus(int IDlist[])";
+
+        /// Switches the radio off. Returns 0, 1 on failure.
+        fn RADIORelease() -> i32 = 1;
+    }
+
+    family SIM "ground truth, in simulation only", source "EyeSim VR, simulation functions" {
+        /// True pose of a robot, 0 for the own one: mm, mm, mm, degrees.
+        fn SIMGetRobot(id: i32, x: Out<i32>, y: Out<i32>, z: Out<i32>, phi: Out<i32>) -> () = ();
+
+        /// Puts a robot, 0 for the own one, at a pose.
+        fn SIMSetRobot(id: i32, x: i32, y: i32, z: i32, phi: i32) -> () = ();
+
+        /// True pose of an object; objects are numbered on from the robots.
+        fn SIMGetObject(id: i32, x: Out<i32>, y: Out<i32>, z: Out<i32>, phi: Out<i32>) -> () = ();
+
+        /// Puts an object at a pose.
+        fn SIMSetObject(id: i32, x: i32, y: i32, z: i32, phi: i32) -> () = ();
+
+        /// Number of robots.
+        fn SIMGetRobotCount() -> i32 = 0;
+
+        /// Number of objects.
+        fn SIMGetObjectCount() -> i32 = 0;
+    }
+}
