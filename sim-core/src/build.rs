@@ -14,21 +14,25 @@ const CONTACT_FRICTION: f64 = 0.3;
 
 /// The static walls of a world; a wall with a thickness becomes the four sides of its rectangle.
 pub fn walls(world: &WorldSpec) -> Arc<Walls> {
-    Arc::new(Walls::new(segments(world)))
+    let (segments, heights) = segments(world);
+    Arc::new(Walls::new(segments).with_heights(heights))
 }
 
 /// All of a scene that never moves: the walls of its world, then the outlines of its fixed objects.
 ///
-/// In place of a circle stands a regular polygon of 64 sides around it, see [`Shape::outline`].
+/// Each outline is as high as the object's part. In place of a circle stands a regular polygon of 64 sides around it, see [`Shape::outline`].
 pub fn obstacles(scene: &SceneSpec) -> Arc<Walls> {
-    let mut segments = segments(&scene.world);
+    let (mut segments, mut heights) = segments(&scene.world);
     for object in scene.objects.iter().filter(|object| object.kind.is_fixed) {
-        for corners in properties(object).outlines(&object.pose) {
+        // An object without a shape has one part all the same.
+        let tops = object.kind.colliders.iter().map(Collider::top).chain([f64::INFINITY]);
+        for (corners, top) in properties(object).outlines(&object.pose).into_iter().zip(tops) {
             let next = corners.iter().cycle().skip(1);
             segments.extend(corners.iter().zip(next).map(|(a, b)| Segment::new(*a, *b)));
+            heights.resize(segments.len(), top);
         }
     }
-    Arc::new(Walls::new(segments))
+    Arc::new(Walls::new(segments).with_heights(heights))
 }
 
 /// The objects of a scene that can be moved: their numbers count from 1 on in this order.
@@ -73,16 +77,19 @@ fn part(collider: &Collider) -> Part {
     Part { shape, object_from_part: Pose::new(centre.x, centre.y, phi) }
 }
 
-fn segments(world: &WorldSpec) -> Vec<Segment> {
+/// The walls of a world, and the height of each.
+fn segments(world: &WorldSpec) -> (Vec<Segment>, Vec<f64>) {
     let mut segments = Vec::with_capacity(world.walls.len());
+    let mut heights = Vec::with_capacity(world.walls.len());
     for wall in &world.walls {
         if wall.thickness > 0.0 {
             segments.extend(Segment { a: wall.from, b: wall.to }.thickened(wall.thickness));
         } else {
             segments.push(Segment { a: wall.from, b: wall.to });
         }
+        heights.resize(segments.len(), wall.height);
     }
-    segments
+    (segments, heights)
 }
 
 /// The drive and the body of a robot type.

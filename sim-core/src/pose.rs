@@ -110,6 +110,16 @@ impl Pose {
         }
     }
 
+    /// Checks that something can be placed here: up to 10^9 m from the origin along each axis, where doubles still tell a
+    /// quarter of a micrometre.
+    ///
+    /// # Errors
+    /// [`PlaceError`] for what is farther away or not finite.
+    pub fn check_place(&self) -> Result<(), PlaceError> {
+        let [x, y] = self.position.to_array();
+        if [x, y].iter().all(|value| value.abs() <= 1e9) { Ok(()) } else { Err(PlaceError) }
+    }
+
     /// This pose after moving with `displacement` at constant twist, the closed form.
     ///
     /// Exact for straight lines, arcs and turns on the spot alike; finite and continuous as the angle goes to 0.
@@ -120,6 +130,11 @@ impl Pose {
         Pose { position: self.transform_point(chord), heading: self.heading.turned(omega) }
     }
 }
+
+/// A pose at which nothing can be placed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a coordinate is not that of a place, accepted: finite values up to 1e9 m")]
+pub struct PlaceError;
 
 /// A planar velocity in the moving frame, or that velocity times a time: a displacement along a path of constant twist.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]

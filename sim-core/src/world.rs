@@ -17,8 +17,8 @@ use crate::{
     contact::{Body, TOUCH, Thing},
     drive::{HISTORY, Leg, Motion},
     object::{Properties, State, cast_disc},
-    pose::Pose,
-    scene::{Bounds, Moving, Walls},
+    pose::{PlaceError, Pose},
+    scene::{Bounds, Hit, Moving, Walls},
     time::Time,
 };
 use objects::Objects;
@@ -32,6 +32,27 @@ pub struct RayHit {
     pub distance: f64,
     /// What was met.
     pub thing: Thing,
+}
+
+/// How a ray rises above the floor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slope {
+    /// Height of its origin above the floor, m; 0 or more.
+    pub height: f64,
+    /// What it gains in height on each metre along the floor, m; negative for a ray that falls.
+    pub rise: f64,
+}
+
+impl Slope {
+    /// Height of the ray above the floor after `distance` metres along the floor, m.
+    pub fn height_at(&self, distance: f64) -> f64 {
+        self.height + self.rise * distance
+    }
+
+    /// Distance along the floor at which the ray falls onto it, m; infinite when it does not fall.
+    pub fn floor(&self) -> f64 {
+        if self.rise < 0.0 { self.height / -self.rise } else { f64::INFINITY }
+    }
 }
 
 /// A contact that began in a slot.
@@ -134,6 +155,22 @@ impl World {
         objects.publish(now, end);
     }
 
+    /// Puts a movable object at `world_from_object`, at rest and awake, at the end of the present slot: before
+    /// [`World::advance`]. Of several places the last one stands.
+    ///
+    /// Any place will do: in a wall or a body it is pushed out.
+    ///
+    /// # Errors
+    /// [`PlaceError`] for a position that is not finite or beyond 10^9 m.
+    ///
+    /// # Panics
+    /// If there is no such object.
+    pub fn place_object(&mut self, object: ObjectId, world_from_object: Pose) -> Result<(), PlaceError> {
+        world_from_object.check_place()?;
+        self.objects.as_mut().expect("the scene has this object").place(object, world_from_object);
+        Ok(())
+    }
+
     /// The movable objects that have moved in the slot that ended last, in ascending order.
     pub fn moved_objects(&self) -> &[ObjectId] {
         self.objects.as_ref().map_or(&[], |objects| objects.moved())
@@ -174,13 +211,49 @@ impl World {
         Body { robot, centre: track.centre(at), radius: track.radius() }
     }
 
+    /// Pose of a robot's centre at `at`, as it was public at `at`: not more than 100 ms before the present slot.
+    ///
+    /// A robot that asks for itself has the truth in [`Motion::pose`].
+    pub fn robot_pose(&self, robot: RobotId, at: Time) -> Pose {
+        self.tracks[robot.index()].pose(at)
+    }
+
     /// What a ray from `origin` along the unit vector `direction` meets first within `range` metres at the instant `at`: a
     /// wall, the body of another robot than `by`, or an object, by their public trajectories.
     ///
     /// Source: Koestler & Bräunl, section 4.1. A ray that starts inside another body reads 0; of a wall and a body at the
     /// same distance the wall is met, of two bodies that of the lower id: our choice.
     pub fn cast(&self, by: RobotId, origin: DVec2, direction: DVec2, range: f64, at: Time) -> Option<RayHit> {
-        let wall = self.walls.cast(origin, direction, range);
+        self.cast_bodies(by, origin, direction, range, at, self.walls.cast(origin, direction, range))
+    }
+
+    /// As [`World::cast`] for a ray that rises or falls, with distances along the floor: it passes over walls that are
+    /// [lower](Walls::height) than the ray where it comes to them. Bodies are met at any height.
+    pub fn cast_sloping(
+        &self,
+        by: RobotId,
+        origin: DVec2,
+        direction: DVec2,
+        range: f64,
+        slope: Slope,
+        at: Time,
+    ) -> Option<RayHit> {
+        let wall = self.walls.cast_where(origin, direction, range, |wall, distance| {
+            slope.height_at(distance) <= self.walls.height(wall)
+        });
+        self.cast_bodies(by, origin, direction, range, at, wall)
+    }
+
+    /// What a ray meets first of this wall and the bodies.
+    fn cast_bodies(
+        &self,
+        by: RobotId,
+        origin: DVec2,
+        direction: DVec2,
+        range: f64,
+        at: Time,
+        wall: Option<Hit>,
+    ) -> Option<RayHit> {
         let mut nearest = wall.map(|hit| RayHit { distance: hit.distance, thing: Thing::Wall(hit.wall) });
         let reach = nearest.map_or(range, |hit| hit.distance);
         let mut look_at = |robot: RobotId| {
@@ -254,6 +327,7 @@ impl World {
         self.truth = truth;
         self.now = end;
         if let Some(objects) = &mut self.objects {
+            objects.settle_places();
             objects.publish(end, end + self.slot);
         }
         for motion in active.iter_mut() {

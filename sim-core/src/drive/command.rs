@@ -1,7 +1,9 @@
 //! What a robot is told to do, and what it makes of it.
 
+use glam::DVec2;
+
 use super::{
-    control::{Gains, Target},
+    control::{Controllers, Target},
     model::{DriveKind, Model, Wheels},
 };
 use crate::{math, pose::Twist, unit};
@@ -11,6 +13,21 @@ use crate::{math, pose::Twist, unit};
 pub enum Command {
     /// Rates of the motors in the order of the [`DriveKind`], rad/s, each cut to the limit of the wheels.
     Wheels(Wheels),
+    /// Rate of one motor, cut to the limit of the wheels; the other motors go on at the rates that they are to have.
+    Wheel {
+        /// Which one, in the order of the [`DriveKind`].
+        wheel: usize,
+        /// Its rate, rad/s.
+        rate: f64,
+    },
+    /// As [`Command::Wheel`], but the wheel's own controller sees to it, if it has one:
+    /// [`Motion::start_wheel_control`](super::Motion::start_wheel_control).
+    WheelSpeed {
+        /// Which one, in the order of the [`DriveKind`].
+        wheel: usize,
+        /// Its rate, rad/s.
+        rate: f64,
+    },
     /// Steering angle of an Ackermann drive, rad, left positive, cut to its limit.
     Steer(f64),
     /// Speed and turning speed until the next command, within the limits of the robi and the wheels.
@@ -24,6 +41,22 @@ pub enum Command {
     },
     /// All wheels to rest.
     Halt,
+}
+
+/// The displacement of a drive along the arc that starts ahead and ends at `point`, in the robot's frame (x ahead, y left,
+/// m): its length and its angle.
+///
+/// There is one circle through the point that the robot is on: of curvature 2 y / (x² + y²). A point ahead is reached
+/// forwards and one behind backwards (negative length), each on at most half of the circle; one right beside is half a
+/// circle forwards (our choice), and one on the x axis is a straight line. The point itself gives no displacement.
+///
+/// Source: `VWDrive` of RoBIOS-7, which asks for x > |y|; the rest is our choice.
+pub fn arc_to(point: DVec2) -> Twist {
+    let chord = math::hypot(point.x, point.y);
+    // The angle between the chord and the heading is half of the arc's angle.
+    let half = math::atan2(point.y, point.x.abs());
+    let sense = if point.x < 0.0 { -1.0 } else { 1.0 };
+    Twist::new(sense * chord / math::sinc(half), sense * 2.0 * half)
 }
 
 /// Why a command was refused; the robot goes on as before.
@@ -44,6 +77,12 @@ pub enum CommandError {
     /// Only an Ackermann drive steers.
     #[error("this drive has no steering, accepted: Ackermann drives")]
     NoSteering,
+    /// There is no wheel of this number.
+    #[error("the drive has no such wheel, accepted: less than {wheels}")]
+    NoWheel {
+        /// Number of wheels with a motor.
+        wheels: usize,
+    },
     /// Only an omni drive moves to the side.
     #[error("this drive cannot move sideways, accepted: omni drives")]
     Sideways,
@@ -53,7 +92,11 @@ pub enum CommandError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Pending {
     Idle,
-    Wheels(Wheels),
+    Wheels {
+        rates: Wheels,
+        /// Which of them are kept by the wheel's own controller, if it has one.
+        held: [bool; 4],
+    },
     Twist(Twist),
     Drive {
         /// The displacement commanded, as far as it counts as progress.
@@ -80,8 +123,8 @@ impl Pending {
     /// What the wheels are to follow.
     pub fn target(&self) -> Target {
         match *self {
-            Self::Idle => Target::Wheels([0.0; 4]),
-            Self::Wheels(rates) => Target::Wheels(rates),
+            Self::Idle => Target::Wheels { rates: [0.0; 4], held: [false; 4] },
+            Self::Wheels { rates, held } => Target::Wheels { rates, held },
             Self::Twist(twist) | Self::Drive { rate: twist, .. } => Target::Twist(twist),
         }
     }
@@ -93,7 +136,7 @@ pub(super) struct Orders {
     pub pending: Pending,
     /// Steering angle of an Ackermann drive.
     pub steering: f64,
-    pub gains: Option<Gains>,
+    pub controllers: Controllers,
 }
 
 impl Orders {
@@ -107,12 +150,28 @@ impl Orders {
                 }
                 let mut rates = model.clamp_wheels(&rates);
                 rates[model.wheel_count()..].fill(0.0);
-                Ok(Self { pending: Pending::Wheels(rates), ..self })
+                Ok(Self { pending: Pending::Wheels { rates, held: [false; 4] }, ..self })
             }
+            Command::Wheel { wheel, rate } => self.with_wheel(model, wheel, rate, false),
+            Command::WheelSpeed { wheel, rate } => self.with_wheel(model, wheel, rate, true),
             Command::Steer(angle) => self.steered(model, angle),
             Command::Twist(twist) => self.with_twist(model, twist),
             Command::Drive { displacement, duration } => self.with_drive(model, displacement, duration),
         }
+    }
+
+    fn with_wheel(self, model: &Model, wheel: usize, rate: f64, is_held: bool) -> Result<Self, CommandError> {
+        check_wheel(model, wheel)?;
+        if !rate.is_finite() {
+            return Err(CommandError::NotFinite);
+        }
+        let (mut rates, mut held) = match self.pending.target() {
+            Target::Wheels { rates, held } => (rates, held),
+            Target::Twist(twist) => (model.wheels_from_twist(twist), [false; 4]),
+        };
+        rates[wheel] = rate.clamp(-model.max_wheel_rate, model.max_wheel_rate);
+        held[wheel] = is_held;
+        Ok(Self { pending: Pending::Wheels { rates, held }, ..self })
     }
 
     fn steered(self, model: &Model, angle: f64) -> Result<Self, CommandError> {
@@ -125,7 +184,7 @@ impl Orders {
         let steering = angle.clamp(-model.max_steering, model.max_steering);
         let pending = match self.pending {
             // The speed stays; the servo now has the last word about the curve.
-            Pending::Twist(twist) => Pending::Wheels(model.wheels_from_twist(twist)),
+            Pending::Twist(twist) => Pending::Wheels { rates: model.wheels_from_twist(twist), held: [false; 4] },
             // A drive keeps its curve to its end.
             Pending::Drive { .. } => return Ok(self),
             other => other,
@@ -179,6 +238,12 @@ impl Orders {
     }
 }
 
+/// Whether the drive has a wheel of this number.
+pub(super) fn check_wheel(model: &Model, wheel: usize) -> Result<(), CommandError> {
+    let wheels = model.wheel_count();
+    if wheel < wheels { Ok(()) } else { Err(CommandError::NoWheel { wheels }) }
+}
+
 fn check_drivable(model: &Model, twist: Twist) -> Result<(), CommandError> {
     // Negated, so that NaN is refused as well.
     if !(twist.vx.abs().max(twist.vy.abs()).max(twist.omega.abs()) <= 1e12 && twist.is_finite()) {
@@ -187,5 +252,52 @@ fn check_drivable(model: &Model, twist: Twist) -> Result<(), CommandError> {
         Err(CommandError::Sideways)
     } else {
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::pose::Pose;
+
+    #[test]
+    fn arcs_to_points_are_those_of_geometry() {
+        let assert_close = |x: f64, y: f64, length: f64, angle: f64| {
+            let Twist { vx, omega, .. } = arc_to(DVec2::new(x, y));
+            assert!((vx - length).abs() < 1e-15 && (omega - angle).abs() < 1e-15, "({x}, {y}): {vx} m, {omega} rad");
+        };
+        assert_close(0.5, 0.0, 0.5, 0.0);
+        assert_close(-0.5, 0.0, -0.5, 0.0);
+        assert_close(0.0, 0.0, 0.0, 0.0);
+        // Quarters of a circle of 1 m: to the left and right ahead, to the left and right behind.
+        assert_close(1.0, 1.0, PI / 2.0, PI / 2.0);
+        assert_close(1.0, -1.0, PI / 2.0, -PI / 2.0);
+        assert_close(-1.0, 1.0, -PI / 2.0, -PI / 2.0);
+        assert_close(-1.0, -1.0, -PI / 2.0, PI / 2.0);
+        // Half a circle of 0.2 m.
+        assert_close(0.0, 0.4, 0.2 * PI, PI);
+        assert_close(0.0, -0.4, 0.2 * PI, -PI);
+    }
+
+    proptest! {
+        #[test]
+        fn arcs_end_at_their_points_with_the_circle_s_curvature(
+            x in prop_oneof![-2.0..2.0_f64, -1e4..1e4_f64, Just(0.0), Just(1e-9)],
+            y in prop_oneof![-2.0..2.0_f64, -1e4..1e4_f64, Just(0.0), Just(-1e-9), Just(1e-300)],
+        ) {
+            let point = DVec2::new(x, y);
+            let arc = arc_to(point);
+            let end = Pose::default().moved(arc);
+            prop_assert!((end.position - point).length() <= 4e-15 * point.length(), "{end:?}");
+            prop_assert!(arc.omega.abs() <= PI && arc.vx * x >= 0.0);
+            if point != DVec2::ZERO {
+                let curvature = 2.0 * y / point.length_squared();
+                prop_assert!((arc.omega - curvature * arc.vx).abs() <= 1e-14 * arc.omega.abs(), "{arc:?}");
+            }
+        }
     }
 }

@@ -1,4 +1,5 @@
-//! Wheels that follow their command with a lag, and the PI controller of `VWStartControl` that drives them.
+//! Wheels that follow their command with a lag, and the controllers that drive them: two PI controllers for the speed and
+//! the turning speed, or a PID controller a wheel.
 
 use super::model::{Model, Wheels};
 use crate::{math, pose::Twist, time::TICK};
@@ -27,6 +28,37 @@ impl Gains {
     }
 }
 
+/// Parameters of a wheel's PID controller: out = p e + i integral e dt + d de/dt, with the error e of the wheel's rate; the
+/// output is the rate that the motor is set to.
+///
+/// The derivative is that of the wheel's rate alone, so that a new command gives no kick. Without i an error stays: the
+/// wheel reaches p / (1 + p) of its rate. Source: `MOTORPID` of RoBIOS-7; form and units are our choice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pid {
+    /// Proportional factor.
+    pub p: f64,
+    /// Factor of the integral, 1/s.
+    pub i: f64,
+    /// Factor of the derivative, s.
+    pub d: f64,
+}
+
+impl Pid {
+    /// True for factors from 0 to 10^12.
+    pub fn is_valid(&self) -> bool {
+        [self.p, self.i, self.d].iter().all(|factor| (0.0..=1e12).contains(factor))
+    }
+}
+
+/// The controllers that run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Controllers {
+    /// Of speed and turning speed.
+    pub body: Option<Gains>,
+    /// Of each wheel.
+    pub wheels: [Option<Pid>; 4],
+}
+
 /// What the wheels turn at, and what the controllers have summed up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Actuation {
@@ -36,15 +68,29 @@ pub(super) struct Actuation {
     pub sum_v: f64,
     /// Integral of the error of the turning speed, rad.
     pub sum_w: f64,
+    /// For each wheel whose own controller runs the integral of the error of its rate, rad.
+    pub sums: Wheels,
+    /// For each wheel whose own controller runs its rate a tick before, rad/s.
+    pub last: Wheels,
 }
 
 /// What the wheels are to follow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Target {
-    /// Rates of the motors: open loop.
-    Wheels(Wheels),
+    /// Rates of the motors: open loop, but for those `held` by a controller of their own.
+    Wheels { rates: Wheels, held: [bool; 4] },
     /// Twist of the body: through the controllers if they run.
     Twist(Twist),
+}
+
+impl Target {
+    /// Rates of the motors, rad/s.
+    pub fn wheels(&self, model: &Model) -> Wheels {
+        match *self {
+            Self::Wheels { rates, .. } => rates,
+            Self::Twist(twist) => model.wheels_from_twist(twist),
+        }
+    }
 }
 
 /// One tick of the controllers and of the lag: the rates that are then held until the next tick.
@@ -52,13 +98,17 @@ pub(super) enum Target {
 /// An output beyond what the wheels can do is scaled down, and no sum grows meanwhile (anti-windup).
 pub(super) fn step(
     model: &Model,
-    gains: Option<&Gains>,
+    controllers: &Controllers,
     target: Target,
     steering: f64,
     mut actuation: Actuation,
 ) -> Actuation {
-    let (wheels, settled) = match (target, gains) {
-        (Target::Wheels(wheels), _) => (wheels, wheels),
+    let before = actuation.rates;
+    let (wheels, settled) = match (target, &controllers.body) {
+        (Target::Wheels { rates, held }, _) => {
+            let of_wheel = |i: usize| controllers.wheels[i].filter(|_| held[i]);
+            (std::array::from_fn(|i| hold(model, of_wheel(i), rates[i], i, &mut actuation)), rates)
+        }
         (Target::Twist(twist), None) => {
             let wheels = model.wheels_from_twist(twist);
             (wheels, wheels)
@@ -74,9 +124,30 @@ pub(super) fn step(
     if is_close(&actuation.rates, &settled) && is_close(&wheels, &settled) {
         actuation.rates = settled;
     } else {
-        actuation.rates = std::array::from_fn(|i| actuation.rates[i] + share * (wheels[i] - actuation.rates[i]));
+        actuation.rates = std::array::from_fn(|i| before[i] + share * (wheels[i] - before[i]));
     }
     actuation
+}
+
+/// The rate that is asked of wheel `i`, to be `set`; sums up the error if a controller of its own runs.
+fn hold(model: &Model, pid: Option<Pid>, set: f64, i: usize, actuation: &mut Actuation) -> f64 {
+    let Some(pid) = pid else {
+        (actuation.sums[i], actuation.last[i]) = (0.0, 0.0);
+        return set;
+    };
+    let limit = model.max_wheel_rate;
+    let is = actuation.rates[i];
+    // Finer than what counts as settled, so that the error rests at 0 then.
+    let error = if (set - is).abs() <= 1e-10 * limit { 0.0 } else { set - is };
+    // Without an integral part nothing is summed up, or the sum would never rest.
+    let sum = if pid.i > 0.0 { actuation.sums[i] + error * TICK.seconds() } else { 0.0 };
+    let out = pid.p * error + pid.i * sum - pid.d * (is - actuation.last[i]) / TICK.seconds();
+    // Once saturated a sum may only fall, or it would have to be worked off later.
+    if out.abs() <= limit || error * out <= 0.0 {
+        actuation.sums[i] = sum;
+    }
+    actuation.last[i] = is;
+    out.clamp(-limit, limit)
 }
 
 /// The rates that the controllers ask of the wheels; sums up the errors.
@@ -132,18 +203,26 @@ mod tests {
         }
     }
 
+    fn open(rates: Wheels) -> Target {
+        Target::Wheels { rates, held: [false; 4] }
+    }
+
+    fn body(gains: &Gains) -> Controllers {
+        Controllers { body: Some(*gains), ..Controllers::default() }
+    }
+
     #[test]
     fn a_lag_is_first_order() {
         let model = model(0.1);
         let mut actuation = Actuation::default();
         for tick in 1..=30 {
-            actuation = step(&model, None, Target::Wheels([8.0, -4.0, 0.0, 0.0]), 0.0, actuation);
+            actuation = step(&model, &Controllers::default(), open([8.0, -4.0, 0.0, 0.0]), 0.0, actuation);
             let risen = 1.0 - math::exp(-0.1 * f64::from(tick));
             assert!((actuation.rates[0] - 8.0 * risen).abs() < 1e-13, "tick {tick}");
             assert!((actuation.rates[1] + 4.0 * risen).abs() < 1e-13, "tick {tick}");
         }
         for _ in 0..300 {
-            actuation = step(&model, None, Target::Wheels([8.0, -4.0, 0.0, 0.0]), 0.0, actuation);
+            actuation = step(&model, &Controllers::default(), open([8.0, -4.0, 0.0, 0.0]), 0.0, actuation);
         }
         assert_eq!(actuation.rates, [8.0, -4.0, 0.0, 0.0], "it settles");
     }
@@ -151,7 +230,7 @@ mod tests {
     /// Ticks until nothing changes any more, and the twist then.
     fn settle(model: &Model, gains: &Gains, set: Twist, mut actuation: Actuation) -> (usize, Twist, Actuation) {
         for tick in 0..100_000 {
-            let next = step(model, Some(gains), Target::Twist(set), 0.0, actuation);
+            let next = step(model, &body(gains), Target::Twist(set), 0.0, actuation);
             if next == actuation {
                 return (tick, model.twist_from_wheels(&actuation.rates, 0.0), actuation);
             }
@@ -185,7 +264,7 @@ mod tests {
         assert!((twist.vx - 0.5).abs() < 1e-6, "at the limit: {twist:?}");
         let mut ticks = 0;
         while model.twist_from_wheels(&actuation.rates, 0.0).vx > 0.11 {
-            actuation = step(&model, Some(&gains), Target::Twist(Twist::new(0.1, 0.0)), 0.0, actuation);
+            actuation = step(&model, &body(&gains), Target::Twist(Twist::new(0.1, 0.0)), 0.0, actuation);
             ticks += 1;
         }
         assert!(ticks < 50, "half a second after the set speed has fallen the robot is slow: {ticks} ticks");
@@ -198,7 +277,7 @@ mod tests {
         let gains = Gains { vv: 0.0, tv: 1e-300, vw: 1e300, tw: 1e-3 };
         let mut actuation = Actuation::default();
         for _ in 0..1000 {
-            actuation = step(&model(0.05), Some(&gains), Target::Twist(Twist::new(0.1, 0.5)), 0.0, actuation);
+            actuation = step(&model(0.05), &body(&gains), Target::Twist(Twist::new(0.1, 0.5)), 0.0, actuation);
             assert!(actuation.rates.iter().all(|rate| rate.abs() <= 10.0 + 1e-9), "{actuation:?}");
         }
     }

@@ -10,8 +10,8 @@ mod motion;
 mod piece;
 mod stage;
 
-pub use command::{Command, CommandError};
-pub use control::Gains;
+pub use command::{Command, CommandError, arc_to};
+pub use control::{Gains, Pid};
 pub use model::{DriveKind, Model, ModelError, Wheels};
 pub use motion::{HISTORY, Impact, Motion};
 pub(crate) use motion::{Leg, Thrust};

@@ -5,8 +5,8 @@ use std::{collections::VecDeque, sync::Arc};
 use glam::DVec2;
 
 use super::{
-    command::{Command, CommandError, Orders, Pending},
-    control::{Actuation, Gains},
+    command::{Command, CommandError, Orders, Pending, check_wheel},
+    control::{Actuation, Controllers, Gains, Pid},
     model::{Model, Wheels},
     piece::{Cause, State},
     stage::{Grip, Stage, centre_of},
@@ -15,7 +15,7 @@ use crate::{
     ObjectId, RobotId,
     contact::{APPROACH, Body, Obstacle, Path, Thing},
     math,
-    pose::{Pose, Twist},
+    pose::{Heading, PlaceError, Pose, Twist},
     scene::Walls,
     time::Time,
 };
@@ -54,6 +54,9 @@ pub(crate) enum Input {
     Command(Command),
     Odometry(Pose),
     Control(Option<Gains>),
+    WheelControl(usize, Option<Pid>),
+    /// Pose of the robot's centre.
+    Place(Pose),
 }
 
 /// A disc on a path from `start` on, at rest from `after` seconds on, until `until`.
@@ -63,6 +66,8 @@ pub(crate) struct Leg {
     pub until: Time,
     pub after: f64,
     pub path: Path,
+    /// Of the robot at the start.
+    pub heading: Heading,
 }
 
 impl Leg {
@@ -73,6 +78,11 @@ impl Leg {
 
     pub fn centre(&self, at: Time) -> DVec2 {
         if self.path.is_resting() { self.path.origin } else { self.path.position(self.elapsed(at)) }
+    }
+
+    /// Pose of the robot's centre.
+    pub fn pose(&self, at: Time) -> Pose {
+        Pose { position: self.centre(at), heading: self.heading.turned(self.path.twist.omega * self.elapsed(at)) }
     }
 }
 
@@ -120,12 +130,8 @@ impl Motion {
     ///
     /// The model must have passed [`Model::check`].
     pub fn new(id: RobotId, model: Arc<Model>, walls: Arc<Walls>, world_from_robot: Pose) -> Self {
-        let axle = DVec2::new(model.axis_offset, 0.0);
-        let state = State {
-            world_from_axle: Pose { position: world_from_robot.transform_point(axle), ..world_from_robot },
-            ..State::default()
-        };
-        let orders = Orders { pending: Pending::Idle, steering: 0.0, gains: None };
+        let state = State { world_from_axle: axle_of(&model, &world_from_robot), ..State::default() };
+        let orders = Orders { pending: Pending::Idle, steering: 0.0, controllers: Controllers::default() };
         let stage = Stage::open(&model, Time::ZERO, state, orders, Actuation::default(), &[], Grip::FREE);
         Self {
             id,
@@ -184,6 +190,44 @@ impl Motion {
     pub fn stop_control(&mut self, at: Time) {
         // Nothing to refuse.
         let _ = self.input(at, Input::Control(None), &[]);
+    }
+
+    /// Starts the PID controller of a wheel at `at`, for [`Command::WheelSpeed`]; it has something to do only with a lag of
+    /// the wheels.
+    ///
+    /// # Errors
+    /// [`CommandError::NoWheel`], or [`CommandError::NotFinite`] for factors that are not [valid](Pid::is_valid).
+    pub fn start_wheel_control(&mut self, at: Time, wheel: usize, pid: Pid) -> Result<(), CommandError> {
+        check_wheel(&self.model, wheel)?;
+        if !pid.is_valid() {
+            return Err(CommandError::NotFinite);
+        }
+        self.input(at, Input::WheelControl(wheel, Some(pid)), &[])
+    }
+
+    /// Stops the PID controller of a wheel at `at`: it follows what is commanded, open loop.
+    ///
+    /// # Errors
+    /// [`CommandError::NoWheel`].
+    pub fn stop_wheel_control(&mut self, at: Time, wheel: usize) -> Result<(), CommandError> {
+        check_wheel(&self.model, wheel)?;
+        self.input(at, Input::WheelControl(wheel, None), &[])
+    }
+
+    /// Puts the robot at `world_from_robot`, the true pose of its centre, at `at`: at rest, its command ended and the sums of
+    /// its controllers at 0. Odometry, wheel angles and path length stay as they are, so do steering and controllers.
+    ///
+    /// Any place will do: in a wall or another body it stands in contact, and may leave. Nothing on the way is touched.
+    /// The others see it there from the next slot on. By another robot than itself it is placed at the end of the slot,
+    /// before [`World::advance`](crate::world::World::advance).
+    ///
+    /// # Errors
+    /// [`PlaceError`] for a position that is not finite or beyond 10^9 m.
+    pub fn place(&mut self, at: Time, world_from_robot: Pose) -> Result<(), PlaceError> {
+        world_from_robot.check_place()?;
+        // Nothing else to refuse.
+        let _ = self.input(at, Input::Place(world_from_robot), &[]);
+        Ok(())
     }
 
     /// Sets what the robot believes its pose to be at `at`; the true pose stays.
@@ -270,6 +314,15 @@ impl Motion {
         matches!(piece.cause, Cause::Impact { .. }) && piece.has_ended(at)
     }
 
+    /// The wheels that are to turn at `at` and stand, because an obstacle stops the body.
+    pub fn stalled_wheels(&mut self, at: Time) -> [bool; 4] {
+        if !self.is_stalled(at) {
+            return [false; 4];
+        }
+        let target = self.stage_at(at).orders.pending.target();
+        target.wheels(&self.model).map(|rate| rate != 0.0)
+    }
+
     /// The contact that stops the body at `at`.
     pub fn contact(&mut self, at: Time) -> Option<Impact> {
         let model = self.model.clone();
@@ -333,7 +386,8 @@ impl Motion {
             let until = self.stages.get(first + 1).map_or(Time::NEVER, |next| next.piece.start);
             let stage = &mut self.stages[first];
             stage.explore(&self.model, &self.walls, (until.min(to) - stage.piece.start).seconds());
-            legs.push(Leg { start: stage.piece.start, until, after: stage.piece.after, path: stage.path });
+            let heading = stage.piece.state.world_from_axle.heading;
+            legs.push(Leg { start: stage.piece.start, until, after: stage.piece.after, path: stage.path, heading });
             first += 1;
         }
     }
@@ -497,23 +551,34 @@ impl Motion {
         let stage = &self.stages[index];
         let at = at.max(stage.piece.start);
         let present = stage.orders_at(at);
-        let mut odometry = None;
+        let mut state = stage.piece.state(at);
+        let mut before = stage.actuation_before(at);
         let orders = match input {
             Input::Command(command) => present.with(&self.model, command)?,
-            Input::Control(gains) => Orders { gains, ..present },
+            Input::Control(gains) => {
+                Orders { controllers: Controllers { body: gains, ..present.controllers }, ..present }
+            }
+            Input::WheelControl(wheel, pid) => {
+                let mut controllers = present.controllers;
+                controllers.wheels[wheel] = pid;
+                Orders { controllers, ..present }
+            }
             Input::Odometry(pose) => {
-                odometry = Some(pose);
+                state.odometry = pose;
                 present
+            }
+            Input::Place(world_from_robot) => {
+                state.world_from_axle = axle_of(&self.model, &world_from_robot);
+                before = Actuation::default();
+                Orders { pending: Pending::Idle, ..present }
             }
         };
         let is_blocked = stage.blocker().is_some() && stage.piece.has_ended(at);
         let is_same = orders == present && !matches!(orders.pending, Pending::Drive { .. });
-        if is_same && odometry.is_none() && !is_blocked && touching.is_empty() {
+        let is_moved = matches!(input, Input::Odometry(_) | Input::Place(_));
+        if is_same && !is_moved && !is_blocked && touching.is_empty() {
             return Ok(());
         }
-        let mut state = stage.piece.state(at);
-        state.odometry = odometry.unwrap_or(state.odometry);
-        let before = stage.actuation_before(at);
         let mut next = Stage::open(&self.model, at, state, orders, before, touching, Grip::FREE);
         let grip = self.carried_grip(stage, at, &next);
         if grip != Grip::FREE {
@@ -523,7 +588,7 @@ impl Motion {
             match &mut next.piece.cause {
                 Cause::Impact { with, fresh } if with.thing == blocker.thing => *fresh = false,
                 // Only a command tries to get past.
-                _ if !matches!(input, Input::Command(_)) => next.stop(0.0, blocker, false),
+                _ if !matches!(input, Input::Command(_) | Input::Place(_)) => next.stop(0.0, blocker, false),
                 _ => {}
             }
         }
@@ -592,6 +657,12 @@ impl Motion {
         }
         impacts
     }
+}
+
+/// Pose of the axle's midpoint of a robot whose centre is at `world_from_robot`.
+fn axle_of(model: &Model, world_from_robot: &Pose) -> Pose {
+    let axle = DVec2::new(model.axis_offset, 0.0);
+    Pose { position: world_from_robot.transform_point(axle), ..*world_from_robot }
 }
 
 /// The impact that ends a stage.

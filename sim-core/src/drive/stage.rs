@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::{
     command::{Orders, Pending},
-    control::{self, Actuation, Target},
+    control::{self, Actuation},
     model::Model,
     piece::{Cause, Piece, Rates, State},
 };
@@ -166,7 +166,7 @@ impl Stage {
         }
         let during = control::step(
             model,
-            self.orders.gains.as_ref(),
+            &self.orders.controllers,
             self.orders.pending.target(),
             self.orders.steering,
             self.during,
@@ -237,13 +237,9 @@ pub(super) fn centre_of(model: &Model, world_from_axle: &Pose) -> Pose {
 /// The wheels and controllers from `start` on: at once what is ordered, or with a lag one step on the grid of ticks.
 fn actuate(model: &Model, start: Time, orders: &Orders, before: Actuation) -> Actuation {
     if model.wheel_lag == 0.0 {
-        let rates = match orders.pending.target() {
-            Target::Wheels(rates) => rates,
-            Target::Twist(twist) => model.wheels_from_twist(twist),
-        };
-        Actuation { rates, ..before }
+        Actuation { rates: orders.pending.target().wheels(model), ..before }
     } else if start.floor_to(TICK) == start {
-        control::step(model, orders.gains.as_ref(), orders.pending.target(), orders.steering, before)
+        control::step(model, &orders.controllers, orders.pending.target(), orders.steering, before)
     } else {
         before
     }

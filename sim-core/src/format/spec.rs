@@ -144,6 +144,18 @@ pub enum Collider {
 }
 
 impl Collider {
+    /// Height of its highest point in the frame of its body, in metres.
+    pub fn top(&self) -> f64 {
+        match *self {
+            Collider::Box { centre, size } => centre.z + 0.5 * size.z,
+            Collider::Sphere { centre, radius } => centre.z + radius,
+            Collider::Capsule { centre, height, axis: Axis::Z, .. } | Collider::Cylinder { centre, height, .. } => {
+                centre.z + 0.5 * height
+            }
+            Collider::Capsule { centre, radius, .. } => centre.z + radius,
+        }
+    }
+
     /// Radius of the smallest disc about the origin of the floor plane that holds all of it, seen from above, in metres.
     pub fn reach(&self) -> f64 {
         match *self {

@@ -233,6 +233,16 @@ impl Bodies {
         body.set_angvel(omega, true);
     }
 
+    /// Puts an object at `world_from_object`, at rest and awake.
+    pub fn place(&mut self, object: ObjectId, world_from_object: Pose) {
+        let thing = &mut self.things[object.index()];
+        thing.heading = world_from_object.heading;
+        let body = &mut self.world.bodies[thing.handle];
+        body.set_position(rigid_pose(&world_from_object), true);
+        body.set_linvel(Vector::ZERO, true);
+        body.set_angvel(0.0, true);
+    }
+
     /// True when an object sleeps: it has not moved for a while, and only a push wakes it.
     pub fn is_asleep(&self, object: ObjectId) -> bool {
         self.world.bodies[self.things[object.index()].handle].is_sleeping()

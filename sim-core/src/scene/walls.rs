@@ -43,6 +43,8 @@ const ENTRIES_PER_WALL: f64 = 8.0;
 #[derive(Clone, Debug)]
 pub struct Walls {
     segments: Vec<Segment>,
+    /// By wall, m; empty when all are of any height.
+    heights: Vec<f64>,
     bounds: Option<Bounds>,
     grid: Grid,
     /// Margin by which walls are larger when they are entered into cells: more than all rounding of rays and cells.
@@ -58,7 +60,7 @@ struct Entry {
 }
 
 impl Walls {
-    /// The walls `segments`, numbered in their order.
+    /// The walls `segments`, numbered in their order, as high as it takes.
     ///
     /// # Panics
     /// If there are 2^26 walls or more.
@@ -79,7 +81,21 @@ impl Walls {
         cells.fill(grid.len(), entries.iter().copied(), |entry, visit| {
             for_each_cell(&grid, margin, &entry.segment, visit)
         });
-        Self { segments, bounds, grid, margin, cells }
+        Self { segments, heights: Vec::new(), bounds, grid, margin, cells }
+    }
+
+    /// These walls with the heights of their upper edges above the floor, m, in the same order.
+    ///
+    /// # Panics
+    /// If there are not as many heights as walls.
+    pub fn with_heights(self, heights: Vec<f64>) -> Self {
+        assert_eq!(heights.len(), self.segments.len(), "each wall has a height");
+        Self { heights, ..self }
+    }
+
+    /// Height of a wall's upper edge above the floor, m; infinite where none is known.
+    pub fn height(&self, id: WallId) -> f64 {
+        self.heights.get(id.0 as usize).copied().unwrap_or(f64::INFINITY)
     }
 
     /// Number of walls, those that no ray can meet included.
@@ -116,6 +132,18 @@ impl Walls {
     /// argument is NaN, `origin` infinite or beyond 10^100 m, `range` negative, or the length of `direction` not 1
     /// within 10^-6.
     pub fn cast(&self, origin: DVec2, direction: DVec2, range: f64) -> Option<Hit> {
+        self.cast_where(origin, direction, range, |_, _| true)
+    }
+
+    /// As [`Walls::cast`], of those walls of which `counts` is true; it is given a wall and its distance.
+    #[inline]
+    pub fn cast_where(
+        &self,
+        origin: DVec2,
+        direction: DVec2,
+        range: f64,
+        counts: impl Fn(WallId, f64) -> bool,
+    ) -> Option<Hit> {
         if !is_ray(origin, direction, range) {
             return None;
         }
@@ -124,7 +152,7 @@ impl Walls {
         if ray.doubt < self.margin {
             self.grid.walk(origin, direction, range, |cell, exit| {
                 for entry in self.cells.of(cell) {
-                    ray.test(&entry.segment, entry.wall);
+                    ray.test(&entry.segment, entry.wall, &counts);
                 }
                 if ray.nearest <= exit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             });
@@ -132,7 +160,7 @@ impl Walls {
             // So far away that rounding exceeds the margin of the cells.
             for (wall, segment) in (0..).zip(&self.segments) {
                 if is_usable(segment.a) && is_usable(segment.b) {
-                    ray.test(segment, WallId(wall));
+                    ray.test(segment, WallId(wall), &counts);
                 }
             }
         }
@@ -280,7 +308,7 @@ impl Ray {
     /// Takes the wall into account.
     // Conditions are joined by `&` where a branch would be mispredicted half of the time.
     #[inline(always)]
-    fn test(&mut self, segment: &Segment, wall: WallId) {
+    fn test(&mut self, segment: &Segment, wall: WallId, counts: &impl Fn(WallId, f64) -> bool) {
         let (a, b) = (self.end(segment.a), self.end(segment.b));
         if ((a.side > self.doubt) & (b.side > self.doubt)) | ((a.side < -self.doubt) & (b.side < -self.doubt)) {
             return;
@@ -288,7 +316,8 @@ impl Ray {
         let area = a.ahead * b.side - b.ahead * a.side;
         let in_doubt = (a.side.abs() <= self.doubt) | (b.side.abs() <= self.doubt) | (area.abs() <= self.doubt_area);
         let distance = if in_doubt { self.touching(segment, a, b) } else { area / (b.side - a.side) };
-        if (0.0 <= distance) & (distance <= self.nearest) && (distance < self.nearest || wall < self.wall) {
+        let is_nearer = (0.0 <= distance) & (distance <= self.nearest) && (distance < self.nearest || wall < self.wall);
+        if is_nearer && counts(wall, distance) {
             self.nearest = distance;
             self.wall = wall;
         }

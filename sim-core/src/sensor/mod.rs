@@ -6,7 +6,9 @@
 mod bumper;
 mod compass;
 mod ray;
+mod scan;
 
 pub use bumper::Bumper;
 pub use compass::bearing_from_north;
 pub use ray::{Beam, Mount};
+pub use scan::{Fan, Scan};

@@ -38,6 +38,8 @@ pub(super) struct Objects {
     stepped: Time,
     /// Objects that moved in the last slot, in ascending order.
     moved: Vec<ObjectId>,
+    /// Where objects are to be put at the slot's end, in order.
+    places: Vec<(ObjectId, Pose)>,
     pushes: Vec<Push>,
 }
 
@@ -61,6 +63,7 @@ impl Objects {
             index: Moving::default(),
             stepped: Time::ZERO,
             moved: Vec::new(),
+            places: Vec::new(),
             pushes: Vec::new(),
         };
         objects.rebuild_index();
@@ -91,6 +94,20 @@ impl Objects {
         let drift = Drift::new(self.stepped.max(now), self.bodies.state(object), self.bodies.properties(object));
         self.tracks[object.index()].publications.push_back((now, drift));
         self.tracks[object.index()].is_resting = false;
+    }
+
+    /// Keeps where an object is to be put at the slot's end.
+    pub fn place(&mut self, object: ObjectId, world_from_object: Pose) {
+        assert!(object.index() < self.len(), "the scene has this object");
+        self.places.push((object, world_from_object));
+    }
+
+    /// Puts the objects where they are to be at the slot's end.
+    pub fn settle_places(&mut self) {
+        for (object, world_from_object) in self.places.drain(..) {
+            self.bodies.place(object, world_from_object);
+            self.tracks[object.index()].is_resting = false;
+        }
     }
 
     pub fn moved(&self) -> &[ObjectId] {

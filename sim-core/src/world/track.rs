@@ -7,6 +7,7 @@ use glam::DVec2;
 use super::leg_at;
 use crate::{
     drive::{Leg, Motion},
+    pose::Pose,
     scene::Bounds,
     time::Time,
 };
@@ -56,8 +57,18 @@ impl Track {
 
     /// Centre of the body at `at`, as it was public at `at`.
     pub fn centre(&self, at: Time) -> DVec2 {
+        self.leg(at).centre(at)
+    }
+
+    /// Pose of the body at `at`, as it was public at `at`.
+    pub fn pose(&self, at: Time) -> Pose {
+        self.leg(at).pose(at)
+    }
+
+    /// The leg in force at `at`, as it was public at `at`.
+    fn leg(&self, at: Time) -> &Leg {
         let in_force = self.publications.iter().rposition(|publication| publication.since <= at);
-        leg_at(&self.publications[in_force.unwrap_or(0)].legs, at).centre(at)
+        leg_at(&self.publications[in_force.unwrap_or(0)].legs, at)
     }
 
     /// The legs published last.

@@ -1,0 +1,145 @@
+use std::f64::consts::TAU;
+
+use glam::DVec2;
+
+use super::Mount;
+use crate::{
+    RobotId, math,
+    pose::Pose,
+    time::Time,
+    world::{Slope, World},
+};
+
+/// A laser scanner: a fan of rays in the robot's frame, from left to right.
+///
+/// Ray i of n leaves (n/2 - i) spacings to the left of the line of sight, with n/2 rounded down: ray n/2 looks straight
+/// along it, and the fan turns with the robot. A whole turn has n spacings and begins behind (for an even n). A part of a
+/// turn begins half of the sweep to the left; it ends half of the sweep to the right for an odd n, and one spacing before
+/// that for an even one. So 180 degrees in 180 or 181 points are 1 degree apart.
+///
+/// A tilted fan is a cone: all of its rays rise or fall at the same angle. Distances are those along the rays.
+///
+/// Source: `LIDARGet` of RoBIOS-7 for the middle and the order of the points; spacing and tilt are our choice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scan {
+    mount: Mount,
+    spacing: f64,
+    range: f64,
+    slope: Slope,
+    /// Horizontal distance over distance along a ray.
+    cos_tilt: f64,
+    /// Unit vectors in the sensor's frame.
+    rays: Vec<DVec2>,
+}
+
+/// How a [`Scan`] is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fan {
+    /// Angle that the scan covers, half of it to either side of the line of sight, rad; cut to a whole turn.
+    pub sweep: f64,
+    /// Number of rays.
+    pub points: u32,
+    /// Angle of the rays above the horizontal, rad; cut to 89 degrees up or down.
+    pub tilt: f64,
+    /// Height of the sensor above the floor, m; 0 or more.
+    pub height: f64,
+    /// How far it sees along a ray, m; may be infinite.
+    pub range: f64,
+}
+
+/// Steepest tilt, rad.
+const STEEPEST: f64 = 89.0 / 360.0 * TAU;
+
+impl Scan {
+    /// The scanner that sits at `mount`, with the middle of its fan along the mount's line of sight.
+    pub fn new(mount: Mount, fan: Fan) -> Self {
+        let Fan { sweep, points, tilt, height, range } = fan;
+        let sweep = sweep.clamp(0.0, TAU);
+        // A full turn may have been rounded on its way from degrees.
+        let is_closed = sweep >= TAU - 1e-9;
+        let spacings = if is_closed || points % 2 == 0 { points } else { points - 1 };
+        let spacing = if spacings > 0 { sweep / f64::from(spacings) } else { 0.0 };
+        let tilt = tilt.clamp(-STEEPEST, STEEPEST);
+        let slope = Slope { height: height.max(0.0), rise: math::tan(tilt) };
+        let bearing = |ray| bearing(points, spacing, ray);
+        let rays = (0..points).map(|ray| Pose::new(0.0, 0.0, bearing(ray)).heading.direction()).collect();
+        Self { mount, spacing, range, slope, cos_tilt: math::cos(tilt), rays }
+    }
+
+    /// Number of rays.
+    pub fn len(&self) -> usize {
+        self.rays.len()
+    }
+
+    /// True for a scanner without rays.
+    pub fn is_empty(&self) -> bool {
+        self.rays.is_empty()
+    }
+
+    /// Where it sits.
+    pub fn mount(&self) -> &Mount {
+        &self.mount
+    }
+
+    /// Angle between neighbouring rays, rad.
+    pub fn spacing(&self) -> f64 {
+        self.spacing
+    }
+
+    /// Direction of ray `ray` in the sensor's frame, rad counter-clockwise from the line of sight.
+    pub fn bearing(&self, ray: u32) -> f64 {
+        bearing(self.rays.len() as u32, self.spacing, ray)
+    }
+
+    /// What each ray of the scanner of robot `by`, whose centre is at `world_from_robot` at the instant `at`, measures:
+    /// metres along the ray to what it meets first, `None` when nothing lies within range. All rays belong to one instant.
+    ///
+    /// Walls, other robots and objects are met as by [`World::cast`]; its own robot is not. A ray passes over walls that
+    /// end below it; robots and objects count as high as it takes (our choice). Where it falls onto the floor within range
+    /// before it meets anything else, the floor is measured. Noise is added by the caller.
+    pub fn distances(&self, world: &World, by: RobotId, world_from_robot: &Pose, at: Time) -> Vec<Option<f64>> {
+        let (origin, ahead) = self.mount.ray(world_from_robot);
+        let floor = self.slope.floor();
+        let reach = (self.range * self.cos_tilt).min(floor);
+        let is_floor_in_range = floor / self.cos_tilt <= self.range;
+        let measure = |ray: &DVec2| {
+            let hit = world.cast_sloping(by, origin, ahead.rotate(*ray), reach, self.slope, at);
+            let horizontal = hit.map(|hit| hit.distance).or(is_floor_in_range.then_some(floor))?;
+            Some((horizontal / self.cos_tilt).min(self.range))
+        };
+        self.rays.iter().map(measure).collect()
+    }
+}
+
+fn bearing(points: u32, spacing: f64, ray: u32) -> f64 {
+    (f64::from(points / 2) - f64::from(ray)) * spacing
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    fn bearings(sweep_deg: f64, points: u32) -> Vec<f64> {
+        let fan = Fan { sweep: sweep_deg.to_radians(), points, tilt: 0.0, height: 0.1, range: 9.0 };
+        let scan = Scan::new(Mount::default(), fan);
+        assert_eq!(scan.len(), points as usize);
+        (0..points).map(|ray| (scan.bearing(ray) * 180.0 / PI * 1e9).round() / 1e9).collect()
+    }
+
+    #[test]
+    fn the_middle_ray_looks_ahead_and_the_first_ones_to_the_left() {
+        assert_eq!(bearings(360.0, 4), [180.0, 90.0, 0.0, -90.0]);
+        assert_eq!(bearings(360.0, 5), [144.0, 72.0, 0.0, -72.0, -144.0]);
+        assert_eq!(bearings(180.0, 4), [90.0, 45.0, 0.0, -45.0]);
+        assert_eq!(bearings(180.0, 5), [90.0, 45.0, 0.0, -45.0, -90.0]);
+        assert_eq!(bearings(90.0, 1), [0.0]);
+        assert_eq!(bearings(90.0, 2), [45.0, 0.0]);
+        assert_eq!(bearings(90.0, 0), [0.0; 0]);
+        assert_eq!(bearings(0.0, 3), [0.0; 3]);
+        assert_eq!(bearings(720.0, 4), [180.0, 90.0, 0.0, -90.0]);
+        let degrees = bearings(360.0, 360);
+        assert_eq!((degrees[0], degrees[180], degrees[90], degrees[359]), (180.0, 0.0, 90.0, -179.0));
+    }
+}
