@@ -8,7 +8,7 @@ use super::spec::{
     ObjectLine, PathRef, RobotLine, SceneForm, SceneSpec, SimSpec, StartRef, TypeRef, WorldKind, WorldLine,
 };
 use super::{
-    Span, decode, is_scene, load_maze, load_object, load_robi, load_scene, load_world, path, read_scene, read_sim,
+    Span, decode, load_maze, load_object, load_robi, load_scene, load_world, path, read_scene, read_sim, scene,
 };
 
 /// A file that a conversion writes.
@@ -259,7 +259,7 @@ impl Conversion<'_> {
         };
         let (mut sim, diagnostics) = read_scene(self.from, &text);
         // A file of types alone is no scene, but good enough here.
-        let is_whole = is_scene("", &text) || is_scene("x.toml", &text);
+        let is_whole = scene::has_marks(&text);
         loaded.diagnostics.extend(diagnostics.into_iter().filter(|it| is_whole || it.code != Code::TomlMissing));
         loaded.inputs.push(super::InputFile { path: self.from.to_owned(), bytes: text.into_bytes() });
         self.rewrite(&mut sim);

@@ -128,20 +128,15 @@ fn vr(robi: &RobiSpec) -> String {
 
 /// What stands first in every dialect.
 fn head(robi: &RobiSpec) -> String {
-    let mut names: Vec<&str> = robi.drive.motors.iter().map(|motor| motor.motor.as_str()).collect();
-    names.clear();
-    for motor in &robi.drive.motors {
-        names.push(&motor.motor);
-        names.extend(motor.encoder.as_deref());
-    }
-    names.extend(robi.drive.steering.as_deref());
+    let motors = robi.drive.motors.iter().flat_map(|motor| [Some(motor.motor.as_str()), motor.encoder.as_deref()]);
+    let names = motors.flatten().chain(robi.drive.steering.as_deref());
     let kind = match robi.drive.kind {
         DriveKind::Differential => "DIFFERENTIAL_DRIVE",
         DriveKind::Ackermann => "ACKERMANN_DRIVE",
         DriveKind::Omni => "OMNI_DRIVE",
     };
     let mut out = format!("drive {kind}");
-    names.iter().for_each(|name| {
+    names.for_each(|name| {
         let _ = write!(out, " {name}");
     });
     let _ = write!(out, "\nname {}\ndiameter {}\n", robi.name, written_mm(robi.diameter));

@@ -49,11 +49,14 @@ pub fn is_scene(path: &str, text: &str) -> bool {
     if path.to_lowercase().ends_with(SCENE_EXTENSION) {
         return true;
     }
-    path::extension(path) == "toml" && {
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let (root, _) = DeTable::parse_recoverable(text);
-        root.get_ref().keys().any(|key| MARKS.contains(&key.get_ref().as_ref()))
-    }
+    path::extension(path) == "toml" && has_marks(text)
+}
+
+/// True for a TOML text with what only a scene has at its top level.
+pub(super) fn has_marks(text: &str) -> bool {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let (root, _) = DeTable::parse_recoverable(text);
+    root.get_ref().keys().any(|key| MARKS.contains(&key.get_ref().as_ref()))
 }
 
 /// Reads a scene, and none of the files that it names (that is [`super::load_scene`]).
