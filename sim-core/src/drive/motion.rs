@@ -287,6 +287,14 @@ impl Motion {
         }
     }
 
+    /// True at `at` while a drive is in progress that turns on the spot.
+    pub fn is_drive_turn(&mut self, at: Time) -> bool {
+        match self.stage_at(at).orders_at(at).pending {
+            Pending::Drive { whole, .. } => whole.speed() == 0.0 && whole.omega != 0.0,
+            _ => false,
+        }
+    }
+
     /// True at `at` when no drive is in progress: it has reached its mark, or was replaced, or none was commanded.
     pub fn is_drive_done(&mut self, at: Time) -> bool {
         !matches!(self.stage_at(at).orders_at(at).pending, Pending::Drive { .. })

@@ -26,6 +26,12 @@ pub enum Mistake {
     PsdBusy,
     /// A PSD sensor is read that was never started.
     PsdNotStarted,
+    /// A drive of RoBIOS-7 of a few millimetres at a few millimetres a second.
+    Metres,
+    /// A turn of RoBIOS-7 by a few degrees at a few degrees a second.
+    Radians,
+    /// A drive of RoBIOS-7 that replaces the one before as soon as it has begun.
+    MissingWait,
     /// An error code that nobody looks at.
     IgnoredFailure,
 }
@@ -81,6 +87,11 @@ impl Mistake {
             }
             Self::PsdNotStarted => {
                 "`PSDGet` before a first measurement gives 9999: call `PSDStart(handle, TRUE)` and wait 60 ms"
+            }
+            Self::Metres => "a drive of less than 5 mm at less than 5 mm/s: RoBIOS-7 takes millimetres, not metres",
+            Self::Radians => "a turn by a few degrees at a few degrees/s: RoBIOS-7 takes degrees, not radians",
+            Self::MissingWait => {
+                "a drive replaces the one before, which has just begun: `VWWait` waits for the end of a drive"
             }
             Self::IgnoredFailure => "a function keeps failing: look at what it returns",
         }

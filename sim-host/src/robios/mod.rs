@@ -4,6 +4,9 @@
 //! and know nothing of threads and slots. What they answer to whom is in `docs/robios6.md`.
 #![forbid(unsafe_code)]
 
+#[macro_use]
+mod method;
+
 pub mod audio;
 pub mod bump;
 pub mod caller;
@@ -32,9 +35,12 @@ pub mod support;
 pub mod table;
 #[cfg(test)]
 mod tests;
+mod unit7;
 pub mod vw;
+mod vw7;
 
 use std::borrow::Cow;
+use std::fmt::Display;
 
 use robios_sys::robios6::semantics::SEMANTICS;
 use sim_core::drive::{Command, CommandError};
@@ -132,6 +138,11 @@ impl Robot {
             self.hint(&text);
         }
         self.failed(call, answer)
+    }
+
+    /// The answer of a call that was obeyed, 0, or refused.
+    fn answered<E: Display>(&mut self, call: impl Into<Call>, failure: i32, outcome: Result<(), E>) -> i32 {
+        outcome.map_or_else(|error| self.refused(call, failure, |_| error.to_string()), |()| 0)
     }
 
     /// The answer of a call that asks for a device that the robot does not have.

@@ -20,34 +20,6 @@ impl Caller {
     }
 }
 
-/// Methods that act at the call's end, one a line: `fn Name(arguments) -> Result = |robot, world| what it does;`.
-macro_rules! act {
-    ($(fn $name:ident($($argument:ident: $kind:ty),*) -> $result:ty = $act:expr;)*) => {$(
-        fn $name(&self, $($argument: $kind),*) -> Result<$result, Stop> {
-            self.call(Call::$name, $act)
-        }
-    )*};
-}
-
-/// Methods that wait, in the same form.
-macro_rules! wait {
-    ($(fn $name:ident($($argument:ident: $kind:ty),*) -> $result:ty = $poll:expr;)*) => {$(
-        fn $name(&self, $($argument: $kind),*) -> Result<$result, Stop> {
-            self.wait(Call::$name, $poll)
-        }
-    )*};
-}
-
-/// Methods that answer with their documented failure: what they need is not simulated yet.
-macro_rules! fail {
-    ($(fn $name:ident($($argument:ident: $kind:ty),*) -> $result:ty = $failure:expr;)*) => {$(
-        fn $name(&self, $($argument: $kind),*) -> Result<$result, Stop> {
-            $(let _ = $argument;)*
-            self.call(Call::$name, |robot, _| robot.unavailable(Call::$name, $failure))
-        }
-    )*};
-}
-
 type Text<'a> = Option<&'a [u8]>;
 
 impl Robios6 for Caller {

@@ -132,9 +132,10 @@ impl Robot {
     /// Tells the user when the program has ended before a drive that it commanded.
     pub fn hint_at_pending_drive(&mut self) {
         if self.motion.drive_end().is_some_and(|end| end > self.now) {
-            self.hint(
-                "the program ended while it drove, which stops the motors: `VWDriveWait` waits for the end of a drive",
-            );
+            let wait = if self.devices.vw.begun.is_some() { "VWWait" } else { "VWDriveWait" };
+            self.hint(&format!(
+                "the program ended while it drove, which stops the motors: `{wait}` waits for the end of a drive"
+            ));
         }
     }
 

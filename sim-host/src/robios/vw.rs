@@ -21,8 +21,21 @@ pub const HANDLE: i32 = 0x56;
 /// The driving interface of a robot.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Vw {
-    /// True between `VWInit` and `VWRelease`: motors are reserved.
+    /// True between `VWInit` and `VWRelease` of RoBIOS 6: motors are reserved.
     pub is_open: bool,
+    /// When the last drive of RoBIOS-7 began.
+    pub begun: Option<Time>,
+}
+
+/// Why a command is not obeyed.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// A drive that would take for ever, or no time that is a number.
+    #[error("it takes a length or angle that is a number, a speed other than 0, and a length for a curve")]
+    Endless,
+    /// The drive cannot.
+    #[error(transparent)]
+    Command(#[from] CommandError),
 }
 
 /// `VWInit`
@@ -55,8 +68,8 @@ pub fn set_speed(robot: &mut Robot, world: &World, handle: i32, v: f32, omega: f
     if !is_handle(robot, handle) {
         return robot.failed(Call::VWSetSpeed, -1);
     }
-    let accepted = robot.command(world, Command::Twist(Twist::new(v, omega)));
-    answer(robot, Call::VWSetSpeed, accepted, Event::DriveSpeed { v_m_per_s: v, omega_rad_per_s: omega })
+    let accepted = set_twist(robot, world, v, omega);
+    robot.answered(Call::VWSetSpeed, -1, accepted)
 }
 
 /// `VWGetSpeed`
@@ -64,9 +77,8 @@ pub fn speed(robot: &mut Robot, handle: i32, speed: &mut Out<SpeedType>) -> i32 
     if !is_handle(robot, handle) || speed.is_null() {
         return robot.failed(Call::VWGetSpeed, -1);
     }
-    let twist = robot.motion.speed(robot.now);
+    let twist = twist(robot);
     speed.set(SpeedType { v: twist.vx as f32, w: twist.omega as f32 });
-    robot.record(Event::OdometrySpeed { v_m_per_s: twist.vx, omega_rad_per_s: twist.omega });
     0
 }
 
@@ -76,8 +88,8 @@ pub fn set_position(robot: &mut Robot, handle: i32, x: f32, y: f32, phi: f32) ->
     if !is_handle(robot, handle) || !phi.is_finite() {
         return robot.failed(Call::VWSetPosition, -1);
     }
-    let accepted = robot.motion.set_odometry(robot.now, Pose::new(x, y, phi));
-    answer(robot, Call::VWSetPosition, accepted, Event::SetOdometry { x_m: x, y_m: y, phi_rad: phi })
+    let accepted = set_odometry(robot, [x, y, phi]);
+    robot.answered(Call::VWSetPosition, -1, accepted)
 }
 
 /// `VWGetPosition`: the heading is within [-pi, pi).
@@ -85,10 +97,9 @@ pub fn position(robot: &mut Robot, handle: i32, position: &mut Out<PositionType>
     if !is_handle(robot, handle) || position.is_null() {
         return robot.failed(Call::VWGetPosition, -1);
     }
-    let pose = robot.motion.odometry(robot.now);
+    let pose = odometry(robot);
     let (x, y, phi) = (pose.position.x, pose.position.y, pose.heading.remainder());
     position.set(PositionType { x: x as f32, y: y as f32, phi: phi as f32 });
-    robot.record(Event::Odometry { x_m: x, y_m: y, phi_rad: phi });
     0
 }
 
@@ -97,11 +108,8 @@ pub fn start_control(robot: &mut Robot, handle: i32, [vv, tv, vw, tw]: [f32; 4])
     if !is_handle(robot, handle) {
         return robot.failed(Call::VWStartControl, -1);
     }
-    let gains = Gains { vv: vv.into(), tv: tv.into(), vw: vw.into(), tw: tw.into() };
-    let accepted = robot.motion.start_control(robot.now, gains);
-    let event =
-        Event::ControlStarted { v_gain: gains.vv, v_reset_s: gains.tv, omega_gain: gains.vw, omega_reset_s: gains.tw };
-    answer(robot, Call::VWStartControl, accepted, event)
+    let accepted = set_gains(robot, Gains { vv: vv.into(), tv: tv.into(), vw: vw.into(), tw: tw.into() });
+    robot.answered(Call::VWStartControl, -1, accepted)
 }
 
 /// `VWStopControl`
@@ -109,8 +117,7 @@ pub fn stop_control(robot: &mut Robot, handle: i32) -> i32 {
     if !is_handle(robot, handle) {
         return robot.failed(Call::VWStopControl, -1);
     }
-    robot.motion.stop_control(robot.now);
-    robot.record(Event::ControlStopped {});
+    clear_gains(robot);
     0
 }
 
@@ -122,7 +129,7 @@ pub fn drive_straight(robot: &mut Robot, world: &World, handle: i32, distance: f
     }
     let event = Event::DriveStraight { distance_m: distance, v_m_per_s: v };
     let drive = Twist::new(distance, 0.0);
-    start_drive(robot, world, handle, drive, distance / v, (Call::VWDriveStraight, event))
+    start(robot, world, handle, drive, distance / v, (Call::VWDriveStraight, event))
 }
 
 /// `VWDriveTurn`: the sign is that of `angle`; that of the rate is ignored.
@@ -132,7 +139,7 @@ pub fn drive_turn(robot: &mut Robot, world: &World, handle: i32, angle: f32, ome
         robot.hint_at(Mistake::LongTurn);
     }
     let event = Event::DriveTurn { angle_rad: angle, omega_rad_per_s: omega };
-    start_drive(robot, world, handle, Twist::new(0.0, angle), angle / omega, (Call::VWDriveTurn, event))
+    start(robot, world, handle, Twist::new(0.0, angle), angle / omega, (Call::VWDriveTurn, event))
 }
 
 /// `VWDriveCurve`: forwards or backwards by the sign of `distance`; that of the speed is ignored.
@@ -145,9 +152,8 @@ pub fn drive_curve(robot: &mut Robot, world: &World, handle: i32, [distance, ang
         robot.hint_at(Mistake::LongTurn);
     }
     let event = Event::DriveCurve { distance_m: distance, angle_rad: angle, v_m_per_s: v };
-    // A curve without length has no speed along it.
-    let seconds = if distance == 0.0 && angle != 0.0 { f64::NAN } else { distance / v };
-    start_drive(robot, world, handle, Twist::new(distance, angle), seconds, (Call::VWDriveCurve, event))
+    let seconds = curve_seconds(distance, angle, v);
+    start(robot, world, handle, Twist::new(distance, angle), seconds, (Call::VWDriveCurve, event))
 }
 
 /// `VWDriveRemain`
@@ -172,10 +178,7 @@ pub fn drive_wait(robot: &mut Robot, handle: i32) -> Poll<i32> {
     if !is_handle(robot, handle) {
         return Poll::Ready(robot.failed(Call::VWDriveWait, -1));
     }
-    if robot.motion.is_drive_done(robot.now) {
-        return Poll::Ready(0);
-    }
-    Poll::Until { at: robot.motion.drive_end().unwrap_or(Time::NEVER), waits_for: Waits::Drive }
+    wait_for_drive(robot)
 }
 
 /// `VWStalled`
@@ -205,8 +208,8 @@ fn is_handle(robot: &Robot, handle: i32) -> bool {
     robot.devices.vw.is_open && handle == HANDLE
 }
 
-/// Starts a drive of `seconds`, of which the sign does not count: it is that of a speed.
-fn start_drive(
+/// Starts a drive by a handle.
+fn start(
     robot: &mut Robot,
     world: &World,
     handle: i32,
@@ -217,22 +220,80 @@ fn start_drive(
     if !is_handle(robot, handle) {
         return robot.failed(call, -1);
     }
-    // A speed of 0 gives an infinite time, or NaN for a distance of 0.
-    if !seconds.is_finite() {
-        let reason = "it takes a length or angle that is a number, a speed other than 0, and a length for a curve";
-        return robot.refused(call, -1, |_| reason.to_owned());
-    }
-    let accepted = robot.command(world, Command::Drive { displacement, duration: seconds.abs() });
-    answer(robot, call, accepted, event)
+    let accepted = start_drive(robot, world, displacement, seconds, event);
+    robot.answered(call, -1, accepted)
 }
 
-/// The answer to a command, with its event if it was accepted.
-fn answer(robot: &mut Robot, call: Call, accepted: Result<(), CommandError>, event: Event<'_>) -> i32 {
-    match accepted {
-        Ok(()) => {
-            robot.record(event);
-            0
-        }
-        Err(error) => robot.refused(call, -1, |_| error.to_string()),
+// What follows is in metres, radians and seconds, for both generations.
+
+/// How long a curve takes; no number for one without length, along which there is no speed.
+pub(super) fn curve_seconds(distance: f64, angle: f64, v: f64) -> f64 {
+    if distance == 0.0 && angle != 0.0 { f64::NAN } else { distance / v }
+}
+
+/// Starts a drive of `seconds`, of which the sign does not count: it is that of a speed.
+pub(super) fn start_drive(
+    robot: &mut Robot,
+    world: &World,
+    displacement: Twist,
+    seconds: f64,
+    event: Event<'_>,
+) -> Result<(), Refusal> {
+    // A speed of 0 gives an infinite time, or NaN for a distance of 0.
+    if !seconds.is_finite() {
+        return Err(Refusal::Endless);
     }
+    robot.command(world, Command::Drive { displacement, duration: seconds.abs() })?;
+    robot.record(event);
+    Ok(())
+}
+
+/// Drives with a speed and a turning speed from now on.
+pub(super) fn set_twist(robot: &mut Robot, world: &World, v: f64, omega: f64) -> Result<(), Refusal> {
+    robot.command(world, Command::Twist(Twist::new(v, omega)))?;
+    robot.record(Event::DriveSpeed { v_m_per_s: v, omega_rad_per_s: omega });
+    Ok(())
+}
+
+/// The speeds that the wheels tell.
+pub(super) fn twist(robot: &mut Robot) -> Twist {
+    let twist = robot.motion.speed(robot.now);
+    robot.record(Event::OdometrySpeed { v_m_per_s: twist.vx, omega_rad_per_s: twist.omega });
+    twist
+}
+
+/// Sets the pose by odometry.
+pub(super) fn set_odometry(robot: &mut Robot, [x, y, phi]: [f64; 3]) -> Result<(), Refusal> {
+    robot.motion.set_odometry(robot.now, Pose::new(x, y, phi))?;
+    robot.record(Event::SetOdometry { x_m: x, y_m: y, phi_rad: phi });
+    Ok(())
+}
+
+/// The pose by odometry.
+pub(super) fn odometry(robot: &mut Robot) -> Pose {
+    let pose = robot.motion.odometry(robot.now);
+    robot.record(Event::Odometry { x_m: pose.position.x, y_m: pose.position.y, phi_rad: pose.heading.remainder() });
+    pose
+}
+
+/// Starts the controllers of speed and turning speed.
+pub(super) fn set_gains(robot: &mut Robot, gains: Gains) -> Result<(), Refusal> {
+    robot.motion.start_control(robot.now, gains)?;
+    let Gains { vv, tv, vw, tw } = gains;
+    robot.record(Event::ControlStarted { v_gain: vv, v_reset_s: tv, omega_gain: vw, omega_reset_s: tw });
+    Ok(())
+}
+
+/// Stops the controllers.
+pub(super) fn clear_gains(robot: &mut Robot) {
+    robot.motion.stop_control(robot.now);
+    robot.record(Event::ControlStopped {});
+}
+
+/// Waits for the end of the drive in progress.
+pub(super) fn wait_for_drive(robot: &mut Robot) -> Poll<i32> {
+    if robot.motion.is_drive_done(robot.now) {
+        return Poll::Ready(0);
+    }
+    Poll::Until { at: robot.motion.drive_end().unwrap_or(Time::NEVER), waits_for: Waits::Drive }
 }

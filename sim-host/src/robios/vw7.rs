@@ -1,0 +1,155 @@
+//! The driving interface as RoBIOS-7 has it: always there, without a handle, in millimetres and degrees.
+//!
+//! Source: RoBIOS-7 library, V-Omega driving. The motors obey whoever commanded them last, this or `MOTORDrive`: our choice.
+
+use robios_sys::{Out, Robios7Call as Call};
+use sim_core::drive::{Gains, arc_to};
+use sim_core::pose::Twist;
+use sim_core::time::Time;
+use sim_core::world::World;
+
+use super::caller::Poll;
+use super::hint::Mistake;
+use super::robot::Robot;
+use super::unit7::{degrees, left, metres, mm, pose_numbers, radians};
+use super::vw::{self, Refusal};
+use crate::record::Event;
+
+/// A drive that replaces another so soon after its beginning is one that nobody waited for.
+const AT_ONCE: Time = Time::from_millis(20);
+
+/// Lengths and speeds below this, together, are probably meant in metres.
+const SHORT_MM: i32 = 5;
+
+/// Angles and turning speeds up to this, together, are probably meant in radians.
+const SMALL_DEGREES: i32 = 6;
+
+/// `VWSetSpeed`
+pub fn set_speed(robot: &mut Robot, world: &World, v_mm: i32, omega_degrees: i32) -> i32 {
+    let accepted = vw::set_twist(robot, world, metres(v_mm), radians(omega_degrees));
+    robot.answered(Call::VWSetSpeed, 1, accepted)
+}
+
+/// `VWGetSpeed`
+pub fn speed(robot: &mut Robot, [v, omega]: [&mut Out<i32>; 2]) -> i32 {
+    let twist = vw::twist(robot);
+    v.set(mm(twist.vx));
+    omega.set(degrees(twist.omega));
+    0
+}
+
+/// `VWSetPosition`
+pub fn set_position(robot: &mut Robot, [x_mm, y_mm, phi_degrees]: [i32; 3]) -> i32 {
+    let accepted = vw::set_odometry(robot, [metres(x_mm), metres(y_mm), radians(phi_degrees)]);
+    robot.answered(Call::VWSetPosition, 1, accepted)
+}
+
+/// `VWGetPosition`
+pub fn position(robot: &mut Robot, into: [&mut Out<i32>; 3]) -> i32 {
+    let numbers = pose_numbers(&vw::odometry(robot));
+    into.into_iter().zip(numbers).for_each(|(out, number)| out.set(number));
+    0
+}
+
+/// `VWStraight`: the sign is that of `distance_mm`; that of the speed is ignored.
+pub fn straight(robot: &mut Robot, world: &World, distance_mm: i32, v_mm: i32) -> i32 {
+    hint_at_metres(robot, distance_mm, v_mm);
+    let (distance, v) = (metres(distance_mm), metres(v_mm));
+    let event = Event::DriveStraight { distance_m: distance, v_m_per_s: v };
+    start(robot, world, Call::VWStraight, Twist::new(distance, 0.0), distance / v, event)
+}
+
+/// `VWTurn`: the sign is that of `angle_degrees`; that of the rate is ignored.
+pub fn turn(robot: &mut Robot, world: &World, angle_degrees: i32, omega_degrees: i32) -> i32 {
+    let is_small = |degrees: i32| (1..=SMALL_DEGREES).contains(&degrees.saturating_abs());
+    if is_small(angle_degrees) && is_small(omega_degrees) {
+        robot.hint_at(Mistake::Radians);
+    }
+    let (angle, omega) = (radians(angle_degrees), radians(omega_degrees));
+    let event = Event::DriveTurn { angle_rad: angle, omega_rad_per_s: omega };
+    start(robot, world, Call::VWTurn, Twist::new(0.0, angle), angle / omega, event)
+}
+
+/// `VWCurve`: forwards or backwards by the sign of `distance_mm`; that of the speed is ignored.
+pub fn curve(robot: &mut Robot, world: &World, [distance_mm, angle_degrees]: [i32; 2], v_mm: i32) -> i32 {
+    hint_at_metres(robot, distance_mm, v_mm);
+    let (distance, angle, v) = (metres(distance_mm), radians(angle_degrees), metres(v_mm));
+    let event = Event::DriveCurve { distance_m: distance, angle_rad: angle, v_m_per_s: v };
+    start(robot, world, Call::VWCurve, Twist::new(distance, angle), vw::curve_seconds(distance, angle, v), event)
+}
+
+/// `VWDrive`: the arc that begins ahead, or behind for a negative `dx_mm`.
+pub fn drive(robot: &mut Robot, world: &World, [dx_mm, dy_mm]: [i32; 2], v_mm: i32) -> i32 {
+    hint_at_metres(robot, dx_mm.saturating_abs().max(dy_mm.saturating_abs()), v_mm);
+    let v = metres(v_mm);
+    let arc = arc_to([metres(dx_mm), metres(dy_mm)].into());
+    let event = Event::DriveCurve { distance_m: arc.vx, angle_rad: arc.omega, v_m_per_s: v };
+    start(robot, world, Call::VWDrive, arc, arc.vx / v, event)
+}
+
+/// `VWRemain`: millimetres, of a turn degrees.
+pub fn remain(robot: &mut Robot) -> i32 {
+    let rest = robot.motion.drive_remaining(robot.now);
+    if robot.motion.is_drive_turn(robot.now) {
+        left(sim_core::unit::degrees_from_radians(rest))
+    } else {
+        left(sim_core::unit::mm_from_metres(rest))
+    }
+}
+
+/// `VWDone`
+pub fn done(robot: &mut Robot) -> i32 {
+    robot.motion.is_drive_done(robot.now).into()
+}
+
+/// `VWWait`
+pub fn wait(robot: &mut Robot) -> Poll<i32> {
+    vw::wait_for_drive(robot)
+}
+
+/// `VWStalled`: 1 for the wheels on the left, 2 for those on the right, 3 for both.
+pub fn stalled(robot: &mut Robot) -> i32 {
+    let [front_left, front_right, back_left, back_right] = robot.motion.stalled_wheels(robot.now);
+    i32::from(front_left || back_left) + 2 * i32::from(front_right || back_right)
+}
+
+/// `VWControl`: gains in tenths, times in hundredths of a second.
+pub fn start_control(robot: &mut Robot, [vv, tv, vw, tw]: [i32; 4]) -> i32 {
+    let (gain, seconds) = (|tenths: i32| f64::from(tenths) / 10.0, |hundredths: i32| f64::from(hundredths) / 100.0);
+    let accepted = vw::set_gains(robot, Gains { vv: gain(vv), tv: seconds(tv), vw: gain(vw), tw: seconds(tw) });
+    robot.answered(Call::VWControl, 1, accepted)
+}
+
+/// `VWControlOff`
+pub fn stop_control(robot: &mut Robot) -> i32 {
+    vw::clear_gains(robot);
+    0
+}
+
+/// Starts a drive of `seconds`, of which the sign does not count.
+fn start(robot: &mut Robot, world: &World, call: Call, displacement: Twist, seconds: f64, event: Event<'_>) -> i32 {
+    let replaces_at_once = robot.devices.vw.begun.is_some_and(|begun| robot.now - begun <= AT_ONCE);
+    if replaces_at_once && !robot.motion.is_drive_done(robot.now) {
+        robot.hint_at(Mistake::MissingWait);
+    }
+    match vw::start_drive(robot, world, displacement, seconds, event) {
+        Ok(()) => {
+            robot.devices.vw.begun = Some(robot.now);
+            0
+        }
+        Err(Refusal::Endless) if displacement.vx == 0.0 && call == Call::VWCurve => {
+            robot.refused(call, 1, |_| "a curve takes a length other than 0, `VWTurn` turns on the spot".to_owned())
+        }
+        Err(Refusal::Endless) => robot.refused(call, 1, |_| {
+            "its speed is 0: RoBIOS-7 takes whole mm/s and degrees/s, and C cuts 0.3 to 0".to_owned()
+        }),
+        Err(refusal) => robot.refused(call, 1, |_| refusal.to_string()),
+    }
+}
+
+fn hint_at_metres(robot: &mut Robot, length_mm: i32, v_mm: i32) {
+    let is_short = |mm: i32| (1..SHORT_MM).contains(&mm.saturating_abs());
+    if is_short(length_mm) && is_short(v_mm) {
+        robot.hint_at(Mistake::Metres);
+    }
+}
