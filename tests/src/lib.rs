@@ -20,7 +20,9 @@ pub fn eyesim_path() -> &'static Path {
     static PATH: OnceLock<PathBuf> = OnceLock::new();
     PATH.get_or_init(|| {
         let mut build = Command::new(env!("CARGO"));
-        build.args(["build", "--quiet", "-p", "sim-host", "--bin", "eyesim"]).current_dir(root());
+        // With the whole workspace and a test, so that dependencies have the features that `cargo test --workspace` has
+        // built them with.
+        build.args(["build", "--quiet", "--workspace", "--bin", "eyesim", "--test", "docs"]).current_dir(root());
         if !cfg!(debug_assertions) {
             build.arg("--release");
         }
