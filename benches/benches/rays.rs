@@ -4,8 +4,15 @@ use accuracy::oracle;
 use benches::Ray;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec2;
+use sim_core::RobotId;
+use sim_core::pose::Pose;
 use sim_core::scene::{Segment, Walls};
+use sim_core::sensor::{Fan, Mount, Scan};
+use sim_core::time::Time;
+use sim_core::world::World;
+use std::f64::consts::TAU;
 use std::hint::black_box;
+use std::sync::Arc;
 
 fn rays(criterion: &mut Criterion) {
     let beyond: Vec<Ray> = benches::psd_rays(10_000)
@@ -48,5 +55,27 @@ fn build(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, rays, build);
+/// Whole scans as `LIDARGet` takes them: of walls alone, and the same rays one by one.
+fn scans(criterion: &mut Criterion) {
+    let walls = Arc::new(Walls::new(benches::walls()));
+    let world = World::new(Arc::clone(&walls), Time::from_millis(50), std::iter::empty());
+    let rays = benches::lidar_rays(28);
+    let poses: Vec<Pose> =
+        rays.iter().step_by(360).map(|ray| Pose { position: ray.origin, ..Pose::default() }).collect();
+    let scan = |tilt| Scan::new(Mount::default(), Fan { sweep: TAU, points: 360, tilt, height: 0.1, range: 30.0 });
+    let mut group = criterion.benchmark_group("rays/scan");
+    group.throughput(Throughput::Elements(rays.len() as u64));
+    for (name, scan) in [("level", scan(0.0)), ("tilted", scan(0.1))] {
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| {
+                for pose in &poses {
+                    black_box(scan.distances(&world, RobotId(1), pose, Time::ZERO));
+                }
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, rays, scans, build);
 criterion_main!(benches);

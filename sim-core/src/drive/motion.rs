@@ -411,7 +411,8 @@ impl Motion {
         // A body that tries again and is stopped again by the same robot has been in contact all the time.
         let earlier = self.stages.len() - 1;
         let is_same = |stage: &Stage| stage.blocker().is_some_and(|blocker| blocker.thing == obstacle.thing);
-        if self.stages.iter().take(earlier).any(is_same) {
+        let placed = self.stages.iter().rposition(|stage| stage.is_placed).unwrap_or(0);
+        if self.stages.iter().take(earlier).skip(placed).any(is_same) {
             self.stages[earlier].stop(after, obstacle, false);
         }
         self.revision += 1;
@@ -491,7 +492,8 @@ impl Motion {
         let stage = &self.stages[index];
         let grip = if share < 1.0 { Grip { share, obstacle: Some(obstacle) } } else { Grip::FREE };
         let state = stage.piece.state(at);
-        let next = Stage::open(&self.model, at, state, stage.orders_at(at), stage.actuation_before(at), &[], grip);
+        let mut next = Stage::open(&self.model, at, state, stage.orders_at(at), stage.actuation_before(at), &[], grip);
+        next.is_placed = stage.is_placed && stage.piece.start == at;
         self.stages.truncate(if stage.piece.start == at { index } else { index + 1 });
         self.stages.push_back(next);
         self.revision += 1;
@@ -504,8 +506,10 @@ impl Motion {
 
     /// The body touches a movable object at `at`, an instant of the present slot.
     pub(crate) fn touch(&mut self, at: Time, object: ObjectId, point: DVec2) {
+        let placed = self.stages.iter().rfind(|stage| stage.is_placed && stage.piece.start <= at);
+        let known_since = placed.map_or(at - HISTORY, |stage| stage.piece.start.max(at - HISTORY));
         let last = self.touched.iter_mut().find(|(other, _)| *other == object);
-        let is_known = last.as_ref().is_some_and(|(_, last)| *last > at - HISTORY);
+        let is_known = last.as_ref().is_some_and(|(_, last)| *last > known_since);
         match last {
             Some((_, last)) => *last = at,
             None => self.touched.push((object, at)),
@@ -600,6 +604,7 @@ impl Motion {
                 _ => {}
             }
         }
+        next.is_placed = matches!(input, Input::Place(_)) || stage.is_placed && stage.piece.start == at;
         // A stage without length has been nothing but its orders, which are in the new one.
         self.stages.truncate(if stage.piece.start == at { index } else { index + 1 });
         self.stages.push_back(next);

@@ -32,6 +32,8 @@ pub(super) struct Stage {
     pub grip: Grip,
     /// Walls have been looked for up to here, seconds since the start.
     pub explored: f64,
+    /// The robot was put here: what it touched before it has left.
+    pub is_placed: bool,
     /// The next ticks change nothing.
     steady: bool,
 }
@@ -73,7 +75,8 @@ impl Stage {
         let piece = Piece { start, state, rates, after, cause };
         // Not even the start: a contact may stop it at once.
         let explored = if path.is_resting() { f64::INFINITY } else { -1.0 };
-        let mut stage = Self { piece, orders, before, during, path, ordered, grip, explored, steady: false };
+        let mut stage =
+            Self { piece, orders, before, during, path, ordered, grip, explored, is_placed: false, steady: false };
         if let Some(obstacle) = stage.approached(model.body_radius, touching) {
             stage.stop(0.0, obstacle, true);
         }

@@ -57,7 +57,7 @@ impl Scan {
         let sweep = sweep.clamp(0.0, TAU);
         // A full turn may have been rounded on its way from degrees.
         let is_closed = sweep >= TAU - 1e-9;
-        let spacings = if is_closed || points % 2 == 0 { points } else { points - 1 };
+        let spacings = if is_closed || points.is_multiple_of(2) { points } else { points - 1 };
         let spacing = if spacings > 0 { sweep / f64::from(spacings) } else { 0.0 };
         let tilt = tilt.clamp(-STEEPEST, STEEPEST);
         let slope = Slope { height: height.max(0.0), rise: math::tan(tilt) };

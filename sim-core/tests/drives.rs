@@ -1,0 +1,374 @@
+//! Drives end on their mark: odometry equal to the command, true pose with it, whatever the slot, the sign or the size.
+
+use std::{
+    f64::consts::{PI, TAU},
+    sync::Arc,
+};
+
+use glam::DVec2;
+use proptest::prelude::*;
+use sim_core::{
+    RobotId,
+    drive::{Command, CommandError, DriveKind, Gains, Model, Motion, Pid, Wheels, arc_to},
+    math,
+    pose::{Heading, Pose, Twist},
+    scene::Walls,
+    time::{TICK, Time},
+    world::World,
+};
+
+/// What may lie between a command and where the robot is after it: metres and radians.
+const MARK: f64 = 1e-6;
+
+/// A LabBot.
+fn model() -> Model {
+    Model {
+        kind: DriveKind::Differential,
+        wheel_diameter: 0.055,
+        max_wheel_rate: 60.0,
+        ticks_per_turn: 540.0,
+        track: 0.14,
+        wheelbase: 0.1,
+        axis_offset: 0.03,
+        max_speed: 0.6,
+        max_turn: 5.0,
+        body_radius: 0.1,
+        wheel_lag: 0.0,
+        max_steering: PI / 4.0,
+        mass: 1.0,
+        traction: 0.6,
+    }
+}
+
+/// A LabBot that is done with any drive soon.
+fn racer() -> Model {
+    Model { max_wheel_rate: 1e4, max_speed: 200.0, max_turn: 400.0, ..model() }
+}
+
+/// A robot alone in the plane, driven by a program that waits for each drive.
+struct Course {
+    world: World,
+    motion: Motion,
+    at: Time,
+}
+
+impl Course {
+    fn new(model: Model, slot: Time, start: Pose) -> Self {
+        model.check().expect("a sound model");
+        let walls = Arc::new(Walls::new(vec![]));
+        let mut motion = Motion::new(RobotId(1), Arc::new(model), walls.clone(), start);
+        let world = World::new(walls, slot, [&mut motion]);
+        Self { world, motion, at: Time(1_234) }
+    }
+
+    /// Goes on to `at`, slot by slot as long as it moves.
+    fn go_on(&mut self, at: Time) {
+        while self.world.slot_end() <= at {
+            if self.motion.is_active() {
+                self.world.advance(&mut [&mut self.motion]);
+            } else {
+                let slot_start = at.floor_to(self.world.slot());
+                self.world.advance_to(slot_start);
+            }
+        }
+        self.at = at;
+    }
+
+    fn command(&mut self, command: Command) {
+        self.motion.command(self.at, command, &[]).expect("a sound command");
+    }
+
+    /// Drives to the end at a speed in m/s, or in rad/s for a turn on the spot, but within 4 s if it can; asks on the way whether what remains only becomes less.
+    fn drive(&mut self, displacement: Twist, speed: f64) {
+        let whole = if displacement.vx == 0.0 { displacement.omega } else { displacement.vx };
+        self.command(Command::Drive { displacement, duration: (whole.abs() / speed).min(4.0) });
+        let start = self.at;
+        let end = self.motion.drive_end().expect("an end");
+        let mut remaining = self.motion.drive_remaining(start);
+        assert!((remaining - whole.abs()).abs() <= 1e-15 * whole.abs(), "{remaining} m or rad of {displacement:?}");
+        for part in 1..=5 {
+            self.go_on(Time(start.0 + (end - start).0 * part / 5));
+            let left = self.motion.drive_remaining(self.at);
+            assert!((0.0..=remaining).contains(&left), "{left} after {remaining} of {displacement:?}");
+            remaining = left;
+        }
+        assert!(remaining == 0.0 && self.motion.is_drive_done(end) && self.motion.drive_end() == Some(end));
+        assert_eq!(self.motion.speed(end), Twist::ZERO, "it stands");
+    }
+
+    /// Drives, and checks odometry and true pose against the command.
+    fn check(&mut self, displacement: Twist, speed: f64) {
+        let before = self.motion.state(self.at);
+        self.drive(displacement, speed);
+        let after = self.motion.state(self.at);
+        assert_close(after.odometry, before.odometry.moved(displacement), displacement);
+        assert_close(after.world_from_axle, before.world_from_axle.moved(displacement), displacement);
+        let path = after.path - before.path;
+        let rounding = 1e-9 + 1e-12 * after.path;
+        assert!((path - displacement.speed()).abs() <= rounding, "{path} m of {displacement:?}");
+    }
+}
+
+fn assert_close(found: Pose, expected: Pose, command: Twist) {
+    let apart = found.heading.turned(-expected.heading.remainder()).remainder();
+    assert!(
+        (found.position - expected.position).length() < MARK && apart.abs() < MARK,
+        "{found:?} for {expected:?} after {command:?}"
+    );
+    // A heading just at half a turn may be counted to the next one.
+    assert!(
+        (found.heading.turns() - expected.heading.turns()).abs() <= i64::from(expected.heading.remainder().abs() > 3.0)
+    );
+}
+
+fn slot() -> impl Strategy<Value = Time> {
+    prop_oneof![Just(1_000_i64), Just(7_919), Just(50_000), Just(1_000_000)].prop_map(Time)
+}
+
+/// Lengths and angles of all sizes and both signs.
+fn length() -> impl Strategy<Value = f64> {
+    let sizes = prop_oneof![4 => 0.001..2.0_f64, 1 => 1e-9..1e-3_f64, 1 => 2.0..500.0_f64, 1 => Just(40.0)];
+    (sizes, any::<bool>()).prop_map(|(size, is_back)| if is_back { -size } else { size })
+}
+
+fn angle() -> impl Strategy<Value = f64> {
+    let sizes = prop_oneof![
+        4 => 0.01..TAU,
+        1 => 1e-12..1e-2_f64,
+        1 => TAU..1e3,
+        1 => Just(PI),
+        1 => Just(PI / 2.0),
+        1 => Just(20.0 * PI),
+    ];
+    (sizes, any::<bool>()).prop_map(|(size, is_right)| if is_right { -size } else { size })
+}
+
+fn displacement() -> impl Strategy<Value = Twist> {
+    let coordinate = || prop_oneof![3 => -2.0..2.0_f64, 1 => -60.0..60.0_f64, 1 => Just(0.0)];
+    prop_oneof![
+        length().prop_map(|length| Twist::new(length, 0.0)),
+        angle().prop_map(|angle| Twist::new(0.0, angle)),
+        (length(), angle()).prop_map(|(length, angle)| Twist::new(length, angle)),
+        (coordinate(), coordinate()).prop_map(|(x, y)| arc_to(DVec2::new(x, y))),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn drives_end_on_their_mark(
+        drives in prop::collection::vec((displacement(), 0.01..2.0_f64, 0_i64..300_000), 1..6),
+        slot in slot(),
+        heading in -PI..PI,
+    ) {
+        let mut course = Course::new(racer(), slot, Pose::new(3.0, -2.0, heading));
+        for (displacement, speed, pause) in drives {
+            course.check(displacement, speed);
+            course.go_on(course.at + Time(pause));
+        }
+    }
+
+    #[test]
+    fn a_lag_of_the_wheels_does_not_move_the_mark(
+        displacement in displacement(),
+        speed in 0.1..2.0_f64,
+        lag in 0.005..0.3_f64,
+        slot in slot(),
+    ) {
+        let mut course = Course::new(Model { wheel_lag: lag, ..racer() }, slot, Pose::new(1.0, 1.0, 0.4));
+        course.check(displacement, speed);
+    }
+
+    #[test]
+    fn vwdrive_ends_at_its_point(x in -40.0..40.0_f64, y in -40.0..40.0_f64, slot in slot(), speed in 0.05..0.5_f64) {
+        let start = Pose::new(1.0, 2.0, 0.7);
+        let mut course = Course::new(Model { axis_offset: 0.0, ..racer() }, slot, start);
+        let displacement = arc_to(DVec2::new(x, y));
+        course.drive(displacement, speed);
+        let (odometry, truth) = (course.motion.odometry(course.at), course.motion.pose(course.at));
+        prop_assert!((odometry.position - DVec2::new(x, y)).length() < MARK, "{odometry:?}");
+        let heading = Heading::new(2.0 * math::atan2(y, x));
+        let apart = odometry.heading.turned(-heading.remainder()).remainder();
+        prop_assert!(apart.abs() < MARK, "{odometry:?} for {heading:?}");
+        prop_assert!((truth.position - start.transform_point(DVec2::new(x, y))).length() < MARK, "{truth:?}");
+    }
+
+    #[test]
+    fn a_drive_that_is_replaced_counts_for_what_it_has_covered(
+        first in displacement(),
+        second in displacement(),
+        share in 0.0..1.0_f64,
+        slot in slot(),
+    ) {
+        let mut course = Course::new(racer(), slot, Pose::default());
+        course.command(Command::Drive { displacement: first, duration: 0.0 });
+        let (start, end) = (course.at, course.motion.drive_end().expect("an end"));
+        course.go_on(Time(start.0 + ((end - start).0 as f64 * share) as i64));
+        course.check(second, 0.4);
+    }
+}
+
+#[test]
+fn the_commands_of_the_course_end_on_their_mark() {
+    // VWStraight(500, 200), VWTurn(90, 60), VWCurve(-300, 90, 100), VWDrive(400, -300, 150).
+    let commands = [
+        (Twist::new(0.5, 0.0), 0.2),
+        (Twist::new(0.0, PI / 2.0), PI / 3.0),
+        (Twist::new(-0.3, PI / 2.0), 0.1),
+        (arc_to(DVec2::new(0.4, -0.3)), 0.15),
+    ];
+    for slot in [1_000, 20_000, 50_000, 333_333] {
+        let mut course = Course::new(model(), Time(slot), Pose::new(1.0, 1.0, 0.0));
+        for (displacement, speed) in commands {
+            course.check(displacement, speed);
+        }
+    }
+}
+
+#[test]
+fn a_drive_with_lag_and_controllers_ends_on_its_mark() {
+    let gains = Gains { vv: 7.0, tv: 0.3, vw: 10.0, tw: 0.1 };
+    for displacement in [Twist::new(0.5, 0.0), Twist::new(0.0, -2.0), Twist::new(-4.0, 0.0)] {
+        let mut course = Course::new(Model { wheel_lag: 0.1, ..model() }, Time(50_000), Pose::default());
+        course.motion.start_control(Time::ZERO, gains).expect("sound gains");
+        course.check(displacement, 0.3);
+    }
+}
+
+#[test]
+fn one_motor_at_a_time_keeps_the_others_as_they_are() {
+    let mut course = Course::new(Model { max_speed: 9.0, ..model() }, Time(50_000), Pose::default());
+    let rates = |motion: &mut Motion, at: Time| {
+        let (before, after) = (motion.wheel_angles(at), motion.wheel_angles(at + Time(1_000_000)));
+        [0, 1].map(|wheel: usize| ((after[wheel] - before[wheel]) * 1e9).round() / 1e9)
+    };
+    course.command(Command::Twist(Twist::new(0.11, 0.0)));
+    assert_eq!(rates(&mut course.motion, course.at), [4.0, 4.0]);
+    course.command(Command::Wheel { wheel: 0, rate: -2.5 });
+    assert_eq!(rates(&mut course.motion, course.at), [-2.5, 4.0]);
+    course.command(Command::WheelSpeed { wheel: 1, rate: 7.0 });
+    assert_eq!(rates(&mut course.motion, course.at), [-2.5, 7.0]);
+    course.command(Command::Wheel { wheel: 1, rate: 1e9 });
+    assert_eq!(rates(&mut course.motion, course.at), [-2.5, 60.0], "within the limit of the wheels");
+    course.command(Command::Halt);
+    course.command(Command::Wheel { wheel: 1, rate: 1.0 });
+    assert_eq!(rates(&mut course.motion, course.at), [0.0, 1.0]);
+    // After a drive, which one motor takes over.
+    course.command(Command::Drive { displacement: Twist::new(1.1, 0.0), duration: 4.0 });
+    course.command(Command::Wheel { wheel: 0, rate: 0.0 });
+    assert_eq!(rates(&mut course.motion, course.at), [0.0, 10.0]);
+    assert!(course.motion.is_drive_done(course.at));
+
+    for (command, error) in [
+        (Command::Wheel { wheel: 2, rate: 1.0 }, CommandError::NoWheel { wheels: 2 }),
+        (Command::WheelSpeed { wheel: 9, rate: 1.0 }, CommandError::NoWheel { wheels: 2 }),
+        (Command::Wheel { wheel: 0, rate: f64::NAN }, CommandError::NotFinite),
+        (Command::WheelSpeed { wheel: 0, rate: f64::INFINITY }, CommandError::NotFinite),
+    ] {
+        assert_eq!(course.motion.command(course.at, command, &[]), Err(error));
+    }
+    let pid = Pid { p: 1.0, i: 1.0, d: 0.0 };
+    assert_eq!(course.motion.start_wheel_control(course.at, 2, pid), Err(CommandError::NoWheel { wheels: 2 }));
+    assert_eq!(course.motion.stop_wheel_control(course.at, 2), Err(CommandError::NoWheel { wheels: 2 }));
+    for bad in [f64::NAN, -1.0, f64::INFINITY, 1e13] {
+        let pid = Pid { i: bad, ..pid };
+        assert_eq!(course.motion.start_wheel_control(course.at, 0, pid), Err(CommandError::NotFinite));
+    }
+}
+
+/// Rates of the wheels in each tick for `ticks` ticks after the command.
+fn wheel_rates(motion: &mut Motion, ticks: i64) -> Vec<Wheels> {
+    let mut rates = Vec::new();
+    for tick in 1..=ticks {
+        let (before, after) =
+            (motion.wheel_angles(Time(tick * TICK.0)), motion.wheel_angles(Time((tick + 1) * TICK.0)));
+        rates.push(std::array::from_fn(|wheel| (after[wheel] - before[wheel]) / TICK.seconds()));
+    }
+    rates
+}
+
+#[test]
+fn a_wheel_with_a_controller_reaches_its_rate_and_one_without_follows_its_lag() {
+    let lame = Model { wheel_lag: 0.1, ..model() };
+    let pid = Pid { p: 4.0, i: 40.0, d: 0.02 };
+    let mut course = Course::new(lame, Time(50_000), Pose::default());
+    course.motion.start_wheel_control(Time::ZERO, 0, pid).expect("sound");
+    course.at = Time(3_000);
+    course.command(Command::WheelSpeed { wheel: 0, rate: 20.0 });
+    course.command(Command::WheelSpeed { wheel: 1, rate: 20.0 });
+    let rates = wheel_rates(&mut course.motion, 400);
+    // The difference equation, written out for the first ticks.
+    let share = 1.0 - math::exp(-0.1);
+    let (mut rate, mut last, mut sum) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for (tick, found) in rates.iter().take(8).enumerate() {
+        let error = 20.0 - rate;
+        let grown = sum + 0.01 * error;
+        let out = 4.0 * error + 40.0 * grown - 0.02 * (rate - last) / 0.01;
+        if out <= 60.0 {
+            sum = grown;
+        }
+        last = rate;
+        rate += share * (out.min(60.0) - rate);
+        assert!((found[0] - rate).abs() < 1e-9, "tick {tick}: {} for {rate}", found[0]);
+        let open = 20.0 * (1.0 - math::exp(-0.1 * (tick as f64 + 1.0)));
+        assert!((found[1] - open).abs() < 1e-9, "tick {tick}: {}", found[1]);
+    }
+    let within = |wheel: usize| rates.iter().rposition(|rates| (rates[wheel] - 20.0).abs() > 0.2).unwrap() + 1;
+    assert!(within(0) * 2 < within(1), "controlled {} ticks, open loop {} ticks to 1 %", within(0), within(1));
+    assert!((rates[399][0] - 20.0).abs() < 1e-9, "{:?}", rates[399]);
+    // Settled: no more pieces, and the encoder counts at the rate to the bit.
+    let at = Time(6_000_000);
+    assert!(
+        (course.motion.wheel_angles(at + Time(1_000_000))[0] - course.motion.wheel_angles(at)[0] - 20.0).abs() < 1e-12
+    );
+}
+
+#[test]
+fn proportional_action_alone_leaves_an_error_and_saturation_does_not_wind_up() {
+    let lame = Model { wheel_lag: 0.1, ..model() };
+    let mut course = Course::new(lame.clone(), Time(50_000), Pose::default());
+    course.motion.start_wheel_control(Time::ZERO, 0, Pid { p: 3.0, i: 0.0, d: 0.0 }).expect("sound");
+    course.at = Time::ZERO;
+    course.command(Command::WheelSpeed { wheel: 0, rate: 12.0 });
+    let rates = wheel_rates(&mut course.motion, 300);
+    assert!((rates[299][0] - 12.0 * 3.0 / 4.0).abs() < 1e-9, "{:?}", rates[299]);
+    // The open loop of MOTORDrive passes the controller by.
+    let mut course = Course::new(lame, Time(50_000), Pose::default());
+    course.motion.start_wheel_control(Time::ZERO, 0, Pid { p: 3.0, i: 20.0, d: 0.0 }).expect("sound");
+    course.at = Time::ZERO;
+    course.command(Command::Wheel { wheel: 0, rate: 12.0 });
+    let rates = wheel_rates(&mut course.motion, 20);
+    assert!((rates[9][0] - 12.0 * (1.0 - math::exp(-1.1))).abs() < 1e-9, "{:?}", rates[9]);
+    // At the limit for two seconds, then slow: it does not linger.
+    course.go_on(Time(1_000_000));
+    course.command(Command::WheelSpeed { wheel: 0, rate: 60.0 });
+    course.go_on(Time(3_000_000));
+    course.command(Command::WheelSpeed { wheel: 0, rate: 6.0 });
+    let at = Time(3_500_000);
+    let rate = (course.motion.wheel_angles(at + TICK)[0] - course.motion.wheel_angles(at)[0]) / 0.01;
+    assert!((rate - 6.0).abs() < 1.0, "{rate} rad/s half a second after the command");
+    // And stopped, the wheel obeys open loop at once.
+    course.at = Time(6_000_000);
+    course.motion.stop_wheel_control(course.at, 0).expect("sound");
+    course.command(Command::WheelSpeed { wheel: 0, rate: 0.0 });
+    let rates = |motion: &mut Motion, at: Time| (motion.wheel_angles(at + TICK)[0] - motion.wheel_angles(at)[0]) / 0.01;
+    let (first, tenth) = (rates(&mut course.motion, Time(6_000_000)), rates(&mut course.motion, Time(6_090_000)));
+    assert!((tenth / first - math::exp(-0.9)).abs() < 1e-9, "{first}, {tenth}");
+}
+
+#[test]
+fn stalled_wheels_are_those_that_are_to_turn() {
+    use sim_core::scene::Segment;
+    let wall = Segment::new(DVec2::new(0.5, -9.0), DVec2::new(0.5, 9.0));
+    let walls = Arc::new(Walls::new(vec![wall]));
+    let mut motion = Motion::new(RobotId(1), Arc::new(model()), walls, Pose::default());
+    let at = Time(9_000_000);
+    motion.command(Time::ZERO, Command::Twist(Twist::new(0.3, 0.0)), &[]).expect("sound");
+    assert_eq!(motion.stalled_wheels(Time(1)), [false; 4]);
+    assert_eq!(motion.stalled_wheels(at), [true, true, false, false]);
+    motion.command(at, Command::Wheels([0.0, 5.0, 0.0, 0.0]), &[]).expect("sound");
+    assert_eq!(motion.stalled_wheels(at), [false, true, false, false]);
+    motion.command(at, Command::Halt, &[]).expect("sound");
+    assert_eq!(motion.stalled_wheels(at), [false; 4]);
+}
