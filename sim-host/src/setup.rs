@@ -154,7 +154,7 @@ pub fn build_world(
             program: program.as_ref().map(|program| program.name.clone()).unwrap_or_default(),
             motion: Motion::new(spec.id, Arc::clone(model), Arc::clone(&walls), spec.start),
             spec: Arc::clone(&spec.robi),
-            devices: Devices::new(&spec.robi, Keys::scripted(presses.map(|press| (press.at, press.code)))),
+            devices: Devices::new(&spec.robi, Keys::scripted(presses.map(|press| (press.at, press.touch)))),
             seed: options.seed,
             is_verbose: options.is_verbose,
         });

@@ -19,6 +19,12 @@ use super::table::{Reader, Section};
 const DEFAULT_INFRARED_RANGE: f64 = 0.1;
 /// Servo angles at positions 0 and 255 when the file does not say, in radians: a half turn in all.
 const DEFAULT_SERVO: [f64; 2] = [-TAU / 4.0, TAU / 4.0];
+/// Fewest pixels of the display in either direction: a menu with some text above it.
+const MIN_LCD_SIDE: i64 = 64;
+/// Most pixels of the display in a row.
+const MAX_LCD_WIDTH: i64 = 1920;
+/// Most rows of pixels of the display.
+const MAX_LCD_HEIGHT: i64 = 1200;
 /// Names that a message lists at most.
 const MAX_LISTED: usize = 32;
 
@@ -65,6 +71,9 @@ impl Reader<'_> {
         }
         if let Some(section) = self.section(parent, "compass") {
             robi.compass = Some(self.compass(section));
+        }
+        if let Some(section) = self.section(parent, "lcd") {
+            self.lcd(section, robi);
         }
         if let Some(section) = self.section(parent, "input") {
             self.input(section, robi);
@@ -180,6 +189,18 @@ impl Reader<'_> {
         self.set(&mut section, "north_deg", &Quantity::angle("north"), &mut north);
         self.unknown_keys(&section);
         CompassSpec { name, id, north, span: section.span }
+    }
+
+    fn lcd(&mut self, mut section: Section<'_, '_>, robi: &mut RobiSpec) {
+        let lcd = &mut robi.lcd;
+        for (key, most, pixels) in
+            [("width_px", MAX_LCD_WIDTH, &mut lcd.width), ("height_px", MAX_LCD_HEIGHT, &mut lcd.height)]
+        {
+            if let Some(value) = self.integer(&mut section, key, MIN_LCD_SIDE, most) {
+                *pixels = value as u16;
+            }
+        }
+        self.unknown_keys(&section);
     }
 
     fn input(&mut self, mut section: Section<'_, '_>, robi: &mut RobiSpec) {

@@ -12,7 +12,7 @@ use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::given::Given;
 use super::line::{self, Line, Quantity, Word};
 use super::spec::{
-    DEFAULT_ROBOT_MASS, DEFAULT_TRACTION, DriveKind, DriveSpec, InputSpec, MotorSpec, RobiSpec, WheelSpec,
+    DEFAULT_ROBOT_MASS, DEFAULT_TRACTION, DriveKind, DriveSpec, InputSpec, LcdSpec, MotorSpec, RobiSpec, WheelSpec,
 };
 use super::{Span, path};
 use crate::unit;
@@ -74,6 +74,7 @@ impl RobiSpec {
             bumpers: Vec::new(),
             servos: Vec::new(),
             compass: None,
+            lcd: LcdSpec::default(),
             inputs: InputSpec::default(),
             hdt: Vec::new(),
         }

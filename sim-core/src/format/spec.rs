@@ -439,6 +439,22 @@ pub struct ServoSpec {
     pub span: Span,
 }
 
+/// The colour display of RoBIOS-7.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LcdSpec {
+    /// Pixels in a row.
+    pub width: u16,
+    /// Rows of pixels.
+    pub height: u16,
+}
+
+impl Default for LcdSpec {
+    /// The window of EyeSim VR.
+    fn default() -> Self {
+        Self { width: 320, height: 240 }
+    }
+}
+
 /// The compass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompassSpec {
@@ -508,6 +524,8 @@ pub struct RobiSpec {
     pub servos: Vec<ServoSpec>,
     /// The compass.
     pub compass: Option<CompassSpec>,
+    /// The colour display of RoBIOS-7.
+    pub lcd: LcdSpec,
     /// What unconnected inputs read.
     pub inputs: InputSpec,
     /// Further entries of the hardware description table: (name of a device, number under which programs ask for it), in

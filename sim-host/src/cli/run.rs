@@ -332,7 +332,7 @@ fn report(options: &Options, scene: &SceneSpec, ended: &Ended, inputs: Vec<Input
         odometry: Some(end.odometry.into()),
         path_m: end.path,
         contacts: u64::from(end.contacts),
-        lcd: std::array::from_fn(|row| end.lcd.get(row).cloned().unwrap_or_default()),
+        lcd: end.panel.lines(),
     };
     let object = |(id, (spec, end)): (u32, (&ObjectSpec, &Pose))| ObjectReport {
         id,

@@ -283,10 +283,10 @@ fn paint(style: Style, screen: Screen, text: &str) -> String {
 mod tests {
     use super::*;
     use crate::record::Digest;
-    use crate::record::report::{LCD_LINES, REPORT_SCHEMA};
+    use crate::record::report::REPORT_SCHEMA;
 
     fn robot(id: u32, outcome: Outcome) -> RobotReport {
-        let lcd: [String; LCD_LINES] = ["Square", "", "", "", "", "side 4", "GO          END"].map(str::to_owned);
+        let lcd = ["Square", "", "", "", "", "side 4", "GO          END"].map(str::to_owned).to_vec();
         RobotReport {
             id,
             name: "eve".into(),
@@ -299,7 +299,7 @@ mod tests {
             odometry: None,
             path_m: 1.6,
             contacts: 0,
-            lcd: if id == 1 { lcd } else { Default::default() },
+            lcd: if id == 1 { lcd } else { vec![String::new(); 7] },
         }
     }
 

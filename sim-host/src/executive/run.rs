@@ -21,6 +21,7 @@ use crate::program::load::LoadedProgram;
 use crate::record::{Digest, Outcome, Recorder};
 use crate::robios::caller::{Call, Caller};
 use crate::robios::cost::Costs;
+use crate::robios::panel::Panel;
 use crate::robios::robot::{Ending, Robot};
 
 /// Everything that the robots' flows share.
@@ -106,8 +107,8 @@ pub struct RobotEnd {
     pub path: f64,
     /// How often it touched something.
     pub contacts: u32,
-    /// The text on its display.
-    pub lcd: Vec<String>,
+    /// Its display.
+    pub panel: Panel,
 }
 
 /// How often the supervisor looks at the programs and shows progress.
@@ -334,7 +335,7 @@ impl Run {
                 odometry: robot.motion.odometry(time),
                 path: robot.motion.path_length(time),
                 contacts: robot.motion.contacts(time),
-                lcd: robot.devices.lcd.lines().to_vec(),
+                panel: robot.devices.take_panel(),
                 outcome: standing.outcome,
                 reason: standing.reason,
                 exit_code: standing.exit_code,

@@ -15,9 +15,6 @@ use super::recorder::RecordError;
 /// Version of the report's schema.
 pub const REPORT_SCHEMA: u32 = 1;
 
-/// Number of text lines of the display.
-pub const LCD_LINES: usize = 7;
-
 /// What a run gave.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
@@ -110,7 +107,7 @@ pub struct RobotReport {
     /// How often it began to touch something.
     pub contacts: u64,
     /// The text lines of the display, from the top.
-    pub lcd: [String; LCD_LINES],
+    pub lcd: Vec<String>,
 }
 
 /// A pose in the units of the report.
@@ -200,7 +197,7 @@ mod tests {
     use super::*;
 
     fn report() -> Report {
-        let lcd = ["Square", "", "", "", "", "done", "GO          END"].map(str::to_owned);
+        let lcd = ["Square", "", "", "", "", "done", "GO          END"].map(str::to_owned).to_vec();
         let robot = RobotReport {
             id: 1,
             name: "eve".into(),

@@ -1,7 +1,7 @@
-//! The four keys below the display, pressed by a script.
+//! The four keys below the display and touches of it, pressed by a script.
 //!
-//! A press is kept until the program reads it, in the order of the presses. Source: RoBIOS 6 library, key input; that
-//! presses are kept is our choice, so that a script need not know when the program looks.
+//! A press is kept until the program reads it, in the order of the presses. Source: RoBIOS 6 library, key input, and RoBIOS-7
+//! library, keys; that presses are kept is our choice, so that a script need not know when the program looks.
 
 use std::collections::VecDeque;
 
@@ -20,35 +20,81 @@ pub const KEYS: [(&str, i32); 4] = [("KEY1", KEY1), ("KEY2", KEY2), ("KEY3", KEY
 /// Latest time of a press in a script, in seconds: 30 years.
 const MAX_SECONDS: f64 = 1e9;
 
+/// Greatest coordinate of a touch in a script, in pixels: more than any display has.
+const MAX_PIXEL: i32 = 65_535;
+
+/// What a finger does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Touch {
+    /// It presses the key of this code.
+    Key(i32),
+    /// It touches the display at this pixel: x, y.
+    Place([i32; 2]),
+}
+
+impl Touch {
+    /// The code of the key, 0 for a place: displays of RoBIOS 6 feel nothing.
+    pub fn key(self) -> i32 {
+        match self {
+            Self::Key(code) => code,
+            Self::Place(_) => 0,
+        }
+    }
+}
+
+impl std::fmt::Display for Touch {
+    /// As in a script.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Key(code) => f.write_str(&name(*code)),
+            Self::Place([x, y]) => write!(f, "TOUCH({x},{y})"),
+        }
+    }
+}
+
 /// The keys of one robot: presses to come and presses not yet read.
+///
+/// Where a function is asked for keys, `key_of` says which key a touch is, 0 for none; such touches stay.
 #[derive(Clone, Debug, Default)]
 pub struct Keys {
     /// In order of time; of equal times in the order given.
-    presses: VecDeque<(Time, i32)>,
+    presses: VecDeque<(Time, Touch)>,
 }
 
 impl Keys {
     /// Keys that are pressed at these times.
-    pub fn scripted(presses: impl IntoIterator<Item = (Time, i32)>) -> Self {
+    pub fn scripted(presses: impl IntoIterator<Item = (Time, Touch)>) -> Self {
         let mut presses: Vec<_> = presses.into_iter().collect();
         presses.sort_by_key(|(at, _)| *at);
         Self { presses: presses.into() }
     }
 
     /// Adds a press at `at`.
-    pub fn press(&mut self, at: Time, code: i32) {
+    pub fn press(&mut self, at: Time, touch: Touch) {
         let place = self.presses.partition_point(|(earlier, _)| *earlier <= at);
-        self.presses.insert(place, (at, code));
+        self.presses.insert(place, (at, touch));
     }
 
-    /// Takes the earliest press that has happened by `now`.
-    pub fn take(&mut self, now: Time) -> Option<i32> {
-        self.presses.pop_front_if(|(at, _)| *at <= now).map(|(_, code)| code)
+    /// Takes the earliest touch that has happened by `now`, of whatever.
+    pub fn take_touch(&mut self, now: Time) -> Option<Touch> {
+        self.presses.pop_front_if(|(at, _)| *at <= now).map(|(_, touch)| touch)
+    }
+
+    /// When the display or a key is touched next; [`Time::NEVER`] if the script has no more.
+    pub fn next_touch(&self) -> Time {
+        self.presses.front().map_or(Time::NEVER, |(at, _)| *at)
+    }
+
+    /// Takes the earliest press of a key that has happened by `now`.
+    pub fn take(&mut self, now: Time, key_of: impl Fn(Touch) -> i32) -> Option<i32> {
+        let is_key = |(at, touch): &(Time, Touch)| *at <= now && key_of(*touch) != 0;
+        let (_, touch) = self.presses.remove(self.presses.iter().position(is_key)?)?;
+        Some(key_of(touch))
     }
 
     /// Takes the earliest press by `now` of a key of `codes` (an OR), and forgets those of other keys before it.
-    pub fn take_of(&mut self, codes: i32, now: Time) -> Option<i32> {
-        while let Some(code) = self.take(now) {
+    pub fn take_of(&mut self, codes: i32, now: Time, key_of: impl Fn(Touch) -> i32) -> Option<i32> {
+        while let Some(code) = self.take(now, &key_of) {
             if code & codes != 0 {
                 return Some(code);
             }
@@ -57,8 +103,8 @@ impl Keys {
     }
 
     /// When a key of `codes` is pressed next; [`Time::NEVER`] if the script has no such press.
-    pub fn next_of(&self, codes: i32) -> Time {
-        self.presses.iter().find(|(_, code)| code & codes != 0).map_or(Time::NEVER, |(at, _)| *at)
+    pub fn next_of(&self, codes: i32, key_of: impl Fn(Touch) -> i32) -> Time {
+        self.presses.iter().find(|(_, touch)| key_of(*touch) & codes != 0).map_or(Time::NEVER, |(at, _)| *at)
     }
 }
 
@@ -85,8 +131,8 @@ pub struct Press {
     pub robot: Option<RobotId>,
     /// When, in virtual time.
     pub at: Time,
-    /// Code of the key.
-    pub code: i32,
+    /// What.
+    pub touch: Touch,
 }
 
 /// What is wrong with a script of key presses.
@@ -96,7 +142,7 @@ pub enum ScriptError {
     #[error("`{0}` is no key press: expected `TIME:KEY` or `ROBOT:TIME:KEY`, such as `2.5:KEY1` or `r2:2.5:KEY1`")]
     Form(String),
     /// Not a key.
-    #[error("`{0}` is no key: expected `KEY1`, `KEY2`, `KEY3` or `KEY4`")]
+    #[error("`{0}` is no key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4` or `TOUCH(X,Y)` with a pixel of the display")]
     Key(String),
     /// Not a time.
     #[error("`{0}` is no time: expected seconds from 0 to 1e9, such as `2.5`")]
@@ -106,12 +152,18 @@ pub enum ScriptError {
     Robot(String),
 }
 
-/// Reads a script: presses `TIME:KEY` or `ROBOT:TIME:KEY` separated by commas, times in seconds of virtual time.
+/// Reads a script: presses `TIME:KEY` or `ROBOT:TIME:KEY` separated by commas, times in seconds of virtual time; in place of
+/// a key `TOUCH(X,Y)`.
 ///
 /// # Errors
 /// The first [`ScriptError`].
 pub fn parse_script(script: &str) -> Result<Vec<Press>, ScriptError> {
-    script.split(',').map(str::trim).filter(|press| !press.is_empty()).map(parse_press).collect()
+    let mut depth = 0;
+    let is_end = |letter: char| {
+        depth += i32::from(letter == '(') - i32::from(letter == ')');
+        letter == ',' && depth <= 0
+    };
+    script.split(is_end).map(str::trim).filter(|press| !press.is_empty()).map(parse_press).collect()
 }
 
 fn parse_press(press: &str) -> Result<Press, ScriptError> {
@@ -121,7 +173,7 @@ fn parse_press(press: &str) -> Result<Press, ScriptError> {
         [robot, at, key] => (Some(parse_robot(robot)?), at, key),
         _ => return Err(ScriptError::Form(press.to_owned())),
     };
-    Ok(Press { robot, at: parse_time(at)?, code: parse_key(key)? })
+    Ok(Press { robot, at: parse_time(at)?, touch: parse_touch(key)? })
 }
 
 fn parse_robot(robot: &str) -> Result<RobotId, ScriptError> {
@@ -135,9 +187,17 @@ fn parse_time(seconds: &str) -> Result<Time, ScriptError> {
     parsed.map(|seconds| Time((seconds * 1e6).round() as i64)).ok_or_else(|| ScriptError::Time(seconds.to_owned()))
 }
 
-fn parse_key(key: &str) -> Result<i32, ScriptError> {
-    let found = KEYS.iter().find(|(name, _)| name.eq_ignore_ascii_case(key));
-    found.map(|(_, code)| *code).ok_or_else(|| ScriptError::Key(key.to_owned()))
+fn parse_touch(key: &str) -> Result<Touch, ScriptError> {
+    let found = KEYS.iter().find(|(name, _)| name.eq_ignore_ascii_case(key)).map(|(_, code)| Touch::Key(*code));
+    found.or_else(|| parse_place(key).map(Touch::Place)).ok_or_else(|| ScriptError::Key(key.to_owned()))
+}
+
+/// The place of `TOUCH(120,40)`.
+fn parse_place(touch: &str) -> Option<[i32; 2]> {
+    let (word, place) = touch.strip_suffix(')')?.split_once('(')?;
+    let (x, y) = place.split_once(',')?;
+    let coordinate = |text: &str| text.trim().parse().ok().filter(|pixel| (0..=MAX_PIXEL).contains(pixel));
+    word.trim().eq_ignore_ascii_case("TOUCH").then_some([coordinate(x)?, coordinate(y)?])
 }
 
 /// `KEYGetBuf`
@@ -156,7 +216,7 @@ pub fn get_into(robot: &mut Robot, buffer: &mut Out<u8>) -> Poll<i32> {
 
 /// `KEYRead`
 pub fn read(robot: &mut Robot) -> i32 {
-    robot.devices.keys.take(robot.now).map_or(NOKEY, |code| taken(robot, code))
+    robot.devices.keys.take(robot.now, Touch::key).map_or(NOKEY, |code| taken(robot, code))
 }
 
 /// `KEYWait`
@@ -172,9 +232,9 @@ pub fn wait(robot: &mut Robot, codes: i32) -> Poll<i32> {
 
 /// Waits for a key of an OR of codes; its code. Presses of other keys before it are forgotten.
 pub fn wait_for(robot: &mut Robot, codes: i32) -> Poll<i32> {
-    match robot.devices.keys.take_of(codes, robot.now) {
+    match robot.devices.keys.take_of(codes, robot.now, Touch::key) {
         Some(code) => Poll::Ready(taken(robot, code)),
-        None => Poll::Until { at: robot.devices.keys.next_of(codes), waits_for: Waits::Key(name(codes)) },
+        None => Poll::Until { at: robot.devices.keys.next_of(codes, Touch::key), waits_for: Waits::Key(name(codes)) },
     }
 }
 
@@ -187,24 +247,43 @@ fn taken(robot: &mut Robot, code: i32) -> i32 {
 mod tests {
     use super::*;
 
+    fn scripted<const N: usize>(presses: [(Time, i32); N]) -> Keys {
+        Keys::scripted(presses.map(|(at, code)| (at, Touch::Key(code))))
+    }
+
     #[test]
     fn presses_are_kept_until_read() {
-        let mut keys = Keys::scripted([(Time(20), KEY4), (Time(10), KEY1), (Time(10), KEY2)]);
-        assert_eq!(keys.take(Time(9)), None);
-        assert_eq!([keys.take(Time(30)), keys.take(Time(30))], [Some(KEY1), Some(KEY2)]);
-        keys.press(Time(15), KEY3);
-        assert_eq!([keys.take(Time(30)), keys.take(Time(30)), keys.take(Time(30))], [Some(KEY3), Some(KEY4), None]);
+        let mut keys = scripted([(Time(20), KEY4), (Time(10), KEY1), (Time(10), KEY2)]);
+        let take = |keys: &mut Keys, now| keys.take(now, Touch::key);
+        assert_eq!(take(&mut keys, Time(9)), None);
+        assert_eq!([take(&mut keys, Time(30)), take(&mut keys, Time(30))], [Some(KEY1), Some(KEY2)]);
+        keys.press(Time(15), Touch::Key(KEY3));
+        assert_eq!([(); 3].map(|()| take(&mut keys, Time(30))), [Some(KEY3), Some(KEY4), None]);
     }
 
     #[test]
     fn waiting_for_one_key_forgets_the_others() {
-        let mut keys = Keys::scripted([(Time(10), KEY1), (Time(20), KEY2), (Time(30), KEY1)]);
-        assert_eq!(keys.next_of(KEY2), Time(20));
-        assert_eq!(keys.next_of(ANYKEY), Time(10));
-        assert_eq!(keys.next_of(KEY4), Time::NEVER);
-        assert_eq!(keys.take_of(KEY2, Time(10)), None);
-        assert_eq!(keys.take_of(KEY2, Time(20)), Some(KEY2));
-        assert_eq!(keys.take(Time(30)), Some(KEY1));
+        let mut keys = scripted([(Time(10), KEY1), (Time(20), KEY2), (Time(30), KEY1)]);
+        let next_of = |keys: &Keys, codes| keys.next_of(codes, Touch::key);
+        assert_eq!(next_of(&keys, KEY2), Time(20));
+        assert_eq!(next_of(&keys, ANYKEY), Time(10));
+        assert_eq!(next_of(&keys, KEY4), Time::NEVER);
+        assert_eq!(keys.take_of(KEY2, Time(10), Touch::key), None);
+        assert_eq!(keys.take_of(KEY2, Time(20), Touch::key), Some(KEY2));
+        assert_eq!(keys.take(Time(30), Touch::key), Some(KEY1));
+    }
+
+    #[test]
+    fn touches_that_are_no_key_wait_for_who_reads_touches() {
+        let [key, edge, middle] = [Touch::Key(KEY1), Touch::Place([0, 9]), Touch::Place([5, 5])];
+        let key_of = |touch: Touch| if touch == edge { KEY2 } else { touch.key() };
+        let mut keys = Keys::scripted([(Time(1), middle), (Time(2), edge), (Time(3), key), (Time(4), middle)]);
+        assert_eq!([keys.next_touch(), keys.next_of(ANYKEY, key_of)], [Time(1), Time(2)]);
+        assert_eq!([keys.take(Time(9), key_of), keys.take(Time(9), key_of)], [Some(KEY2), Some(KEY1)]);
+        assert_eq!(keys.take(Time(9), key_of), None);
+        assert_eq!([keys.take_touch(Time(3)), keys.take_touch(Time(3))], [Some(middle), None]);
+        assert_eq!((keys.next_touch(), keys.take_touch(Time(4))), (Time(4), Some(middle)));
+        assert_eq!([key, middle].map(|touch| touch.to_string()), ["KEY1", "TOUCH(5,5)"]);
     }
 
     #[test]
@@ -216,22 +295,41 @@ mod tests {
 
     #[test]
     fn scripts() {
-        let press = |robot: Option<u32>, at, code| Press { robot: robot.map(RobotId), at: Time(at), code };
+        let touch = |robot: Option<u32>, at, touch| Press { robot: robot.map(RobotId), at: Time(at), touch };
+        let press = |robot, at, code| touch(robot, at, Touch::Key(code));
         assert_eq!(
             parse_script("2.5:KEY1, r2:4:key4 ,3 : 0.000001:KEY2,"),
             Ok(vec![press(None, 2_500_000, KEY1), press(Some(2), 4_000_000, KEY4), press(Some(3), 1, KEY2)])
+        );
+        assert_eq!(
+            parse_script("1:TOUCH(120,40),r2:3: touch( 0 , 65535 ) ,4:KEY4"),
+            Ok(vec![
+                touch(None, 1_000_000, Touch::Place([120, 40])),
+                touch(Some(2), 3_000_000, Touch::Place([0, 65_535])),
+                press(None, 4_000_000, KEY4)
+            ])
         );
         assert_eq!(parse_script(""), Ok(vec![]));
     }
 
     #[test]
     fn mistakes_in_scripts() {
+        let no_key = |word: &str| {
+            format!(
+                "`{word}` is no key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4` or `TOUCH(X,Y)` with a pixel of the display"
+            )
+        };
         for (script, message) in [
             (
                 "KEY1",
                 "`KEY1` is no key press: expected `TIME:KEY` or `ROBOT:TIME:KEY`, such as `2.5:KEY1` or `r2:2.5:KEY1`",
             ),
-            ("1:KEY5", "`KEY5` is no key: expected `KEY1`, `KEY2`, `KEY3` or `KEY4`"),
+            ("1:KEY5", &no_key("KEY5")),
+            ("1:TOUCH", &no_key("TOUCH")),
+            ("1:TOUCH(-1,0)", &no_key("TOUCH(-1,0)")),
+            ("1:TOUCH(1,65536)", &no_key("TOUCH(1,65536)")),
+            ("1:TOUCH(1,2", &no_key("TOUCH(1,2")),
+            ("1:TOUCH(1,2)3", &no_key("TOUCH(1,2)3")),
             ("-1:KEY1", "`-1` is no time: expected seconds from 0 to 1e9, such as `2.5`"),
             ("nan:KEY1", "`nan` is no time: expected seconds from 0 to 1e9, such as `2.5`"),
             ("0:1:KEY1", "`0` is no robot: expected its number from 1, such as `2` or `r2`"),

@@ -6,6 +6,8 @@
 
 use ibm437::IBM437_8X8_REGULAR_DATA as FONT;
 
+use super::screen::canvas::line;
+
 /// Pixels in a row.
 pub const WIDTH: usize = 128;
 /// Rows of pixels.
@@ -210,14 +212,8 @@ impl Lcd {
     /// Draws the line from (`x1`, `y1`) to (`x2`, `y2`), both ends included, each pixel once; what lies outside of the display
     /// is left out. The pixels are the same in either direction.
     pub fn draw_line(&mut self, from: [i32; 2], to: [i32; 2], ink: Ink) -> u32 {
-        let ([x1, y1], [x2, y2]) = (from.map(i64::from), to.map(i64::from));
-        if (x2 - x1).abs() >= (y2 - y1).abs() {
-            let pixels = along([x1, y1], [x2, y2], WIDTH as i64);
-            pixels.map(|(x, y)| self.draw_if_shown(y, x, ink)).sum()
-        } else {
-            let pixels = along([y1, x1], [y2, x2], HEIGHT as i64);
-            pixels.map(|(y, x)| self.draw_if_shown(y, x, ink)).sum()
-        }
+        let points = line(from, to, [WIDTH, HEIGHT]);
+        points.map(|[x, y]| self.draw(y as usize, mask(x as usize, x as usize), ink)).sum()
     }
 
     /// Fills the rectangle from (`x1`, `y1`) to (`x2`, `y2`), edges included; what lies outside of the display is left out.
@@ -282,13 +278,6 @@ impl Lcd {
         picture
     }
 
-    fn draw_if_shown(&mut self, row: i64, column: i64, ink: Ink) -> u32 {
-        match (usize::try_from(row), usize::try_from(column)) {
-            (Ok(row), Ok(column)) if row < HEIGHT && column < WIDTH => self.draw(row, mask(column, column), ink),
-            _ => 0,
-        }
-    }
-
     fn draw(&mut self, row: usize, mask: u128, ink: Ink) -> u32 {
         let old = self.pixels[row];
         let new = match ink {
@@ -328,18 +317,6 @@ pub fn is_black(level: u8, row: usize, column: usize) -> bool {
 /// Pixels `left` to `right` of a row.
 fn mask(left: usize, right: usize) -> u128 {
     u128::MAX >> (WIDTH - 1 - (right - left)) << (WIDTH - 1 - right)
-}
-
-/// The points of a line that is longer along its first coordinate than along its second one, where the first coordinate is
-/// from 0 to below `end`.
-fn along(from: [i64; 2], to: [i64; 2], end: i64) -> impl Iterator<Item = (i64, i64)> {
-    let ([start, first], [stop, last]) = if from[0] <= to[0] { (from, to) } else { (to, from) };
-    let (length, rise) = (i128::from(stop - start), i128::from(last - first));
-    (start.max(0)..=stop.min(end - 1)).map(move |place| {
-        // Rounded to the nearest, halves up; a line of one point has length 0.
-        let twice = 2 * rise * i128::from(place - start) + length;
-        (place, first + if length == 0 { 0 } else { twice.div_euclid(2 * length) as i64 })
-    })
 }
 
 /// `value` as an index below `end`.

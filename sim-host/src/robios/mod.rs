@@ -25,10 +25,12 @@ pub mod latch;
 pub mod lcd;
 pub mod motor;
 pub mod os;
+pub mod panel;
 pub mod psd;
 mod robios6;
 mod robios7;
 pub mod robot;
+pub mod screen;
 pub mod serial;
 pub mod servo;
 pub mod support;
@@ -51,6 +53,7 @@ use sim_core::world::World;
 use crate::record::Event;
 use caller::Call;
 use hint::Mistake;
+use panel::Panel;
 use robot::Robot;
 
 /// The devices of one robot, as RoBIOS shows them.
@@ -62,6 +65,8 @@ pub struct Devices {
     pub os: os::Os,
     /// The display.
     pub lcd: lcd::Lcd,
+    /// The colour display of a RoBIOS-7 program, once it has used it.
+    pub screen: Option<Box<screen::Screen>>,
     /// The keys under it.
     pub keys: key::Keys,
     /// Loudspeaker and microphone.
@@ -96,6 +101,14 @@ impl Devices {
     /// The devices of a robot of this type, whose keys are pressed as `keys` says.
     pub fn new(spec: &RobiSpec, keys: key::Keys) -> Self {
         Self { table: table::Table::new(spec), keys, ..Self::default() }
+    }
+
+    /// Takes the display out, at the end of the run.
+    pub fn take_panel(&mut self) -> Panel {
+        match self.screen.take() {
+            Some(screen) => Panel::Colour(screen),
+            None => Panel::Classic(Box::new(std::mem::take(&mut self.lcd))),
+        }
     }
 
     /// When [`settle`] is due next; [`Time::NEVER`] if nothing waits for it.

@@ -15,7 +15,7 @@ use sim_core::format::{read_companion, read_robi, read_world};
 use sim_core::pose::Pose;
 
 use super::caller::Poll;
-use super::key::Keys;
+use super::key::{Keys, Touch};
 use super::robot::{Ending, RobotParts, Waits};
 use super::*;
 
@@ -76,7 +76,8 @@ impl Bench {
         let mut motion = Motion::new(RobotId(1), model, walls.clone(), Pose::new(1.0, 0.5, 0.0));
         // One slot for the whole test: a robot alone sees the same in any slot.
         let world = World::new(walls, Time::from_millis(100_000), [&mut motion]);
-        let keys = Keys::scripted([(Time(2_500_000), KEY1), (Time(3_000_000), KEY3)]);
+        let presses = [(Time(2_500_000), KEY1), (Time(3_000_000), KEY3)];
+        let keys = Keys::scripted(presses.map(|(at, code)| (at, Touch::Key(code))));
         let robot = Robot::new(RobotParts {
             program: "test".to_owned(),
             motion,

@@ -81,6 +81,7 @@ fn differences(a: &RobiSpec, b: &RobiSpec) -> Vec<String> {
         (a.bumpers != b.bumpers, "the bumpers"),
         (a.servos != b.servos, "the servos"),
         (a.compass != b.compass, "the compass"),
+        (a.lcd != b.lcd, "the display"),
         ((a.inputs, a.hdt) != (b.inputs, b.hdt), "the inputs and numbers of devices"),
     ];
     points.into_iter().filter(|(differs, _)| *differs).map(|(_, what)| format!("{what} of the robot type")).collect()

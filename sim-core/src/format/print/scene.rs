@@ -13,13 +13,13 @@ use crate::format::read_maze;
 use crate::format::scene::default_wheelbase;
 use crate::format::scene::form::{
     ArcForm, AxisForm, BodyForm, CameraForm, ColliderForm, CompassForm, CostsForm, DriveForm, DriveKindForm,
-    GenerationsForm, InputForm, JointForm, LayoutForm, LetterForm, LidarForm, MarkerForm, ModelForm, MotorForm,
-    ObjectForm, ObjectTypeForm, PsdForm, RobotForm, RobotTypeForm, RunForm, SceneForm, ServoForm, SettingsForm,
-    StartForm, WallForm, WheelForm, WorldForm, WorldKindForm,
+    GenerationsForm, InputForm, JointForm, LayoutForm, LcdForm, LetterForm, LidarForm, MarkerForm, ModelForm,
+    MotorForm, ObjectForm, ObjectTypeForm, PsdForm, RobotForm, RobotTypeForm, RunForm, SceneForm, ServoForm,
+    SettingsForm, StartForm, WallForm, WheelForm, WorldForm, WorldKindForm,
 };
 use crate::format::spec::{
-    Axis, CameraSpec, Collider, CostEntry, CostsRef, DEFAULT_WALL_HEIGHT, InputSpec, JointSpec, Layout, ModelSpec,
-    ObjectLine, ObjectType, RobiSpec, RobotLine, RunSpec, SimSpec, StartRef, WorldKind, WorldSpec,
+    Axis, CameraSpec, Collider, CostEntry, CostsRef, DEFAULT_WALL_HEIGHT, InputSpec, JointSpec, Layout, LcdSpec,
+    ModelSpec, ObjectLine, ObjectType, RobiSpec, RobotLine, RunSpec, SimSpec, StartRef, WorldKind, WorldSpec,
 };
 
 /// The text of a scene. All that a spec can say has its place in it.
@@ -310,6 +310,8 @@ pub(crate) fn robot_type_form(robi: &RobiSpec) -> RobotTypeForm {
             id: compass.id,
             north_deg: unless(degrees(compass.north), 0.0),
         }),
+        lcd: unless(robi.lcd, LcdSpec::default())
+            .map(|lcd| LcdForm { width_px: Some(lcd.width), height_px: Some(lcd.height) }),
         input: input_form(&robi.inputs),
         hdt: robi.hdt.iter().cloned().collect(),
     }

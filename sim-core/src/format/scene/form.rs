@@ -383,6 +383,9 @@ pub(crate) struct RobotTypeForm {
     /// The compass.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) compass: Option<CompassForm>,
+    /// The colour display of RoBIOS-7.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) lcd: Option<LcdForm>,
     /// What inputs read that nothing simulated drives.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) input: Option<InputForm>,
@@ -610,6 +613,20 @@ pub(crate) struct CompassForm {
     /// Direction in the world in which it reads 0, in degrees; 0 if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) north_deg: Option<Number>,
+}
+
+/// The colour display of RoBIOS-7.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LcdForm {
+    /// Pixels in a row; 320 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 64, max = 1920))]
+    pub(crate) width_px: Option<u16>,
+    /// Rows of pixels; 240 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 64, max = 1200))]
+    pub(crate) height_px: Option<u16>,
 }
 
 /// What inputs read that nothing simulated drives.

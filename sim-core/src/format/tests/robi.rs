@@ -202,3 +202,14 @@ fn a_companion_gives_weight_and_a_scanner() {
     assert_eq!((robi.mass, robi.traction), (2.5, 0.8));
     assert_eq!(robi.lidar.map(|lidar| (lidar.points, lidar.tilt, lidar.sweep)), Some((90, 0.0, PI)));
 }
+
+#[test]
+fn a_companion_gives_the_display_its_size() {
+    let mut robi = robi("wheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE A B C D\n");
+    assert_eq!((robi.lcd.width, robi.lcd.height), (320, 240));
+    assert_eq!(read_companion("r.toml", "[lcd]\nwidth_px = 480\nheight_px = 320\n", &mut robi), []);
+    assert_eq!((robi.lcd.width, robi.lcd.height), (480, 320));
+    let wrong = read_companion("r.toml", "[lcd]\nwidth_px = 63\nheight_px = 1201\ndepth = 24\n", &mut robi);
+    assert_eq!(wrong.len(), 3, "{wrong:?}");
+    assert_eq!((robi.lcd.width, robi.lcd.height), (480, 320), "what is wrong changes nothing");
+}

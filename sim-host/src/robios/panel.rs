@@ -1,0 +1,48 @@
+//! The display of a robot of either generation.
+
+use super::lcd::{self, Lcd};
+use super::screen::Screen;
+use super::screen::canvas::{Canvas, Ink, Rgb};
+
+/// A pixel of the classic display that is not set: the green-grey of a reflective LCD.
+const CLEAR: Rgb = [0x9c, 0xac, 0x84];
+/// One that is set.
+const SET: Rgb = [0x26, 0x30, 0x24];
+
+/// What a robot shows.
+pub enum Panel {
+    /// 128 x 64 pixels, black or white.
+    Classic(Box<Lcd>),
+    /// The colour display of RoBIOS-7.
+    Colour(Box<Screen>),
+}
+
+impl Panel {
+    /// Its text, the menu last.
+    pub fn lines(&self) -> Vec<String> {
+        match self {
+            Self::Classic(lcd) => lcd.lines().to_vec(),
+            Self::Colour(screen) => screen.lines(),
+        }
+    }
+
+    /// Its pixels.
+    pub fn picture(&self) -> Canvas {
+        match self {
+            Self::Classic(lcd) => classic_picture(lcd),
+            Self::Colour(screen) => screen.picture(),
+        }
+    }
+}
+
+fn classic_picture(lcd: &Lcd) -> Canvas {
+    let mut canvas = Canvas::new(lcd::WIDTH, lcd::HEIGHT, CLEAR);
+    for y in 0..lcd::HEIGHT as i32 {
+        for x in 0..lcd::WIDTH as i32 {
+            if lcd.pixel(y, x) == Ok(true) {
+                canvas.draw_pixel(x, y, Ink::Colour(SET));
+            }
+        }
+    }
+    canvas
+}

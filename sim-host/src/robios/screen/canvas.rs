@@ -1,0 +1,239 @@
+//! Coloured pixels and what can be drawn on them, in whole numbers.
+//!
+//! x to the right, y down, from the upper left corner. What lies outside is left out, however far; nothing takes longer than
+//! the pixels that it shows.
+
+/// Red, green and blue.
+pub type Rgb = [u8; 3];
+
+/// Black.
+pub const BLACK: Rgb = [0; 3];
+/// White.
+pub const WHITE: Rgb = [255; 3];
+
+/// A colour of RoBIOS, 0xRRGGBB; higher bits are left out.
+pub fn rgb(colour: i32) -> Rgb {
+    let [_, red, green, blue] = colour.to_be_bytes();
+    [red, green, blue]
+}
+
+/// The colour as RoBIOS gives it, 0xRRGGBB.
+pub fn code([red, green, blue]: Rgb) -> i32 {
+    i32::from_be_bytes([0, red, green, blue])
+}
+
+/// The complement of a colour.
+pub fn inverse(colour: Rgb) -> Rgb {
+    colour.map(|part| !part)
+}
+
+/// What drawing does to a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ink {
+    /// It takes this colour.
+    Colour(Rgb),
+    /// It takes the complement of its own.
+    Invert,
+}
+
+/// A rectangle of pixels. Each function that draws returns how many pixels have changed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Canvas {
+    width: usize,
+    height: usize,
+    pixels: Box<[Rgb]>,
+}
+
+impl Canvas {
+    /// A canvas of one colour.
+    pub fn new(width: usize, height: usize, colour: Rgb) -> Self {
+        Self { width, height, pixels: vec![colour; width * height].into() }
+    }
+
+    /// Pixels in a row, and rows.
+    pub fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    /// All pixels, rows from the top.
+    pub fn pixels(&self) -> &[Rgb] {
+        &self.pixels
+    }
+
+    /// The colour of a pixel; none outside.
+    pub fn pixel(&self, x: i32, y: i32) -> Option<Rgb> {
+        self.place(x.into(), y.into()).map(|place| self.pixels[place])
+    }
+
+    /// Draws one pixel.
+    pub fn draw_pixel(&mut self, x: i32, y: i32, ink: Ink) -> u32 {
+        self.draw(x.into(), y.into(), ink)
+    }
+
+    /// Draws a line with both ends, each pixel once; the same pixels in either direction.
+    pub fn draw_line(&mut self, from: [i32; 2], to: [i32; 2], ink: Ink) -> u32 {
+        line(from, to, [self.width, self.height]).map(|[x, y]| self.draw(x, y, ink)).sum()
+    }
+
+    /// Fills the rectangle between two corners, edges included.
+    pub fn fill_area(&mut self, from: [i32; 2], to: [i32; 2], ink: Ink) -> u32 {
+        let ([left, top], [right, bottom]) = corners(from, to);
+        let (top, bottom) = (top.max(0), bottom.min(self.height as i64 - 1));
+        (top..=bottom).map(|y| self.draw_span(y, left, right, ink)).sum()
+    }
+
+    /// Draws the edges of the rectangle between two corners, each pixel once.
+    pub fn draw_frame(&mut self, from: [i32; 2], to: [i32; 2], ink: Ink) -> u32 {
+        let ([left, top], [right, bottom]) = corners(from, to);
+        let mut changed = self.draw_span(top, left, right, ink);
+        if bottom > top {
+            changed += self.draw_span(bottom, left, right, ink);
+        }
+        for y in (top + 1).max(0)..bottom.min(self.height as i64) {
+            changed += self.draw(left, y, ink);
+            if right > left {
+                changed += self.draw(right, y, ink);
+            }
+        }
+        changed
+    }
+
+    /// Fills a circle: all pixels whose centres are nearer to that of (x, y) than the radius and a half pixel. Nothing for a
+    /// negative radius.
+    pub fn fill_circle(&mut self, [x, y]: [i32; 2], radius: i32, ink: Ink) -> u32 {
+        let (x, y) = (i64::from(x), i64::from(y));
+        let rows = visible(y, radius, self.height);
+        rows.filter_map(|row| Some((row, half_chord(radius, row - y)?)))
+            .map(|(row, half)| self.draw_span(row, x - half, x + half, ink))
+            .sum()
+    }
+
+    /// Draws the rim of that circle, one pixel wide, each pixel once.
+    pub fn draw_circle(&mut self, [x, y]: [i32; 2], radius: i32, ink: Ink) -> u32 {
+        let (x, y) = (i64::from(x), i64::from(y));
+        let mut changed = 0;
+        // Columns draw where the rim is flat, rows where it is steep: no pixel twice, no gap on the diagonal.
+        for column in visible(x, radius, self.width) {
+            let across = column - x;
+            if let Some(half) = half_chord(radius, across).filter(|half| *half >= across.abs()) {
+                changed += self.draw_pair([column, y - half], [column, y + half], ink);
+            }
+        }
+        for row in visible(y, radius, self.height) {
+            let across = row - y;
+            if let Some(half) = half_chord(radius, across).filter(|half| *half > across.abs()) {
+                changed += self.draw_pair([x - half, row], [x + half, row], ink);
+            }
+        }
+        changed
+    }
+
+    /// Shows an image of `width` pixels a row, its upper left corner at (x, y); a last row that is not whole counts as far as it
+    /// goes.
+    pub fn show(&mut self, [x, y]: [i32; 2], width: usize, image: impl Iterator<Item = Rgb>) -> u32 {
+        let rows = self.height as i64 - i64::from(y);
+        // What lies below the display is not even looked at.
+        let seen = usize::try_from(rows).unwrap_or(0).saturating_mul(width);
+        let (mut across, mut down, mut changed) = (0, i64::from(y), 0);
+        for colour in image.take(seen) {
+            changed += self.draw(i64::from(x) + across, down, Ink::Colour(colour));
+            across += 1;
+            if across == width as i64 {
+                (across, down) = (0, down + 1);
+            }
+        }
+        changed
+    }
+
+    /// Mixes a colour into one pixel, the more the higher the coverage.
+    pub fn blend(&mut self, x: i32, y: i32, colour: Rgb, coverage: u8) {
+        if let Some(place) = self.place(x.into(), y.into()) {
+            let under = self.pixels[place];
+            self.pixels[place] = std::array::from_fn(|part| mix(under[part], colour[part], coverage));
+        }
+    }
+
+    /// Moves the rows above `bottom` up by `distance`, and fills those that come up with black.
+    pub fn scroll(&mut self, bottom: usize, distance: usize) {
+        let bottom = bottom.min(self.height);
+        let distance = distance.min(bottom);
+        self.pixels.copy_within(distance * self.width..bottom * self.width, 0);
+        self.pixels[(bottom - distance) * self.width..bottom * self.width].fill(BLACK);
+    }
+
+    fn draw_pair(&mut self, [x1, y1]: [i64; 2], [x2, y2]: [i64; 2], ink: Ink) -> u32 {
+        let second = if [x1, y1] == [x2, y2] { 0 } else { self.draw(x2, y2, ink) };
+        self.draw(x1, y1, ink) + second
+    }
+
+    fn draw_span(&mut self, y: i64, left: i64, right: i64, ink: Ink) -> u32 {
+        let (left, right) = (left.max(0), right.min(self.width as i64 - 1));
+        (left..=right).map(|x| self.draw(x, y, ink)).sum()
+    }
+
+    fn draw(&mut self, x: i64, y: i64, ink: Ink) -> u32 {
+        let Some(place) = self.place(x, y) else { return 0 };
+        let old = self.pixels[place];
+        self.pixels[place] = match ink {
+            Ink::Colour(colour) => colour,
+            Ink::Invert => inverse(old),
+        };
+        u32::from(self.pixels[place] != old)
+    }
+
+    fn place(&self, x: i64, y: i64) -> Option<usize> {
+        let x = usize::try_from(x).ok().filter(|x| *x < self.width)?;
+        let y = usize::try_from(y).ok().filter(|y| *y < self.height)?;
+        Some(y * self.width + x)
+    }
+}
+
+/// The points of the line between two points, both included, that lie within a rectangle of `size` at the origin.
+pub fn line(from: [i32; 2], to: [i32; 2], size: [usize; 2]) -> impl Iterator<Item = [i64; 2]> {
+    let [[x1, y1], [x2, y2]] = [from, to].map(|point| point.map(i64::from));
+    let is_flat = (x2 - x1).abs() >= (y2 - y1).abs();
+    let (from, to, [end, across]) = match is_flat {
+        true => ([x1, y1], [x2, y2], size),
+        false => ([y1, x1], [y2, x2], [size[1], size[0]]),
+    };
+    along(from, to, end as i64)
+        .filter(move |(_, value)| (0..across as i64).contains(value))
+        .map(move |(place, value)| if is_flat { [place, value] } else { [value, place] })
+}
+
+/// The points of a line that is longer along its first coordinate than along its second one, where the first coordinate is
+/// from 0 to below `end`.
+fn along(from: [i64; 2], to: [i64; 2], end: i64) -> impl Iterator<Item = (i64, i64)> {
+    let ([start, first], [stop, last]) = if from[0] <= to[0] { (from, to) } else { (to, from) };
+    let (length, rise) = (i128::from(stop - start), i128::from(last - first));
+    (start.max(0)..=stop.min(end - 1)).map(move |place| {
+        // Rounded to the nearest, halves up; a line of one point has length 0.
+        let twice = 2 * rise * i128::from(place - start) + length;
+        (place, first + if length == 0 { 0 } else { twice.div_euclid(2 * length) as i64 })
+    })
+}
+
+/// The upper left and the lower right of two corners.
+fn corners([x1, y1]: [i32; 2], [x2, y2]: [i32; 2]) -> ([i64; 2], [i64; 2]) {
+    ([x1.min(x2), y1.min(y2)].map(i64::from), [x1.max(x2), y1.max(y2)].map(i64::from))
+}
+
+/// The coordinates from 0 to below `end` that are within a radius of a centre.
+fn visible(centre: i64, radius: i32, end: usize) -> std::ops::RangeInclusive<i64> {
+    let radius = i64::from(radius);
+    (centre - radius).max(0)..=(centre + radius).min(end as i64 - 1)
+}
+
+/// How far a circle reaches to either side at a distance from its centre; none where it does not.
+fn half_chord(radius: i32, distance: i64) -> Option<i64> {
+    let radius = u64::try_from(radius).ok()?;
+    let distance = distance.unsigned_abs();
+    // Centres within the radius and a half: d^2 <= r^2 + r in whole numbers.
+    let rest = (radius * radius + radius).checked_sub(distance.checked_mul(distance)?)?;
+    (distance <= radius).then(|| rest.isqrt() as i64)
+}
+
+fn mix(under: u8, over: u8, coverage: u8) -> u8 {
+    let [under, over, coverage] = [under, over, coverage].map(u32::from);
+    ((under * (255 - coverage) + over * coverage + 127) / 255) as u8
+}

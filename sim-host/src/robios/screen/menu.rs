@@ -1,0 +1,74 @@
+//! The four keys at the lower edge of the display.
+
+use super::canvas::{BLACK, Canvas, Ink, Rgb};
+use super::font::{Family, Font, Size, Variation};
+use super::page::draw_glyph;
+
+/// Rows of pixels that the menu takes: on a display of 240 rows it leaves 16 rows of text of size 12.
+pub const HEIGHT: u16 = 32;
+
+/// How many keys there are.
+pub const KEYS: usize = 4;
+
+/// One key.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// What it says; several lines where there is `\n`.
+    pub text: String,
+    /// Colour of the text.
+    pub ink: Rgb,
+    /// Colour of the key.
+    pub paper: Rgb,
+}
+
+/// The colours of the keys from left to right when the program says nothing: those of the buttons of the remote control.
+const PAPERS: [Rgb; KEYS] = [[0xff, 0, 0], [0, 0xff, 0], [0xff, 0xff, 0], [0x40, 0x80, 0xff]];
+
+/// The entries of a menu without texts.
+pub fn entries() -> [Entry; KEYS] {
+    PAPERS.map(|paper| Entry { text: String::new(), ink: BLACK, paper })
+}
+
+/// Columns of key `index` on a display of `width` pixels: the first, and the first of the next key.
+pub fn columns(index: usize, width: usize) -> [usize; 2] {
+    [index * width / KEYS, (index + 1) * width / KEYS]
+}
+
+/// Draws the menu at the lower edge.
+pub fn draw(entries: &[Entry; KEYS], canvas: &mut Canvas) {
+    let [width, height] = canvas.size();
+    let top = height.saturating_sub(HEIGHT.into()) as i32;
+    let bottom = height as i32 - 1;
+    for (index, entry) in entries.iter().enumerate() {
+        let [left, right] = columns(index, width).map(|column| column as i32);
+        canvas.fill_area([left, top], [right - 1, bottom], Ink::Colour(entry.paper));
+        canvas.draw_frame([left, top], [right - 1, bottom], Ink::Colour(BLACK));
+        draw_label(entry, [left + 2, top + 1], [right - 3, bottom - 1], canvas);
+    }
+}
+
+/// Draws a key's text in the middle of its field: smaller where it would not fit, and cut where even that does not.
+fn draw_label(entry: &Entry, [left, top]: [i32; 2], [right, bottom]: [i32; 2], canvas: &mut Canvas) {
+    let (width, height) = (right - left + 1, bottom - top + 1);
+    let lines: Vec<&str> = entry.text.split('\n').map(str::trim).collect();
+    let font = |size| Font { family: Family::Helvetica, variation: Variation::Bold, size };
+    let length = |line: &str, font: Font| -> i32 { line.chars().map(|c| i32::from(font.advance(c))).sum() };
+    let is_fitting = |font: Font| {
+        let rows = lines.len() as i32 * i32::from(font.size.cell()[1]);
+        rows <= height && lines.iter().all(|line| length(line, font) <= width)
+    };
+    let font = if is_fitting(font(Size::Normal)) { font(Size::Normal) } else { font(Size::Tiny) };
+    let row = i32::from(font.size.cell()[1]);
+    let first = top + ((height - lines.len() as i32 * row) / 2).max(0);
+    for (y, line) in (first..).step_by(row as usize).zip(&lines).take_while(|(y, _)| y + row <= bottom + 1) {
+        let mut x = left + ((width - length(line, font)) / 2).max(0);
+        for character in line.chars().filter(|character| !character.is_control()) {
+            let end = x + i32::from(font.advance(character));
+            if end > right + 1 {
+                break;
+            }
+            draw_glyph(canvas, [x, y], font, character, entry.ink);
+            x = end;
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! Text and pixels together, of which the pixels exist only once something needs them.
+//!
+//! Most programs only print: their page is a list of characters on black. Drawing turns it into pixels, and what is written from
+//! then on goes to both; [`Page::clear`] drops the pixels again. Either way shows the same.
+
+use std::collections::BTreeMap;
+
+use super::canvas::{BLACK, Canvas, Ink, Rgb};
+use super::font::Font;
+
+/// A character on the page, as wide as its glyph and as high as its font's cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cell {
+    /// The character.
+    pub character: char,
+    /// What it is drawn in.
+    pub font: Font,
+    /// Its width in pixels.
+    pub width: u8,
+    /// Its own colour.
+    pub ink: Rgb,
+    /// The colour behind it; none where what was there before shows.
+    pub paper: Option<Rgb>,
+}
+
+/// The upper left corner of a character: y, then x.
+type Place = (u16, u16);
+
+/// A rectangle: left, top, and the first column and row beyond it.
+type Area = [i64; 4];
+
+/// What a display shows apart from its menu.
+#[derive(Clone, Debug)]
+pub struct Page {
+    width: u16,
+    height: u16,
+    /// While there is none, the page is black but for `cells`, all of which have paper.
+    canvas: Option<Canvas>,
+    /// What is written and has not been covered since; no two overlap.
+    cells: BTreeMap<Place, Cell>,
+}
+
+impl Cell {
+    fn height(&self) -> u8 {
+        self.font.size.cell()[1]
+    }
+
+    fn area(&self, (y, x): Place) -> Area {
+        let (x, y) = (i64::from(x), i64::from(y));
+        [x, y, x + i64::from(self.width), y + i64::from(self.height())]
+    }
+
+    fn draw(&self, (y, x): Place, canvas: &mut Canvas) {
+        let (x, y) = (i32::from(x), i32::from(y));
+        if let Some(paper) = self.paper {
+            let corner = [x + i32::from(self.width) - 1, y + i32::from(self.height()) - 1];
+            canvas.fill_area([x, y], corner, Ink::Colour(paper));
+        }
+        draw_glyph(canvas, [x, y], self.font, self.character, self.ink);
+    }
+}
+
+impl Page {
+    /// A black page.
+    pub fn new(width: u16, height: u16) -> Self {
+        Self { width, height, canvas: None, cells: BTreeMap::new() }
+    }
+
+    /// Makes it black again.
+    pub fn clear(&mut self) {
+        (self.canvas, self.cells) = (None, BTreeMap::new());
+    }
+
+    /// The pixels, to be drawn on.
+    pub fn canvas_mut(&mut self) -> &mut Canvas {
+        let Self { width, height, canvas, cells } = self;
+        canvas.get_or_insert_with(|| painted(*width, *height, cells))
+    }
+
+    /// The pixels as they are now.
+    pub fn picture(&self) -> Canvas {
+        self.canvas.clone().unwrap_or_else(|| painted(self.width, self.height, &self.cells))
+    }
+
+    /// Writes a character; one that is not wholly on the page is left out.
+    pub fn put(&mut self, x: i32, y: i32, mut cell: Cell) {
+        let (Ok(x), Ok(y)) = (u16::try_from(x), u16::try_from(y)) else { return };
+        let place = (y, x);
+        let area = cell.area(place);
+        if area[2] > i64::from(self.width) || area[3] > i64::from(self.height) {
+            return;
+        }
+        let before =
+            self.cells.get_mut(&place).filter(|old| (old.width, old.font.size) == (cell.width, cell.font.size));
+        match before {
+            // By far the most: the same place again.
+            Some(old) if cell.paper.is_some() => *old = cell,
+            _ => self.make_room(area, &mut cell, place),
+        }
+        if let Some(canvas) = &mut self.canvas {
+            cell.draw(place, canvas);
+        }
+    }
+
+    fn make_room(&mut self, area: Area, cell: &mut Cell, place: Place) {
+        let under = self.overlapping(area);
+        let is_whole = |under: &Place| contains(area, self.cells[under].area(*under));
+        if self.canvas.is_none() && !under.is_empty() && !(cell.paper.is_some() && under.iter().all(is_whole)) {
+            self.canvas_mut();
+        }
+        if self.canvas.is_none() {
+            // What shows behind it is black here.
+            cell.paper.get_or_insert(BLACK);
+        }
+        under.iter().for_each(|under| _ = self.cells.remove(under));
+        self.cells.insert(place, *cell);
+    }
+
+    /// The characters that share a pixel with `area`.
+    fn overlapping(&self, area: Area) -> Vec<Place> {
+        let [left, top, right, bottom] = area;
+        let highest = top - i64::from(super::font::Size::Huge.cell()[1]);
+        let range = (highest.max(0) as u16, 0)..(bottom.clamp(0, i64::from(u16::MAX)) as u16, 0);
+        let shares = |(place, cell): &(&Place, &Cell)| {
+            let [x1, y1, x2, y2] = cell.area(**place);
+            x1 < right && x2 > left && y1 < bottom && y2 > top
+        };
+        self.cells.range(range).filter(shares).map(|(place, _)| *place).collect()
+    }
+
+    /// Forgets the text that a rectangle with these corners, edges included, covers.
+    pub fn cover(&mut self, [x1, y1]: [i32; 2], [x2, y2]: [i32; 2]) {
+        let [left, top] = [x1.min(x2), y1.min(y2)].map(i64::from);
+        let [right, bottom] = [x1.max(x2), y1.max(y2)].map(|last| i64::from(last) + 1);
+        self.cells.retain(|place, cell| !contains([left, top, right, bottom], cell.area(*place)));
+    }
+
+    /// Moves what is above `bottom` up by `distance` pixels.
+    pub fn scroll(&mut self, bottom: u16, distance: u16) {
+        let (end, first) = (i64::from(bottom), i64::from(distance));
+        let is_cut = |(place, cell): (&Place, &Cell)| {
+            let [_, y1, _, y2] = cell.area(*place);
+            (y1 < first && y2 > first) || (y1 < end && y2 > end)
+        };
+        if self.canvas.is_none() && self.cells.iter().any(is_cut) {
+            self.canvas_mut();
+        }
+        if let Some(canvas) = &mut self.canvas {
+            canvas.scroll(bottom.into(), distance.into());
+        }
+        let moved = |((y, x), cell): (Place, Cell)| {
+            let [_, y1, _, y2] = cell.area((y, x));
+            if y1 >= end { Some(((y, x), cell)) } else { (y1 >= first && y2 <= end).then(|| ((y - distance, x), cell)) }
+        };
+        self.cells = std::mem::take(&mut self.cells).into_iter().filter_map(moved).collect();
+    }
+
+    /// The text from the top, one string a row of its font, without blanks at the ends; the last one has text.
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines: Vec<String> = Vec::new();
+        let mut last: Option<(u16, i64)> = None;
+        for (&(y, x), cell) in &self.cells {
+            let [column, row] = cell.font.size.cell().map(usize::from);
+            let end = match last {
+                Some((line, end)) if line == y => end,
+                _ => {
+                    lines.resize_with(lines.len().max(usize::from(y) / row) + 1, String::new);
+                    0
+                }
+            };
+            let gap = usize::try_from(i64::from(x) - end).unwrap_or(0);
+            if let Some(line) = lines.last_mut() {
+                line.extend(std::iter::repeat_n(' ', (gap + column / 2) / column));
+                line.push(cell.character);
+            }
+            last = Some((y, i64::from(x) + i64::from(cell.width)));
+        }
+        lines.iter_mut().for_each(|line| line.truncate(line.trim_end().len()));
+        let count = lines.iter().rposition(|line| !line.is_empty()).map_or(0, |last| last + 1);
+        lines.truncate(count);
+        lines
+    }
+
+    /// True while it needs no memory for pixels.
+    #[cfg(test)]
+    pub fn is_text_alone(&self) -> bool {
+        self.canvas.is_none()
+    }
+}
+
+/// Draws a character whose cell has its upper left corner at a place; what is behind it shows.
+pub fn draw_glyph(canvas: &mut Canvas, [x, y]: [i32; 2], font: Font, character: char, ink: Rgb) {
+    if character == ' ' {
+        return;
+    }
+    let glyph = font.glyph(character);
+    for (row, coverage) in (y..).zip(glyph.coverage.chunks(usize::from(glyph.width).max(1))) {
+        for (column, &part) in (x..).zip(coverage) {
+            if part > 0 {
+                canvas.blend(column, row, ink, part);
+            }
+        }
+    }
+}
+
+fn painted(width: u16, height: u16, cells: &BTreeMap<Place, Cell>) -> Canvas {
+    let mut canvas = Canvas::new(width.into(), height.into(), BLACK);
+    cells.iter().for_each(|(place, cell)| cell.draw(*place, &mut canvas));
+    canvas
+}
+
+fn contains(outer: Area, inner: Area) -> bool {
+    outer[0] <= inner[0] && outer[1] <= inner[1] && outer[2] >= inner[2] && outer[3] >= inner[3]
+}
