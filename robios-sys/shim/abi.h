@@ -241,9 +241,9 @@ struct eyesim_robios7 {
     int32_t (*LCDCircleInvert)(void *robot, int32_t x1, int32_t y1, int32_t size, int32_t *result);
     int32_t (*LCDImageSize)(void *robot, int32_t t, int32_t *result);
     int32_t (*LCDImageStart)(void *robot, int32_t x, int32_t y, int32_t xs, int32_t ys, int32_t *result);
-    int32_t (*LCDImage)(void *robot, struct eyesim_bytes img, int32_t *result);
-    int32_t (*LCDImageGray)(void *robot, struct eyesim_bytes g, int32_t *result);
-    int32_t (*LCDImageBinary)(void *robot, struct eyesim_bytes b, int32_t *result);
+    int32_t (*LCDImage)(void *robot, int32_t width_px, int32_t height_px, struct eyesim_bytes img, int32_t *result);
+    int32_t (*LCDImageGray)(void *robot, int32_t width_px, int32_t height_px, struct eyesim_bytes g, int32_t *result);
+    int32_t (*LCDImageBinary)(void *robot, int32_t width_px, int32_t height_px, struct eyesim_bytes b, int32_t *result);
     int32_t (*LCDRefresh)(void *robot, int32_t *result);
     int32_t (*KEYGet)(void *robot, int32_t *result);
     int32_t (*KEYRead)(void *robot, int32_t *result);

@@ -112,21 +112,21 @@ static size_t shown_pixels(void) { return (size_t)shown_width * (size_t)shown_he
 WEAK int LCDImage(BYTE *img)
 {
     int32_t result = 0;
-    ROBIOS7(LCDImage, bytes_of(img, 3 * shown_pixels()), &result);
+    ROBIOS7(LCDImage, shown_width, shown_height, bytes_of(img, 3 * shown_pixels()), &result);
     return result;
 }
 
 WEAK int LCDImageGray(BYTE *g)
 {
     int32_t result = 0;
-    ROBIOS7(LCDImageGray, bytes_of(g, shown_pixels()), &result);
+    ROBIOS7(LCDImageGray, shown_width, shown_height, bytes_of(g, shown_pixels()), &result);
     return result;
 }
 
 WEAK int LCDImageBinary(BYTE *b)
 {
     int32_t result = 0;
-    ROBIOS7(LCDImageBinary, bytes_of(b, shown_pixels()), &result);
+    ROBIOS7(LCDImageBinary, shown_width, shown_height, bytes_of(b, shown_pixels()), &result);
     return result;
 }
 

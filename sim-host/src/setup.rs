@@ -150,11 +150,13 @@ pub fn build_world(
         let model = models.entry(&spec.robi.file).or_insert_with(|| Arc::new(build::model(&spec.robi)));
         model.check().with_context(|| format!("robot type `{}`", spec.robi.file))?;
         let presses = options.keys.iter().filter(|press| press.robot.is_none_or(|robot| robot == spec.id));
+        let generation = program.as_ref().and_then(|program| program.image.description()).map(|it| it.generation);
+        let devices = if generation == Some(7) { Devices::of_robios7 } else { Devices::new };
         let mut robot = Robot::new(RobotParts {
             program: program.as_ref().map(|program| program.name.clone()).unwrap_or_default(),
             motion: Motion::new(spec.id, Arc::clone(model), Arc::clone(&walls), spec.start),
             spec: Arc::clone(&spec.robi),
-            devices: Devices::new(&spec.robi, Keys::scripted(presses.map(|press| (press.at, press.touch)))),
+            devices: devices(&spec.robi, Keys::scripted(presses.map(|press| (press.at, press.touch)))),
             seed: options.seed,
             is_verbose: options.is_verbose,
         });

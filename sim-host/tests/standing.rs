@@ -111,7 +111,7 @@ fn a_robot_without_a_program_is_seen_and_hit_where_it_stands() {
         assert!(matches!(ended.end, End::Finished), "{:?}", ended.end);
         let [ram, stands, other] = &ended.robots[..] else { panic!("three robots") };
         // From 60 mm ahead of the centre to the body of radius 100 mm: 600 - 60 - 100.
-        assert_eq!(ram.lcd[0].trim_end(), "440");
+        assert_eq!(ram.panel.lines()[0].trim_end(), "440");
         assert_eq!((ram.outcome, ram.contacts), (Outcome::Finished, 1));
         assert!((ram.pose.position.x - 1.4).abs() < 2e-6, "it stops where the bodies meet: {:?}", ram.pose);
         assert_eq!((stands.outcome, stands.exit_code, &stands.reason), (Outcome::NoProgram, None, &None));
@@ -151,7 +151,7 @@ fn the_arguments_of_the_scene_reach_main() {
     scene.robots[0].arguments = vec!["-k".into(), "0 5".into()];
     scene.robots[2].arguments = vec![String::new()];
     let ended = run(folder.path(), &scene, 2);
-    let shown: Vec<&str> = ended.robots.iter().map(|robot| robot.lcd[0].trim_end()).collect();
+    let shown: Vec<String> = ended.robots.iter().map(|robot| robot.panel.lines().remove(0)).collect();
     assert_eq!(shown, ["3 echo -k 0 5", "1 echo", "2 echo"]);
     assert!(ended.robots.iter().all(|robot| robot.exit_code == Some(0)), "argv ends with a null pointer");
 }

@@ -122,17 +122,17 @@ extern "C" {
  * Source: RoBIOS-7 library, LCD output. */
 int LCDPrintf(const char *format, ...) EYESIM_PRINTF(1, 2);
 
-/* Prints as printf does, at a row and a column of characters, both from 0. Returns 0, 1 if there is no such place.
+/* Prints as printf does, at a row and a column of characters, both from 0. Returns 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDSetPrintf(int row, int column, const char *format, ...) EYESIM_PRINTF(3, 4);
 
-/* Clears the display; the cursor goes to row 0, column 0. Returns 0.
+/* Makes the display black; the cursor goes to row 0, column 0; the menu stays. Returns 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDClear(void);
 
-/* Moves the cursor. Returns 0, 1 if there is no such place.
+/* Moves the cursor. Returns 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDSetPos(int row, int column);
@@ -162,7 +162,7 @@ int LCDSetFontSize(int fontsize);
  * Source: RoBIOS-7 library, LCD output. */
 int LCDSetMode(int mode);
 
-/* Names the four keys under the display; an empty text leaves a name, a blank clears it. Returns 0.
+/* Names the four keys under the display; an empty text clears a name. Returns 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDMenu(const char *st1, const char *st2, const char *st3, const char *st4);
@@ -223,13 +223,13 @@ int LCDAreaInvert(int x1, int y1, int x2, int y2);
  * Source: RoBIOS-7 library, LCD output. */
 int LCDCircleInvert(int x1, int y1, int size);
 
-/* Size of the images that LCDImage and the like show, a resolution such as QVGA; they go to the upper left corner.
- * Returns 0, 1 for another number.
+/* Size of the images that LCDImage and the like show, a resolution such as QVGA; CUSTOM: CAMWIDTH x CAMHEIGHT. Returns 0, 1 for another number.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDImageSize(int t);
 
-/* Place and size in pixels of the images that LCDImage and the like show. Returns 0, 1 for a size below 1.
+/* Place and size in pixels of the images that LCDImage and the like show. Returns 0, 1 for a size below 1 or of more
+ * pixels than CAM5MP.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDImageStart(int x, int y, int xs, int ys);
@@ -266,7 +266,7 @@ int KEYGet(void);
  * Source: RoBIOS-7 library, keys. */
 int KEYRead(void);
 
-/* Waits for one key, or with ANYKEY for whichever. Returns 0.
+/* Waits for one key, or with ANYKEY for whichever. Returns the key, KEY_INVALID if there is no such key.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, keys. */
 int KEYWait(int key);

@@ -15,14 +15,14 @@ function_table! {
         /// Prints as printf does, at the cursor. Returns 0.
         fn LCDPrintf(text: Text) -> i32 = 1, c "int LCDPrintf(const char *format, ...)";
 
-        /// Prints as printf does, at a row and a column of characters, both from 0. Returns 0, 1 if there is no such place.
+        /// Prints as printf does, at a row and a column of characters, both from 0. Returns 0.
         fn LCDSetPrintf(row: i32, column: i32, text: Text) -> i32 = 1,
             c "int LCDSetPrintf(int row, int column, const char *format, ...)";
 
-        /// Clears the display; the cursor goes to row 0, column 0. Returns 0.
+        /// Makes the display black; the cursor goes to row 0, column 0; the menu stays. Returns 0.
         fn LCDClear() -> i32 = 1;
 
-        /// Moves the cursor. Returns 0, 1 if there is no such place.
+        /// Moves the cursor. Returns 0.
         fn LCDSetPos(row: i32, column: i32) -> i32 = 1;
 
         /// Where the cursor is. Returns 0.
@@ -40,7 +40,7 @@ function_table! {
         /// Modes, LCD_SCROLLING and the like, or-ed. Returns 0.
         fn LCDSetMode(mode: i32) -> i32 = 1;
 
-        /// Names the four keys under the display; an empty text leaves a name, a blank clears it. Returns 0.
+        /// Names the four keys under the display; an empty text clears a name. Returns 0.
         fn LCDMenu(st1: Text, st2: Text, st3: Text, st4: Text) -> i32 = 1;
 
         /// Names one key, 1 to 4, with colours of its own. Returns 0, 1 if there is no such key.
@@ -77,21 +77,21 @@ function_table! {
         /// Inverts a filled circle. Returns 0.
         fn LCDCircleInvert(x1: i32, y1: i32, size: i32) -> i32 = 1;
 
-        /// Size of the images that LCDImage and the like show, a resolution such as QVGA; they go to the upper left corner.
-        /// Returns 0, 1 for another number.
+        /// Size of the images that LCDImage and the like show, a resolution such as QVGA; CUSTOM: CAMWIDTH x CAMHEIGHT. Returns 0, 1 for another number.
         fn LCDImageSize(t: i32) -> i32 = 1, c "int LCDImageSize(int t)";
 
-        /// Place and size in pixels of the images that LCDImage and the like show. Returns 0, 1 for a size below 1.
+        /// Place and size in pixels of the images that LCDImage and the like show. Returns 0, 1 for a size below 1 or of more
+        /// pixels than CAM5MP.
         fn LCDImageStart(x: i32, y: i32, xs: i32, ys: i32) -> i32 = 1, c "int LCDImageStart(int x, int y, int xs, int ys)";
 
         /// Shows a colour image, 3 bytes a pixel, of the size that LCDImageStart or LCDImageSize has set. Returns 0.
-        fn LCDImage(img: Bytes) -> i32 = 1, c "int LCDImage(BYTE *img)";
+        fn LCDImage(width_px: i32, height_px: i32, img: Bytes) -> i32 = 1, c "int LCDImage(BYTE *img)";
 
         /// Shows a grey image, 1 byte a pixel. Returns 0.
-        fn LCDImageGray(g: Bytes) -> i32 = 1, c "int LCDImageGray(BYTE *g)";
+        fn LCDImageGray(width_px: i32, height_px: i32, g: Bytes) -> i32 = 1, c "int LCDImageGray(BYTE *g)";
 
         /// Shows a binary image, 1 byte a pixel: 0 is white, everything else black. Returns 0.
-        fn LCDImageBinary(b: Bytes) -> i32 = 1, c "int LCDImageBinary(BYTE *b)";
+        fn LCDImageBinary(width_px: i32, height_px: i32, b: Bytes) -> i32 = 1, c "int LCDImageBinary(BYTE *b)";
 
         /// Shows what has been drawn, where LCD_NOAUTOREFRESH is set. Returns 0.
         fn LCDRefresh() -> i32 = 1;
@@ -104,8 +104,8 @@ function_table! {
         /// The key that was pressed; NOKEY if none was. Does not wait.
         fn KEYRead() -> i32 = 0;
 
-        /// Waits for one key, or with ANYKEY for whichever. Returns 0.
-        fn KEYWait(key: i32) -> i32 = 1;
+        /// Waits for one key, or with ANYKEY for whichever. Returns the key, KEY_INVALID if there is no such key.
+        fn KEYWait(key: i32) -> i32 = KEY_INVALID;
 
         /// Waits for a touch of the display, and tells its place in pixels. Returns 0.
         fn KEYGetXY(x: Out<i32>, y: Out<i32>) -> i32 = 1;

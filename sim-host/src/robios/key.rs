@@ -6,12 +6,15 @@
 use std::collections::VecDeque;
 
 use robios_sys::robios6::{ANYKEY, KEY1, KEY2, KEY3, KEY4, NOKEY};
-use robios_sys::{Out, Robios6Call as Call};
+use robios_sys::robios7::KEY_INVALID;
+use robios_sys::{Out, Robios6Call as Call, Robios7Call};
 use sim_core::RobotId;
 use sim_core::time::Time;
 
+use super::Devices;
 use super::caller::Poll;
 use super::robot::{Robot, Waits};
+use super::screen::Screen;
 use crate::record::Event;
 
 /// The keys from left to right: their names and codes, one bit each.
@@ -216,7 +219,8 @@ pub fn get_into(robot: &mut Robot, buffer: &mut Out<u8>) -> Poll<i32> {
 
 /// `KEYRead`
 pub fn read(robot: &mut Robot) -> i32 {
-    robot.devices.keys.take(robot.now, Touch::key).map_or(NOKEY, |code| taken(robot, code))
+    let Devices { keys, screen, .. } = &mut robot.devices;
+    keys.take(robot.now, |touch| key_under(touch, screen)).map_or(NOKEY, |code| taken(robot, code))
 }
 
 /// `KEYWait`
@@ -232,9 +236,65 @@ pub fn wait(robot: &mut Robot, codes: i32) -> Poll<i32> {
 
 /// Waits for a key of an OR of codes; its code. Presses of other keys before it are forgotten.
 pub fn wait_for(robot: &mut Robot, codes: i32) -> Poll<i32> {
-    match robot.devices.keys.take_of(codes, robot.now, Touch::key) {
+    let Devices { keys, screen, .. } = &mut robot.devices;
+    let key_of = |touch| key_under(touch, screen);
+    match keys.take_of(codes, robot.now, key_of) {
         Some(code) => Poll::Ready(taken(robot, code)),
-        None => Poll::Until { at: robot.devices.keys.next_of(codes, Touch::key), waits_for: Waits::Key(name(codes)) },
+        None => Poll::Until { at: keys.next_of(codes, key_of), waits_for: Waits::Key(name(codes)) },
+    }
+}
+
+/// `KEYWait` of RoBIOS-7
+pub fn wait_for_one(robot: &mut Robot, codes: i32) -> Poll<i32> {
+    if codes & all_keys() == 0 {
+        return Poll::Ready(robot.refused(Robios7Call::KEYWait, KEY_INVALID, |_| format!("{codes} is no key")));
+    }
+    wait_for(robot, codes & all_keys())
+}
+
+/// `KEYGetXY`
+pub fn touched(robot: &mut Robot, x: &mut Out<i32>, y: &mut Out<i32>) -> Poll<i32> {
+    match take_place(robot) {
+        Some(place) => {
+            [x, y].into_iter().zip(place).for_each(|(out, pixel)| out.set(pixel));
+            Poll::Ready(0)
+        }
+        None => Poll::Until { at: robot.devices.keys.next_touch(), waits_for: Waits::Key("a touch".to_owned()) },
+    }
+}
+
+/// `KEYReadXY`
+pub fn read_place(robot: &mut Robot, x: &mut Out<i32>, y: &mut Out<i32>) -> i32 {
+    let Some(place) = take_place(robot) else { return 1 };
+    [x, y].into_iter().zip(place).for_each(|(out, pixel)| out.set(pixel));
+    0
+}
+
+/// Takes the earliest touch of the display: that of a key is in its middle, and one beside the display is not felt.
+fn take_place(robot: &mut Robot) -> Option<[i32; 2]> {
+    while let Some(touch) = robot.devices.keys.take_touch(robot.now) {
+        let size = robot.screen().size().map(i32::from);
+        let place = match touch {
+            Touch::Key(code) => {
+                let index = KEYS.iter().position(|(_, key)| *key == code).unwrap_or_default();
+                robot.screen().middle_of_key(index)
+            }
+            Touch::Place(place) => place,
+        };
+        if place.iter().zip(size).all(|(pixel, end)| (0..end).contains(pixel)) {
+            robot.record(Event::Key { key: &touch.to_string() });
+            return Some(place);
+        }
+        robot.hint(&format!("{touch} is beside the display of {} x {} pixels", size[0], size[1]));
+    }
+    None
+}
+
+/// The code of the key that a touch presses on this display, 0 for none.
+fn key_under(touch: Touch, screen: &Option<Box<Screen>>) -> i32 {
+    match (touch, screen) {
+        (Touch::Place(place), Some(screen)) => screen.key_at(place).map_or(NOKEY, |index| KEYS[index].1),
+        _ => touch.key(),
     }
 }
 

@@ -14,6 +14,7 @@ pub mod compass;
 pub mod cost;
 pub mod cycle;
 mod display;
+mod display7;
 pub mod handle;
 mod hdt;
 pub mod hint;
@@ -55,6 +56,7 @@ use caller::Call;
 use hint::Mistake;
 use panel::Panel;
 use robot::Robot;
+use screen::Screen;
 
 /// The devices of one robot, as RoBIOS shows them.
 #[derive(Default)]
@@ -65,8 +67,8 @@ pub struct Devices {
     pub os: os::Os,
     /// The display.
     pub lcd: lcd::Lcd,
-    /// The colour display of a RoBIOS-7 program, once it has used it.
-    pub screen: Option<Box<screen::Screen>>,
+    /// The colour display; none of a robot whose program is of RoBIOS 6.
+    pub screen: Option<Box<Screen>>,
     /// The keys under it.
     pub keys: key::Keys,
     /// Loudspeaker and microphone.
@@ -103,6 +105,11 @@ impl Devices {
         Self { table: table::Table::new(spec), keys, ..Self::default() }
     }
 
+    /// The same for a program of RoBIOS-7.
+    pub fn of_robios7(spec: &RobiSpec, keys: key::Keys) -> Self {
+        Self { screen: Some(new_screen(spec)), ..Self::new(spec, keys) }
+    }
+
     /// Takes the display out, at the end of the run.
     pub fn take_panel(&mut self) -> Panel {
         match self.screen.take() {
@@ -115,6 +122,10 @@ impl Devices {
     pub fn due(&self) -> Time {
         self.psds.due().min(self.compass.due())
     }
+}
+
+fn new_screen(spec: &RobiSpec) -> Box<Screen> {
+    Box::new(Screen::new([spec.lcd.width, spec.lcd.height]))
 }
 
 /// Computes what sensors have measured that end to measure now.
@@ -133,6 +144,12 @@ impl Robot {
     /// Records an event now.
     fn record(&mut self, event: Event<'_>) {
         self.journal.record(self.now, &event);
+    }
+
+    /// Its colour display.
+    fn screen(&mut self) -> &mut Screen {
+        let Self { spec, devices, .. } = self;
+        devices.screen.get_or_insert_with(|| new_screen(spec))
     }
 
     /// The answer of a call that has failed; a program that never looks at it gets a hint.

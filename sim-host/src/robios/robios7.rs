@@ -5,12 +5,77 @@
 use robios_sys::{Out, Robios7, Robios7Call as Call, Stop};
 
 use super::caller::Caller;
-use super::vw7;
+use super::screen::canvas::{Canvas, Ink, rgb};
+use super::{display7 as display, key, vw7};
+
+type Text<'a> = Option<&'a [u8]>;
+type Bytes<'a> = Option<&'a [u8]>;
 
 impl Robios7 for Caller {
     // LCD.
+    act! {
+        fn LCDPrintf(text: Text<'_>) -> i32 = |robot, _| display::put(robot, Call::LCDPrintf, text);
+        fn LCDSetPrintf(row: i32, column: i32, text: Text<'_>) -> i32 =
+            |robot, _| display::put_at(robot, [row, column], text);
+        fn LCDClear() -> i32 = |robot, _| display::clear(robot);
+        fn LCDSetPos(row: i32, column: i32) -> i32 = |robot, _| display::set_position(robot, [row, column]);
+        fn LCDGetPos(row: &mut Out<i32>, column: &mut Out<i32>) -> i32 =
+            |robot, _| display::position(robot, row, column);
+        fn LCDSetColor(fg: i32, bg: i32) -> i32 = |robot, _| display::set_colours(robot, fg, bg);
+        fn LCDSetFont(font: i32, variation: i32) -> i32 = |robot, _| display::set_font(robot, font, variation);
+        fn LCDSetFontSize(size: i32) -> i32 = |robot, _| display::set_font_size(robot, size);
+        fn LCDSetMode(mode: i32) -> i32 = |robot, _| display::set_mode(robot, mode);
+        fn LCDMenu(first: Text<'_>, second: Text<'_>, third: Text<'_>, fourth: Text<'_>) -> i32 =
+            |robot, _| display::set_menu(robot, [first, second, third, fourth]);
+        fn LCDMenuI(position: i32, text: Text<'_>, fg: i32, bg: i32) -> i32 =
+            |robot, _| display::set_menu_entry(robot, position, text, [fg, bg]);
+        fn LCDGetSize(x: &mut Out<i32>, y: &mut Out<i32>) -> i32 = |robot, _| display::size(robot, x, y);
+        fn LCDPixel(x: i32, y: i32, colour: i32) -> i32 = |robot, _| {
+            display::draw(robot, Call::LCDPixel, |canvas| canvas.draw_pixel(x, y, Ink::Colour(rgb(colour))))
+        };
+        fn LCDGetPixel(x: i32, y: i32) -> i32 = |robot, _| display::pixel(robot, x, y);
+        fn LCDLine(x1: i32, y1: i32, x2: i32, y2: i32, colour: i32) -> i32 = |robot, _| {
+            display::draw(robot, Call::LCDLine, |canvas| canvas.draw_line([x1, y1], [x2, y2], Ink::Colour(rgb(colour))))
+        };
+        fn LCDArea(x1: i32, y1: i32, x2: i32, y2: i32, colour: i32, fill: i32) -> i32 =
+            |robot, _| display::draw_area(robot, [x1, y1], [x2, y2], colour, fill != 0);
+        fn LCDCircle(x: i32, y: i32, radius: i32, colour: i32, fill: i32) -> i32 = |robot, _| {
+            let shape = if fill != 0 { Canvas::fill_circle } else { Canvas::draw_circle };
+            display::draw(robot, Call::LCDCircle, |canvas| shape(canvas, [x, y], radius, Ink::Colour(rgb(colour))))
+        };
+        fn LCDPixelInvert(x: i32, y: i32) -> i32 =
+            |robot, _| display::draw(robot, Call::LCDPixelInvert, |canvas| canvas.draw_pixel(x, y, Ink::Invert));
+        fn LCDLineInvert(x1: i32, y1: i32, x2: i32, y2: i32) -> i32 = |robot, _| {
+            display::draw(robot, Call::LCDLineInvert, |canvas| canvas.draw_line([x1, y1], [x2, y2], Ink::Invert))
+        };
+        fn LCDAreaInvert(x1: i32, y1: i32, x2: i32, y2: i32) -> i32 = |robot, _| {
+            display::draw(robot, Call::LCDAreaInvert, |canvas| canvas.fill_area([x1, y1], [x2, y2], Ink::Invert))
+        };
+        fn LCDCircleInvert(x: i32, y: i32, radius: i32) -> i32 = |robot, _| {
+            display::draw(robot, Call::LCDCircleInvert, |canvas| canvas.fill_circle([x, y], radius, Ink::Invert))
+        };
+        fn LCDImageSize(resolution: i32) -> i32 = |robot, _| display::set_resolution(robot, resolution);
+        fn LCDImageStart(x: i32, y: i32, width: i32, height: i32) -> i32 =
+            |robot, _| display::set_image(robot, [x, y], [width, height]);
+        fn LCDImage(width: i32, height: i32, image: Bytes<'_>) -> i32 =
+            |robot, _| display::show_colours(robot, [width, height], image);
+        fn LCDImageGray(width: i32, height: i32, image: Bytes<'_>) -> i32 =
+            |robot, _| display::show_grey(robot, [width, height], image);
+        fn LCDImageBinary(width: i32, height: i32, image: Bytes<'_>) -> i32 =
+            |robot, _| display::show_binary(robot, [width, height], image);
+        fn LCDRefresh() -> i32 = |robot, _| display::refresh(robot);
+    }
 
     // KEY.
+    act! {
+        fn KEYRead() -> i32 = |robot, _| key::read(robot);
+        fn KEYReadXY(x: &mut Out<i32>, y: &mut Out<i32>) -> i32 = |robot, _| key::read_place(robot, x, y);
+    }
+    wait! {
+        fn KEYGet() -> i32 = |robot, _| key::wait_for(robot, key::all_keys());
+        fn KEYWait(codes: i32) -> i32 = |robot, _| key::wait_for_one(robot, codes);
+        fn KEYGetXY(x: &mut Out<i32>, y: &mut Out<i32>) -> i32 = |robot, _| key::touched(robot, x, y);
+    }
 
     // CAM.
 

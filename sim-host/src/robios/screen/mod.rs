@@ -65,8 +65,6 @@ pub struct Screen {
     pub modes: Modes,
     /// Upper left corner of the next image.
     image_at: [i32; 2],
-    /// Columns and rows of the next image.
-    image_size: [usize; 2],
 }
 
 #[derive(Clone, Debug)]
@@ -96,7 +94,6 @@ impl Screen {
             paper: canvas::BLACK,
             modes: Modes::default(),
             image_at: [0, 0],
-            image_size: [320, 240],
         }
     }
 
@@ -185,6 +182,12 @@ impl Screen {
         [y.div_euclid(row), x.div_euclid(column)]
     }
 
+    /// How many rows and columns the whole display has, by the cells of the present size.
+    pub fn rows_and_columns(&self) -> [i32; 2] {
+        let [column, row] = self.font.size.cell().map(u16::from);
+        [(self.size[1] / row).into(), (self.size[0] / column).into()]
+    }
+
     /// Sets where the next character is written, by the cells of the present size.
     pub fn set_position(&mut self, row: i32, column: i32) {
         let [width, height] = self.font.size.cell().map(i32::from);
@@ -261,27 +264,22 @@ impl Screen {
         self.draw(|canvas| canvas.fill_area(from, to, Ink::Colour(colour)))
     }
 
-    /// Sets place and size of the next image.
-    pub fn set_image(&mut self, at: [i32; 2], size: [usize; 2]) {
-        (self.image_at, self.image_size) = (at, size);
+    /// Draws the edges of the rectangle between two corners.
+    pub fn draw_frame(&mut self, from: [i32; 2], to: [i32; 2], colour: Rgb) -> u32 {
+        self.draw(|canvas| canvas.draw_frame(from, to, Ink::Colour(colour)))
     }
 
-    /// Sets the size of the next image; it goes where the last one went.
-    pub fn set_image_size(&mut self, size: [usize; 2]) {
-        self.image_size = size;
+    /// Sets where the upper left corner of images goes.
+    pub fn set_image_place(&mut self, at: [i32; 2]) {
+        self.image_at = at;
     }
 
-    /// Columns and rows of the next image.
-    pub fn image_size(&self) -> [usize; 2] {
-        self.image_size
-    }
-
-    /// Shows an image; the text that it covers is gone. What it lacks of its size stays as it was.
-    pub fn show_image(&mut self, image: impl Iterator<Item = Rgb>) -> u32 {
-        let (at, [width, height]) = (self.image_at, self.image_size);
+    /// Shows an image of `width` x `height` pixels; the text that it covers is gone. What it lacks stays as it was.
+    pub fn show_image(&mut self, [width, height]: [usize; 2], image: impl Iterator<Item = Rgb>) -> u32 {
         if width == 0 || height == 0 {
             return 0;
         }
+        let at = self.image_at;
         let last = |at: i32, size: usize| at.saturating_add(i32::try_from(size - 1).unwrap_or(i32::MAX));
         self.face.page.cover(at, [last(at[0], width), last(at[1], height)]);
         self.draw(|canvas| canvas.show(at, width, image.take(width.saturating_mul(height))))

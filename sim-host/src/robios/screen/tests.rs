@@ -136,8 +136,8 @@ proptest! {
             screen.draw(|canvas| canvas.fill_circle([a, b], c, ink));
         }
         screen.fill_area([a, b], [c, d], RED);
-        screen.set_image([a, b], [c.unsigned_abs() as usize, d.unsigned_abs() as usize]);
-        screen.show_image(std::iter::repeat_n(BLUE, 5000));
+        screen.set_image_place([a, b]);
+        screen.show_image([c, d].map(|side| side.unsigned_abs() as usize), std::iter::repeat_n(BLUE, 5000));
         screen.set_menu_text(a as usize, &text);
         screen.lines();
         screen.picture();
@@ -263,19 +263,19 @@ fn what_covers_text_removes_it() {
     let mut screen = written("one\ntwo\nthree");
     screen.fill_area([319, 25], [0, 13], BLACK);
     assert_eq!(screen.lines(), ["one", "", "three", ""]);
-    screen.set_image([0, 26], [12, 13]);
-    assert_eq!(screen.show_image(std::iter::repeat(RED)), 12 * 13);
+    screen.set_image_place([0, 26]);
+    assert_eq!(screen.show_image([12, 13], std::iter::repeat(RED)), 12 * 13);
     assert_eq!(screen.lines(), ["one", "", "  ree", ""]);
 }
 
 #[test]
 fn images_go_where_they_are_told() {
     let mut screen = Screen::default();
-    screen.set_image([318, 238], [4, 3]);
-    assert_eq!(screen.show_image((0..12).map(|index| [index + 1, 0, 0])), 4, "what is outside is left out");
+    screen.set_image_place([318, 238]);
+    let image = (0..12).map(|index| [index + 1, 0, 0]);
+    assert_eq!(screen.show_image([4, 3], image), 4, "what is outside is left out");
     assert_eq!([screen.pixel(318, 238), screen.pixel(319, 239)], [[1, 0, 0], [6, 0, 0]]);
-    screen.set_image_size([2, 2]);
-    assert_eq!(screen.show_image([WHITE].into_iter()), 1, "an image that is too short");
+    assert_eq!(screen.show_image([2, 2], [WHITE].into_iter()), 1, "an image that is too short");
 }
 
 #[test]

@@ -1,0 +1,132 @@
+//! The colour display, keys and touches of RoBIOS-7, as a program in C sees them.
+
+use tests::Scratch;
+
+const FIELD: &str = "floor 2000 2000\n0 0 2000 0\n2000 0 2000 2000\n2000 2000 0 2000\n0 2000 0 0\n";
+const SIM: &str = "world field.wld\nS4 1000 1000 0 draw.c\n";
+
+/// A scene with a robot whose program is `body` of a `main` that returns 0.
+fn scene(body: &str) -> Scratch {
+    let scratch = Scratch::new();
+    scratch.write("field.wld", FIELD);
+    scratch.write("draw.sim", SIM);
+    scratch.write("draw.c", &format!("#include \"eyebot.h\"\n\nint main(void)\n{{\n{body}\n    return 0;\n}}\n"));
+    scratch
+}
+
+/// The rows of text that robot 1 shows at the end.
+fn rows(report: &serde_json::Value) -> Vec<String> {
+    let rows = report["robots"][0]["lcd"].as_array().expect("rows");
+    rows.iter().map(|row| row.as_str().expect("text").to_owned()).collect()
+}
+
+#[test]
+fn text_and_menu_are_reported() {
+    let scratch = scene(
+        "    int row, column, x, y;
+        LCDPrintf(\"one\\ntwo %d\\n\", 2);
+        LCDSetPrintf(4, 10, \"x=%.1f\", 1.5);
+        LCDGetPos(&row, &column);
+        LCDGetSize(&x, &y);
+        LCDSetPrintf(5, 0, \"%d %d %d %d\", row, column, x, y);
+        LCDMenu(\"GO\", \"\", \"\", \"END\");
+        LCDMenuI(2, \"BACK\", WHITE, RED);",
+    );
+    let report = scratch.report("draw.sim", &[], 0);
+    assert_eq!(
+        rows(&report),
+        ["one", "two 2", "", "", "          x=1.5", "4 15 320 240", "GO | BACK |  | END"]
+    );
+}
+
+#[test]
+fn every_function_draws_what_it_says() {
+    let scratch = scene(
+        "    static BYTE grey[160 * 120], colours[3 * 4], bits[4] = {0, 1, 2, 0};
+        int failures = 0;
+        #define EXPECT(x, y, col) if (LCDGetPixel(x, y) != (col)) LCDPrintf(\"%d: %06X\\n\", __LINE__, LCDGetPixel(x, y)), failures++
+        #define OK(call) if ((call) != 0) LCDPrintf(\"%d\\n\", __LINE__), failures++
+        #define BAD(call) if ((call) != 1) LCDPrintf(\"%d\\n\", __LINE__), failures++
+        OK(LCDPixel(200, 100, 0x123456)); EXPECT(200, 100, 0x123456); EXPECT(201, 100, BLACK);
+        OK(LCDPixelInvert(200, 100)); EXPECT(200, 100, 0xEDCBA9);
+        OK(LCDPixel(-1, 5, RED)); OK(LCDPixel(320, 240, RED)); EXPECT(320, 240, BLACK); EXPECT(-2147483647, 0, BLACK);
+        OK(LCDLine(210, 100, 220, 110, GREEN)); EXPECT(210, 100, GREEN); EXPECT(215, 105, GREEN); EXPECT(220, 110, GREEN);
+        OK(LCDLineInvert(210, 100, 220, 110)); EXPECT(215, 105, MAGENTA);
+        OK(LCDLine(-2147483647, 130, 2147483647, 130, NAVY)); EXPECT(0, 130, NAVY); EXPECT(319, 130, NAVY);
+        OK(LCDArea(240, 100, 250, 110, ORANGE, 1)); EXPECT(240, 100, ORANGE); EXPECT(250, 110, ORANGE); EXPECT(251, 110, BLACK);
+        OK(LCDArea(260, 100, 270, 110, ORANGE, 0)); EXPECT(260, 105, ORANGE); EXPECT(265, 105, BLACK); EXPECT(270, 110, ORANGE);
+        OK(LCDAreaInvert(240, 100, 242, 102)); EXPECT(241, 101, 0x005AFF);
+        OK(LCDCircle(290, 60, 10, CYAN, 0)); EXPECT(300, 60, CYAN); EXPECT(290, 50, CYAN); EXPECT(290, 60, BLACK); EXPECT(300, 50, BLACK);
+        OK(LCDCircle(290, 60, 4, SILVER, 1)); EXPECT(290, 60, SILVER); EXPECT(294, 60, SILVER); EXPECT(295, 60, BLACK);
+        OK(LCDCircleInvert(290, 60, 2)); EXPECT(290, 60, 0x3F3F3F); EXPECT(293, 60, SILVER);
+        OK(LCDCircle(0, 0, 2147483647, RED, 0)); OK(LCDCircle(5, 5, -1, RED, 1)); EXPECT(5, 5, BLACK);
+        colours[0] = 255; colours[10] = 255;
+        OK(LCDImageStart(200, 150, 2, 2)); OK(LCDImage(colours)); EXPECT(200, 150, RED); EXPECT(201, 151, GREEN); EXPECT(202, 150, BLACK);
+        OK(LCDImageStart(210, 150, 2, 2)); OK(LCDImageBinary(bits)); EXPECT(210, 150, WHITE); EXPECT(211, 150, BLACK); EXPECT(210, 151, BLACK); EXPECT(211, 151, WHITE);
+        memset(grey, 77, sizeof grey);
+        OK(LCDImageStart(-100, -100, 160, 120)); OK(LCDImageGray(grey)); EXPECT(59, 19, 0x4D4D4D); EXPECT(60, 19, BLACK);
+        OK(LCDImageSize(QQVGA)); OK(LCDImageGray(grey)); EXPECT(59, 19, 0x4D4D4D);
+        BAD(LCDImageSize(6)); BAD(LCDImageStart(0, 0, 0, 5)); BAD(LCDImageStart(0, 0, 2147483647, 2147483647)); BAD(LCDImage(0));
+        OK(LCDSetFont(TIMES, ITALICS)); BAD(LCDSetFont(3, 0)); BAD(LCDSetFont(0, -1)); OK(LCDSetFont(COURIER, NORMAL));
+        OK(LCDSetFontSize(24)); BAD(LCDSetFontSize(10)); OK(LCDSetFontSize(12));
+        OK(LCDSetColor(BLUE, YELLOW)); OK(LCDSetPos(12, 20)); OK(LCDPrintf(\" \")); EXPECT(120, 156, YELLOW);
+        OK(LCDSetColor(WHITE, BLACK)); OK(LCDSetMode(LCD_BGCOL_INVERSE)); OK(LCDSetPrintf(12, 20, \" \")); EXPECT(120, 156, WHITE);
+        OK(LCDSetMode(LCD_BGCOL_NOINVERSE)); OK(LCDRefresh());
+        BAD(LCDMenuI(0, \"x\", RED, RED)); BAD(LCDMenuI(5, \"x\", RED, RED)); OK(LCDMenuI(4, \"\", BLACK, TEAL)); EXPECT(310, 235, TEAL);
+        OK(LCDSetMode(LCD_HIDEMENU)); EXPECT(310, 235, BLACK);
+        OK(LCDSetPrintf(-5, 99, \"beside\")); OK(LCDSetPrintf(2147483647, -2147483647, \"beside\"));
+        OK(LCDClear()); EXPECT(200, 150, BLACK);
+        LCDPrintf(\"failures %d\", failures);",
+    );
+    scratch.write("draw.c", &scratch.read("draw.c").replace("#include \"eyebot.h\"", "#include <string.h>\n#include \"eyebot.h\""));
+    let ran = scratch.eyesim(&["run", "draw.sim", "--trace", "t.jsonl"]);
+    let texts: Vec<String> = scratch
+        .trace("t.jsonl")
+        .iter()
+        .filter(|line| line["event"] == "lcd_text")
+        .map(|line| line["text"].as_str().expect("text").trim().to_owned())
+        .filter(|text| !text.is_empty() && text != "beside")
+        .collect();
+    assert_eq!(texts, ["failures 0"], "{ran:#?}");
+}
+
+#[test]
+fn keys_and_touches_come_from_the_script() {
+    let scratch = scene(
+        "    int x = -1, y = -1;
+        LCDPrintf(\"read %d\\n\", KEYRead());
+        LCDPrintf(\"none %d %d %d\\n\", KEYReadXY(&x, &y), x, y);
+        LCDPrintf(\"get %d\\n\", KEYGet());
+        LCDPrintf(\"field %d\\n\", KEYGet());
+        LCDPrintf(\"xy %d\", KEYGetXY(&x, &y));
+        LCDPrintf(\" %d %d\\n\", x, y);
+        LCDPrintf(\"wait %d\\n\", KEYWait(KEY4));
+        LCDPrintf(\"any %d\\n\", KEYWait(ANYKEY));
+        KEYGetXY(&x, &y);
+        LCDPrintf(\"key as touch %d %d\\n\", x, y);
+        LCDPrintf(\"no key %d\\n\", KEYWait(0));",
+    );
+    let keys = "1:TOUCH(120,40), 2:KEY2, 3:TOUCH(319,239), 4:KEY1, 5:KEY4, 6:KEY3, 7:KEY1";
+    let report = scratch.report("draw.sim", &["--keys", keys], 0);
+    assert_eq!(
+        rows(&report)[..10],
+        [
+            "read 0",
+            "none 1 -1 -1",
+            "get 2",
+            "field 8",
+            "xy 0 120 40",
+            "wait 8",
+            "any 4",
+            "key as touch 40 224",
+            "no key -1",
+            ""
+        ]
+    );
+    let waits = scratch.eyesim(&["run", "draw.sim"]);
+    assert_eq!(waits.code, Some(1));
+    assert!(waits.stderr.contains("waits for any key"), "{waits:#?}");
+    let wrong = scratch.eyesim(&["run", "draw.sim", "--keys", "1:TOUCH(1)"]);
+    assert_eq!(wrong.code, Some(2));
+    assert!(wrong.stderr.contains("`TOUCH(1)` is no key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4` or `TOUCH(X,Y)`"));
+}
