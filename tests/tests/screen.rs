@@ -33,10 +33,7 @@ fn text_and_menu_are_reported() {
         LCDMenuI(2, \"BACK\", WHITE, RED);",
     );
     let report = scratch.report("draw.sim", &[], 0);
-    assert_eq!(
-        rows(&report),
-        ["one", "two 2", "", "", "          x=1.5", "4 15 320 240", "GO | BACK |  | END"]
-    );
+    assert_eq!(rows(&report), ["one", "two 2", "", "", "          x=1.5", "4 15 320 240", "GO | BACK |  | END"]);
 }
 
 #[test]
@@ -78,7 +75,10 @@ fn every_function_draws_what_it_says() {
         OK(LCDClear()); EXPECT(200, 150, BLACK);
         LCDPrintf(\"failures %d\", failures);",
     );
-    scratch.write("draw.c", &scratch.read("draw.c").replace("#include \"eyebot.h\"", "#include <string.h>\n#include \"eyebot.h\""));
+    scratch.write(
+        "draw.c",
+        &scratch.read("draw.c").replace("#include \"eyebot.h\"", "#include <string.h>\n#include \"eyebot.h\""),
+    );
     let ran = scratch.eyesim(&["run", "draw.sim", "--trace", "t.jsonl"]);
     let texts: Vec<String> = scratch
         .trace("t.jsonl")

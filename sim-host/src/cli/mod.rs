@@ -19,6 +19,7 @@ pub mod output;
 pub mod plot;
 pub mod progress;
 pub mod run;
+mod shot;
 pub mod table;
 
 /// A robot program failed.
@@ -51,6 +52,8 @@ enum Command {
     Explain(explain::ExplainArgs),
     /// Draw a sim, world, maze, robi or object file from above, to scale
     Plot(plot::PlotArgs),
+    /// Run a sim file and take a picture of a robot's display
+    Shot(Box<shot::ShotArgs>),
     /// Turn a scene, a world or a type into another form: .sim, .wld, .maz, .robi and .esObj to and from .toml
     Convert(convert::ConvertArgs),
     /// Print the JSON schema of scenes in TOML, from which editors complete
@@ -68,6 +71,7 @@ pub fn main() -> ExitCode {
         Command::Check(args) => check::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Plot(args) => plot::run(&args),
+        Command::Shot(args) => shot::run(*args),
         Command::Convert(args) => convert::run(&args),
         Command::Schema => convert::schema(),
         Command::Cc(args) => cc::run(&args),

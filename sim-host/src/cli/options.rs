@@ -144,7 +144,10 @@ fn give_arguments(scene: &mut SceneSpec, options: &[String]) -> anyhow::Result<(
 }
 
 /// The place of robot `robot` in the scene.
-fn index_of(scene: &SceneSpec, robot: u32) -> anyhow::Result<usize> {
+///
+/// # Errors
+/// There is none of that number.
+pub fn index_of(scene: &SceneSpec, robot: u32) -> anyhow::Result<usize> {
     let known = match scene.robots.len() {
         0 => "no robots".to_owned(),
         1 => "robot 1 alone".to_owned(),

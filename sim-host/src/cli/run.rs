@@ -114,6 +114,47 @@ pub enum Speed {
 /// # Errors
 /// Files or arguments that are wrong.
 pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
+    let Some(ran) = carry_out(args)? else { return Ok(ExitCode::from(EXIT_PROGRAM)) };
+    let written = ran.write_files(args);
+    print(&table::render(&ran.report, Screen::of_stdout()))?;
+    explain(&ran.options, &ran.report, &ran.ended);
+    written?;
+    Ok(exit_code(&ran.ended))
+}
+
+/// A run that is over.
+pub struct Ran {
+    /// What the command line and the scene said of it.
+    pub options: Options,
+    /// What was run.
+    pub scene: SceneSpec,
+    /// How it ended.
+    pub ended: Ended,
+    /// The same for people and programs.
+    pub report: Report,
+    trails: Option<Arc<Mutex<Trails>>>,
+}
+
+impl Ran {
+    /// Writes the report and the plot that the arguments ask for.
+    ///
+    /// # Errors
+    /// The first file that cannot be written; it keeps no other from being written.
+    pub fn write_files(&self, args: &RunArgs) -> anyhow::Result<()> {
+        let plot = args.plot.as_ref().zip(self.trails.as_ref());
+        let written = [
+            args.report.as_ref().map(|path| Ok(self.report.write(path)?)),
+            plot.map(|(path, trails)| write_plot(path, &self.scene, &trails.lock(), &self.ended)),
+        ];
+        written.into_iter().flatten().collect()
+    }
+}
+
+/// Reads, builds and runs what the arguments name; `None` if a program cannot be loaded, of which the user is told.
+///
+/// # Errors
+/// Files or arguments that are wrong.
+pub fn carry_out(args: &RunArgs) -> anyhow::Result<Option<Ran>> {
     expect_scene(&args.sim)?;
     let mut files = DiskFiles::of_environment();
     let mut loaded = load_scene_with(&files.name(&args.sim), args.seed, &files);
@@ -124,7 +165,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let options = Options::new(args, &mut loaded.scene)?;
     let missing = check::missing_programs(&loaded.scene, Severity::Error, &*check::finder(&files)?);
     tell(&missing, &loaded.inputs, args.strict)?;
-    simulate(args, &options, &files, &loaded)
+    simulate(args, options, &files, loaded)
 }
 
 /// Shows what is wrong with the scene, and refuses to run it if it is an error or, when `strict`, anything.
@@ -160,8 +201,8 @@ fn expect_scene(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Builds, loads and runs the scene, and writes what was asked for.
-fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loaded) -> anyhow::Result<ExitCode> {
+/// Builds, loads and runs the scene.
+fn simulate(args: &RunArgs, options: Options, files: &DiskFiles, loaded: Loaded) -> anyhow::Result<Option<Ran>> {
     let scene = &loaded.scene;
     if scene.robots.is_empty() {
         bail!("`{}` has no robots: there is nothing to run", args.sim.display());
@@ -183,7 +224,7 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
         Ok(loaded) => loaded,
         Err(error) => {
             eprintln!("error: {error:#}");
-            return Ok(ExitCode::from(EXIT_PROGRAM));
+            return Ok(None);
         }
     };
     let robot_options =
@@ -192,7 +233,7 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
 
     let until = options.until.unwrap_or(Time::from_seconds_ceil(DEFAULT_UNTIL));
     let mut progress = if args.verbose || args.quiet { Progress::hidden() } else { Progress::new(until) };
-    let Sinks { all, trails } = sinks(args, options, scene, &progress)?;
+    let Sinks { all, trails } = sinks(args, &options, scene, &progress)?;
     let limits = Limits {
         lanes: args.threads.map_or_else(processors, NonZeroUsize::get),
         until,
@@ -215,16 +256,8 @@ fn simulate(args: &RunArgs, options: &Options, files: &DiskFiles, loaded: &Loade
         .context("cannot start the robots")?;
     progress.clear();
 
-    let report = report(options, scene, &ended, inputs);
-    let written = [
-        args.report.as_ref().map(|path| Ok(report.write(path)?)),
-        args.plot.as_ref().zip(trails.as_ref()).map(|(path, trails)| write_plot(path, scene, &trails.lock(), &ended)),
-    ];
-    print(&table::render(&report, Screen::of_stdout()))?;
-    explain(options, &report, &ended);
-    // One file that cannot be written keeps no other from being written.
-    written.into_iter().flatten().collect::<anyhow::Result<()>>()?;
-    Ok(exit_code(&ended))
+    let report = report(&options, scene, &ended, inputs);
+    Ok(Some(Ran { options, scene: loaded.scene, ended, report, trails }))
 }
 
 /// Builds the programs of `scene`, and says on a terminal what takes so long.
@@ -238,7 +271,7 @@ fn build_programs(args: &RunArgs, scene: &SceneSpec, search: &SearchPath) -> any
 }
 
 /// Prints to standard output; a reader who has seen enough (`| head`) is no error.
-fn print(text: &str) -> anyhow::Result<()> {
+pub fn print(text: &str) -> anyhow::Result<()> {
     match std::io::stdout().lock().write_all(text.as_bytes()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error).context("standard output"),
         _ => Ok(()),
@@ -388,7 +421,7 @@ fn write_plot(path: &Path, scene: &SceneSpec, trails: &Trails, ended: &Ended) ->
 }
 
 /// Says on standard error why the run ended where the table alone does not.
-fn explain(options: &Options, report: &Report, ended: &Ended) {
+pub fn explain(options: &Options, report: &Report, ended: &Ended) {
     match &ended.end {
         End::Until if options.until.is_none() => {
             eprintln!(
@@ -431,7 +464,11 @@ fn parse_slot(text: &str) -> Result<Time, String> {
     Ok(slot)
 }
 
-fn parse_seconds(text: &str) -> Result<Time, String> {
+/// Simulated seconds of an option.
+///
+/// # Errors
+/// What is expected instead.
+pub fn parse_seconds(text: &str) -> Result<Time, String> {
     match text.parse::<f64>() {
         Ok(seconds) if seconds.is_finite() && (0.0..=1e9).contains(&seconds) => Ok(Time::from_seconds_ceil(seconds)),
         _ => Err("expected 0 to 1e9 seconds".into()),
