@@ -16,6 +16,7 @@ pub mod robios6;
 pub mod robios7;
 pub mod support;
 pub mod table;
+pub mod wire;
 
 pub use abi::*;
 pub use param::{ByteRoom, ByteSlice, Bytes, Callback, In, InOut, Out, OutBytes, OutInts, Text};

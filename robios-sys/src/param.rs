@@ -8,6 +8,7 @@ use std::ffi::c_void;
 use std::fmt::{self, Display, Formatter};
 
 use crate::abi::{Status, Stop};
+use crate::wire::{Malformed, NULL, Plain, Reader, Request, put_bytes};
 
 /// A kind of parameter: the type in the list of functions.
 pub trait Param {
@@ -40,10 +41,42 @@ pub trait Param {
     /// # Errors
     /// Those of the formatter.
     fn show(held: &Self::Held, f: &mut Formatter<'_>) -> fmt::Result;
+
+    /// In the program's process: appends to a request what the method needs of the argument.
+    fn send(held: &Self::Held, request: &mut Vec<u8>);
+
+    /// In the host: reads what [`send`](Self::send) has written.
+    ///
+    /// # Errors
+    /// [`Malformed`] if it is something else.
+    fn receive(request: &mut Request<'_>) -> Result<Self::Held, Malformed>;
+
+    /// In the host: appends to a reply what the method has set.
+    fn answer(held: &Self::Held, reply: &mut Vec<u8>) {
+        let _ = (held, reply);
+    }
+
+    /// In the program's process: reads what [`answer`](Self::answer) has written.
+    ///
+    /// # Errors
+    /// [`Malformed`] if it is something else.
+    fn hear(held: &mut Self::Held, reply: &mut Reader<'_>) -> Result<(), Malformed> {
+        let _ = (held, reply);
+        Ok(())
+    }
 }
 
 /// What a function returns.
 pub trait Return: Copy {
+    /// Appends the result to a reply.
+    fn answer(&self, reply: &mut Vec<u8>);
+
+    /// Reads the result from a reply.
+    ///
+    /// # Errors
+    /// [`Malformed`] if there are too few bytes.
+    fn hear(reply: &mut Reader<'_>) -> Result<Self, Malformed>;
+
     /// Writes the result as it is shown in a log of calls; nothing for `()`.
     ///
     /// # Errors
@@ -66,8 +99,20 @@ macro_rules! plain {
             fn show(held: &Self, f: &mut Formatter<'_>) -> fmt::Result {
                 held.fmt(f)
             }
+            fn send(held: &Self, request: &mut Vec<u8>) {
+                held.put(request);
+            }
+            fn receive(request: &mut Request<'_>) -> Result<Self, Malformed> {
+                request.arguments.get()
+            }
         }
         impl Return for $number {
+            fn answer(&self, reply: &mut Vec<u8>) {
+                self.put(reply);
+            }
+            fn hear(reply: &mut Reader<'_>) -> Result<Self, Malformed> {
+                reply.get()
+            }
             fn show(&self, f: &mut Formatter<'_>) -> fmt::Result {
                 self.fmt(f)
             }
@@ -77,6 +122,10 @@ macro_rules! plain {
 plain!(u8, i32, u32, i64, u64, f32, f64);
 
 impl Return for () {
+    fn answer(&self, _: &mut Vec<u8>) {}
+    fn hear(_: &mut Reader<'_>) -> Result<Self, Malformed> {
+        Ok(())
+    }
     fn show(&self, _: &mut Formatter<'_>) -> fmt::Result {
         Ok(())
     }
@@ -149,6 +198,12 @@ impl Param for Text {
             None => f.write_str("NULL"),
         }
     }
+    fn send(held: &Self::Held, request: &mut Vec<u8>) {
+        put_bytes(held.as_deref(), request);
+    }
+    fn receive(request: &mut Request<'_>) -> Result<Self::Held, Malformed> {
+        Ok(request.arguments.bytes()?.map(<[u8]>::to_vec))
+    }
 }
 
 /// Bytes with a length: across the ABI [`ByteSlice`], for the host `Option<&[u8]>`, `None` for a null pointer.
@@ -173,6 +228,12 @@ impl Param for Bytes {
             None => f.write_str("NULL"),
         }
     }
+    fn send(held: &Self::Held, request: &mut Vec<u8>) {
+        put_bytes(held.as_deref(), request);
+    }
+    fn receive(request: &mut Request<'_>) -> Result<Self::Held, Malformed> {
+        Ok(request.arguments.bytes()?.map(<[u8]>::to_vec))
+    }
 }
 
 /// A copy of a program's bytes.
@@ -191,7 +252,7 @@ unsafe fn copied(slice: ByteSlice) -> Option<Vec<u8>> {
 #[derive(Debug)]
 pub struct In<T>(std::marker::PhantomData<T>);
 
-impl<T: Copy + 'static> Param for In<T> {
+impl<T: Plain> Param for In<T> {
     type Abi = *const T;
     type Held = Option<T>;
     type View<'a> = Option<&'a T>;
@@ -206,6 +267,25 @@ impl<T: Copy + 'static> Param for In<T> {
     fn show(held: &Option<T>, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str(if held.is_some() { "..." } else { "NULL" })
     }
+    fn send(held: &Option<T>, request: &mut Vec<u8>) {
+        put_option(held.as_ref(), request);
+    }
+    fn receive(request: &mut Request<'_>) -> Result<Option<T>, Malformed> {
+        get_option(&mut request.arguments)
+    }
+}
+
+/// Appends whether there is a value, and the value.
+fn put_option<T: Plain>(value: Option<&T>, to: &mut Vec<u8>) {
+    to.push(u8::from(value.is_some()));
+    if let Some(value) = value {
+        value.put(to);
+    }
+}
+
+/// Reads what [`put_option`] has written.
+fn get_option<T: Plain>(from: &mut Reader<'_>) -> Result<Option<T>, Malformed> {
+    if from.get::<u8>()? == 0 { Ok(None) } else { from.get().map(Some) }
 }
 
 /// A pointer to exactly one `T` that is read and written: for the host `Option<&mut T>`.
@@ -214,7 +294,7 @@ impl<T: Copy + 'static> Param for In<T> {
 #[derive(Debug)]
 pub struct InOut<T>(std::marker::PhantomData<T>);
 
-impl<T: Copy + 'static> Param for InOut<T> {
+impl<T: Plain> Param for InOut<T> {
     type Abi = *mut T;
     type Held = Option<T>;
     type View<'a> = Option<&'a mut T>;
@@ -234,6 +314,22 @@ impl<T: Copy + 'static> Param for InOut<T> {
     }
     fn show(held: &Option<T>, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str(if held.is_some() { "..." } else { "NULL" })
+    }
+    fn send(held: &Option<T>, request: &mut Vec<u8>) {
+        put_option(held.as_ref(), request);
+    }
+    fn receive(request: &mut Request<'_>) -> Result<Option<T>, Malformed> {
+        get_option(&mut request.arguments)
+    }
+    fn answer(held: &Option<T>, reply: &mut Vec<u8>) {
+        put_option(held.as_ref(), reply);
+    }
+    fn hear(held: &mut Option<T>, reply: &mut Reader<'_>) -> Result<(), Malformed> {
+        // Only where there is a pointer to write to.
+        if let (Some(held), Some(value)) = (held.as_mut(), get_option(reply)?) {
+            *held = value;
+        }
+        Ok(())
     }
 }
 
@@ -273,7 +369,7 @@ impl<T> Out<T> {
     }
 }
 
-impl<T: Copy + ShowOut + 'static> Param for Out<T> {
+impl<T: Plain + ShowOut> Param for Out<T> {
     type Abi = *mut T;
     type Held = Self;
     type View<'a> = &'a mut Self;
@@ -299,6 +395,19 @@ impl<T: Copy + ShowOut + 'static> Param for Out<T> {
             }
             None => f.write_str("&?"),
         }
+    }
+    fn send(held: &Self, request: &mut Vec<u8>) {
+        request.push(u8::from(!held.is_null));
+    }
+    fn receive(request: &mut Request<'_>) -> Result<Self, Malformed> {
+        Ok(Self { is_null: request.arguments.get::<u8>()? == 0, value: None })
+    }
+    fn answer(held: &Self, reply: &mut Vec<u8>) {
+        put_option(held.value.as_ref(), reply);
+    }
+    fn hear(held: &mut Self, reply: &mut Reader<'_>) -> Result<(), Malformed> {
+        held.value = get_option(reply)?;
+        Ok(())
     }
 }
 
@@ -394,6 +503,30 @@ impl Param for OutBytes {
     fn show(held: &Self, f: &mut Formatter<'_>) -> fmt::Result {
         if held.is_null { f.write_str("NULL") } else { write!(f, "&\"{}\"", held.bytes.escape_ascii()) }
     }
+    fn send(held: &Self, request: &mut Vec<u8>) {
+        put_capacity((!held.is_null).then_some(held.capacity), request);
+    }
+    fn receive(request: &mut Request<'_>) -> Result<Self, Malformed> {
+        Ok(get_capacity(&mut request.arguments)?.map_or(Self::null(), Self::with_capacity))
+    }
+    fn answer(held: &Self, reply: &mut Vec<u8>) {
+        put_bytes(Some(&held.bytes), reply);
+    }
+    fn hear(held: &mut Self, reply: &mut Reader<'_>) -> Result<(), Malformed> {
+        held.set(reply.bytes()?.unwrap_or_default());
+        Ok(())
+    }
+}
+
+/// Appends how much fits; none for a null pointer.
+fn put_capacity(capacity: Option<usize>, to: &mut Vec<u8>) {
+    capacity.map_or(NULL, |capacity| u32::try_from(capacity).unwrap_or(NULL - 1).min(NULL - 1)).put(to);
+}
+
+/// Reads what [`put_capacity`] has written.
+fn get_capacity(from: &mut Reader<'_>) -> Result<Option<usize>, Malformed> {
+    let capacity: u32 = from.get()?;
+    Ok((capacity != NULL).then_some(capacity as usize))
 }
 
 /// Room for whole numbers: across the ABI [`ByteRoom`] with `len` numbers, the host gets `&mut OutInts` and
@@ -463,6 +596,22 @@ impl Param for OutInts {
     fn show(held: &Self, f: &mut Formatter<'_>) -> fmt::Result {
         if held.is_null { f.write_str("NULL") } else { write!(f, "&[{} numbers]", held.numbers.len()) }
     }
+    fn send(held: &Self, request: &mut Vec<u8>) {
+        put_capacity((!held.is_null).then_some(held.capacity), request);
+    }
+    fn receive(request: &mut Request<'_>) -> Result<Self, Malformed> {
+        Ok(get_capacity(&mut request.arguments)?.map_or(Self::null(), Self::with_capacity))
+    }
+    fn answer(held: &Self, reply: &mut Vec<u8>) {
+        (held.numbers.len() as u32).put(reply);
+        held.numbers.iter().for_each(|number| number.put(reply));
+    }
+    fn hear(held: &mut Self, reply: &mut Reader<'_>) -> Result<(), Malformed> {
+        let count: u32 = reply.get()?;
+        let numbers: Vec<i32> = (0..count).map(|_| reply.get()).collect::<Result<_, _>>()?;
+        held.set(&numbers);
+        Ok(())
+    }
 }
 
 /// A function of the program that the host calls later, on the robot's own thread and inside a call of the program.
@@ -515,6 +664,14 @@ impl Param for Callback {
     }
     fn show(held: &Self, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str(if held.code.is_some() { "function" } else { "NULL" })
+    }
+    fn send(held: &Self, request: &mut Vec<u8>) {
+        (held.code.map_or(0, |code| code as usize) as u64).put(request);
+        (held.data.expose_provenance() as u64).put(request);
+    }
+    fn receive(request: &mut Request<'_>) -> Result<Self, Malformed> {
+        let (code, data): (u64, u64) = (request.arguments.get()?, request.arguments.get()?);
+        Ok(if code == 0 { Self::NONE } else { (request.callback)(code, data) })
     }
 }
 

@@ -41,7 +41,7 @@ pub mod failure {
 
 crate::table::function_table! {
     /// Services for the language of a program: console, random numbers, virtual time, the program's end.
-    table SupportTable, trait Support, call SupportCall, version 1;
+    table SupportTable, trait Support, call SupportCall, number 0, version 1;
 
     family support "services for the program's language", source "our choice" {
         /// Writes to the console of the robot: stream 1 is standard output, 2 standard error.

@@ -133,7 +133,7 @@ pub(crate) fn guarded<H: CallContext, R>(
 /// ```text
 /// function_table! {
 ///     /// Doc of the table.
-///     table Table, trait Trait, call Call, version 1;
+///     table Table, trait Trait, call Call, number 6, version 1;
 ///     family VW "driving in metres and radians", source "RoBIOS 6 library, VW interface" {
 ///         /// Doc of the function: goes to rustdoc and to the C header.
 ///         fn VWDriveStraight(h: VWHandle, delta_m: Metre, v_mps: MetrePerSecond) -> i32 = -1;
@@ -143,11 +143,12 @@ pub(crate) fn guarded<H: CallContext, R>(
 /// }
 /// ```
 ///
+/// `number` is that of the list in messages of programs in other processes.
 /// The value behind `=` is the documented failure: what the trait's default method answers.
 macro_rules! function_table {
     (
         $(#[$table_attribute:meta])*
-        table $Table:ident, trait $Trait:ident, call $Call:ident, version $version:literal;
+        table $Table:ident, trait $Trait:ident, call $Call:ident, number $number:literal, version $version:literal;
         $(
             family $family:ident $title:literal, source $source:literal {
                 $(
@@ -193,6 +194,16 @@ macro_rules! function_table {
                     $($($name: thunk::$name::<H>,)*)*
                 }
             }
+
+            /// The table of a program in another process than its host: each entry sends the call on the `L` of the
+            /// calling thread and waits for the reply.
+            pub const fn remote<L: $crate::wire::Line>() -> Self {
+                Self {
+                    size: size_of::<Self>() as u32,
+                    version: Self::VERSION,
+                    $($($name: client::$name::<L>,)*)*
+                }
+            }
         }
 
         /// The host's side of the table: one method a function, named as in C.
@@ -233,6 +244,26 @@ macro_rules! function_table {
         }
 
         impl $Call {
+            /// The number of the list in messages of programs in other processes.
+            pub const TABLE: u32 = $number;
+
+            /// Carries out the call for a program in another process: reads the arguments from `request` and writes
+            /// outputs and result to `reply`, unless the status is `STOP`.
+            ///
+            /// # Errors
+            /// [`Malformed`](crate::wire::Malformed) if the arguments are not what the function takes; nothing is
+            /// called then.
+            pub fn serve<H: $Trait>(
+                self,
+                host: &H,
+                request: &mut $crate::wire::Request<'_>,
+                reply: &mut Vec<u8>,
+            ) -> Result<$crate::abi::Status, $crate::wire::Malformed> {
+                match self {
+                    $($(Self::$name => server::$name(host, request, reply),)*)*
+                }
+            }
+
             /// All functions, each at its [`index`](Self::index).
             pub const ALL: &'static [Self] = &[$($(Self::$name,)*)*];
 
@@ -279,12 +310,39 @@ macro_rules! function_table {
             }
         }
 
+        /// The host's methods, guarded and logged, on arguments from wherever.
+        #[allow(non_snake_case, reason = "the names of RoBIOS")]
+        #[allow(clippy::too_many_arguments, reason = "the functions of RoBIOS have as many")]
+        mod method {
+            use super::*;
+            use $crate::param::{Param, ShownArgument, ShownResult};
+            $($(
+                pub fn $name<H: $Trait>(
+                    host: &H,
+                    $($parameter: &mut <$kind as Param>::Held,)*
+                ) -> Result<$result, $crate::abi::Stop> {
+                    let outcome = $crate::table::guarded(host, stringify!($name), || {
+                        host.$name($(<$kind as Param>::view($parameter)),*)
+                    });
+                    if host.is_logging() {
+                        let shown = outcome.ok().map(ShownResult);
+                        host.log_call(&$crate::table::CallRecord {
+                            name: stringify!($name),
+                            arguments: &[$(&ShownArgument::<$kind>($parameter)),*],
+                            result: shown.as_ref().map(|shown| shown as &dyn ::std::fmt::Display),
+                        });
+                    }
+                    outcome
+                }
+            )*)*
+        }
+
         /// The C functions between the table and the trait.
         #[allow(non_snake_case, reason = "the names of RoBIOS")]
         #[allow(clippy::too_many_arguments, reason = "the functions of RoBIOS have as many")]
         mod thunk {
             use super::*;
-            use $crate::param::{Param, ShownArgument, ShownResult};
+            use $crate::param::Param;
             $($(
                 /// # Safety
                 /// `robot` is what the host has passed to the program's `run`; every other pointer is null or valid
@@ -298,18 +356,9 @@ macro_rules! function_table {
                     let Some(host) = (unsafe { H::from_context(robot) }) else { return $crate::abi::Status::STOP };
                     // SAFETY: the caller vouches for the pointers; the host's method does not run yet.
                     $(let mut $parameter = ($parameter, unsafe { <$kind as Param>::take($parameter) });)*
-                    let outcome = $crate::table::guarded(host, stringify!($name), || {
-                        host.$name($(<$kind as Param>::view(&mut $parameter.1)),*)
-                    });
-                    if host.is_logging() {
-                        let shown = outcome.ok().map(ShownResult);
-                        host.log_call(&$crate::table::CallRecord {
-                            name: stringify!($name),
-                            arguments: &[$(&ShownArgument::<$kind>(&$parameter.1)),*],
-                            result: shown.as_ref().map(|shown| shown as &dyn ::std::fmt::Display),
-                        });
-                    }
-                    let Ok(value) = outcome else { return $crate::abi::Status::STOP };
+                    let Ok(value) = method::$name(host, $(&mut $parameter.1),*) else {
+                        return $crate::abi::Status::STOP;
+                    };
                     // SAFETY: the caller vouches for the pointers; the host's method has returned.
                     $(unsafe { <$kind as Param>::give($parameter.0, $parameter.1) };)*
                     if !result.is_null() {
@@ -317,6 +366,70 @@ macro_rules! function_table {
                         unsafe { result.write(value) };
                     }
                     $crate::abi::Status::OK
+                }
+            )*)*
+        }
+
+        /// The C functions between the table and a line to a host in another process.
+        #[allow(non_snake_case, reason = "the names of RoBIOS")]
+        #[allow(clippy::too_many_arguments, reason = "the functions of RoBIOS have as many")]
+        mod client {
+            use super::*;
+            use $crate::param::{Param, Return};
+            use $crate::wire::{Line, Malformed, Reader};
+            $($(
+                /// # Safety
+                /// `context` is what was passed to the program's `run`; every other pointer is null or valid as its
+                /// kind says.
+                pub unsafe extern "C" fn $name<L: Line>(
+                    context: *mut ::std::ffi::c_void,
+                    $($parameter: <$kind as Param>::Abi,)*
+                    result: *mut $result,
+                ) -> $crate::abi::Status {
+                    // SAFETY: the caller vouches for `context`.
+                    let Some(line) = (unsafe { L::from_context(context) }) else { return $crate::abi::Status::STOP };
+                    // SAFETY: the caller vouches for the pointers.
+                    $(let mut $parameter = ($parameter, unsafe { <$kind as Param>::take($parameter) });)*
+                    let reply = line.exchange($Call::TABLE, $Call::$name as u32, |_request| {
+                        $(<$kind as Param>::send(&$parameter.1, _request);)*
+                    });
+                    let Ok(reply) = reply else { return $crate::abi::Status::STOP };
+                    let mut reply = Reader::new(&reply);
+                    let heard = (|| -> Result<$result, Malformed> {
+                        $(<$kind as Param>::hear(&mut $parameter.1, &mut reply)?;)*
+                        <$result as Return>::hear(&mut reply)
+                    })();
+                    let Ok(value) = heard else { return $crate::abi::Status::STOP };
+                    // SAFETY: the caller vouches for the pointers.
+                    $(unsafe { <$kind as Param>::give($parameter.0, $parameter.1) };)*
+                    if !result.is_null() {
+                        // SAFETY: not null, and the caller vouches for it.
+                        unsafe { result.write(value) };
+                    }
+                    $crate::abi::Status::OK
+                }
+            )*)*
+        }
+
+        /// The functions between a request of another process and the trait.
+        #[allow(non_snake_case, reason = "the names of RoBIOS")]
+        mod server {
+            use super::*;
+            use $crate::param::{Param, Return};
+            use $crate::wire::{Malformed, Request};
+            $($(
+                pub fn $name<H: $Trait>(
+                    host: &H,
+                    _request: &mut Request<'_>,
+                    reply: &mut Vec<u8>,
+                ) -> Result<$crate::abi::Status, Malformed> {
+                    $(let mut $parameter = <$kind as Param>::receive(_request)?;)*
+                    let Ok(value) = method::$name(host, $(&mut $parameter),*) else {
+                        return Ok($crate::abi::Status::STOP);
+                    };
+                    $(<$kind as Param>::answer(&$parameter, reply);)*
+                    Return::answer(&value, reply);
+                    Ok($crate::abi::Status::OK)
                 }
             )*)*
         }

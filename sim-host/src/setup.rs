@@ -1,6 +1,7 @@
 //! From a scene to a run that can start: finds, builds and loads the programs, makes world and robots.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
@@ -10,9 +11,12 @@ use sim_core::format::{PathRef, RobotSpec, SceneSpec, Span};
 use sim_core::time::Time;
 use sim_core::world::World;
 
+use crate::executive::process::Child;
+use crate::executive::process::serve::{Refusal, RemoteProgram};
+use crate::executive::program::{Exec, RobotProgram};
 use crate::program::build::Builder;
 use crate::program::find::{Found, SearchPath, find_program};
-use crate::program::load::{LoadError, LoadedProgram, Loader, check_mappings};
+use crate::program::load::{LoadError, Loader, OpenError, check_mappings};
 use crate::program::prepare::{Prepared, prepare};
 use crate::robios::Devices;
 use crate::robios::key::{Keys, Press};
@@ -82,20 +86,70 @@ impl Programs {
         self.of_robots.iter().flatten()
     }
 
-    /// Maps a private copy of its program for each robot that has one, with the arguments that its `main` gets.
+    /// Loads its program for each robot that has one, with the arguments that its `main` gets: as a private copy in this process, or
+    /// in a process of its own.
     ///
     /// # Errors
     /// The first program that cannot be loaded, or all of them if the kernel has no room.
-    pub fn load(&self, scene: &SceneSpec) -> anyhow::Result<Vec<Option<LoadedProgram>>> {
-        check_mappings(self.iter().map(|program| (&program.image, 1)), MAPPINGS_PER_FLOW)?;
+    pub fn load(&self, scene: &SceneSpec, exec: Exec) -> anyhow::Result<Vec<Option<RobotProgram>>> {
+        let copies = self.iter().filter(|_| exec == Exec::Thread).map(|program| (&program.image, 1));
+        check_mappings(copies, MAPPINGS_PER_FLOW)?;
         let mut loader = Loader::new().context("no folder to load programs from")?;
-        let mut load = |(robot, program): (&RobotSpec, &Option<Arc<Prepared>>)| {
-            let named = |error: LoadError| anyhow!("{} (`{}`): {error}", robot.id, robot.program_name());
-            program.as_ref().map(|program| loader.load(program, &robot.arguments).map_err(named)).transpose()
+        let named = |robot: &RobotSpec, error: LoadError| anyhow!("{} (`{}`): {error}", robot.id, robot.program_name());
+        // All processes start before the first one is waited for.
+        let mut loading = Vec::with_capacity(scene.robots.len());
+        for (robot, program) in scene.robots.iter().zip(&self.of_robots) {
+            let begun = program.as_ref().map(|program| match exec {
+                Exec::Thread => loader.load(program, &robot.arguments).map(RobotProgram::Thread).map(Loading::Done),
+                Exec::Process => Loading::begin(robot, program, &mut loader),
+            });
+            loading.push(begun.transpose().map_err(|error| named(robot, error))?);
+        }
+        let finish = |(robot, loading): (&RobotSpec, Option<Loading>)| {
+            loading.map(|loading| loading.finish(robot).map_err(|error| named(robot, error))).transpose()
         };
-        scene.robots.iter().zip(&self.of_robots).map(&mut load).collect()
+        scene.robots.iter().zip(loading).map(finish).collect()
     }
 }
+
+/// A program on its way.
+enum Loading {
+    Done(RobotProgram),
+    /// The process, its program, and the file from which it loads it.
+    InProcess(Box<Child>, Arc<Prepared>, PathBuf),
+}
+
+impl Loading {
+    fn begin(robot: &RobotSpec, program: &Arc<Prepared>, loader: &mut Loader) -> Result<Self, LoadError> {
+        let library = loader.library(program, &robot.arguments)?;
+        let name = format!("{} {}", robot.id, program.name);
+        let child = Child::command(&name, &library).and_then(Child::start);
+        let child = child.map_err(|error| LoadError::Process {
+            path: program.image.path().to_owned(),
+            what: format!("{error} ({PROCESS_HINT})"),
+        })?;
+        Ok(Self::InProcess(Box::new(child), Arc::clone(program), library))
+    }
+
+    fn finish(self, robot: &RobotSpec) -> Result<RobotProgram, LoadError> {
+        let (child, program, library) = match self {
+            Self::Done(program) => return Ok(program),
+            Self::InProcess(child, program, library) => (child, program, library),
+        };
+        let path = program.image.path().to_owned();
+        RemoteProgram::new(*child, program, &robot.arguments).map(RobotProgram::Process).map_err(
+            |refusal| match refusal {
+                Refusal::Linker(what) => OpenError::Linker(what).of(&path, &library),
+                Refusal::Misfit(what) => OpenError::Misfit(what).of(&path, &library),
+                Refusal::Broken(what) => LoadError::Process { path, what },
+            },
+        )
+    }
+}
+
+/// What limits the number of processes.
+const PROCESS_HINT: &str =
+    "each robot takes a process of two threads, and in eyesim a thread and a file: see `ulimit -u` and `ulimit -n`";
 
 /// Names a program of a scene from the command line, where a file has no place.
 pub fn program_of_command_line(name: &str) -> PathRef {

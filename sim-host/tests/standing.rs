@@ -6,6 +6,7 @@ use std::process::Command;
 use sim_core::format::{Loaded, SceneSpec, load_scene};
 use sim_core::time::Time;
 use sim_host::executive::conductor::End;
+use sim_host::executive::program::Exec;
 use sim_host::executive::run::{Ended, Limits, Parts, Run};
 use sim_host::executive::thread::ThreadExecutor;
 use sim_host::files::DiskFiles;
@@ -67,7 +68,7 @@ fn run(folder: &Path, scene: &SceneSpec, lanes: usize) -> Ended {
     let cache = Cache::open(&Path::new(env!("CARGO_TARGET_TMPDIR")).join("standing-cache")).expect("a cache");
     let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
     let programs = Programs::build(scene, &search, &builder).unwrap_or_else(|error| panic!("{error:#}"));
-    let loaded = programs.load(scene).unwrap_or_else(|error| panic!("{error:#}"));
+    let loaded = programs.load(scene, Exec::Thread).unwrap_or_else(|error| panic!("{error:#}"));
     let slot = Time::from_millis(50);
     let options = RobotOptions { seed: 0, slot, keys: &[], is_verbose: false };
     let (world, robots) = build_world(scene, &programs, &options).unwrap_or_else(|error| panic!("{error:#}"));

@@ -8,7 +8,7 @@ use crate::table::function_table;
 
 function_table! {
     /// The RoBIOS 6 functions as a program's library gets them.
-    table Robios6Table, trait Robios6, call Robios6Call, version 1;
+    table Robios6Table, trait Robios6, call Robios6Call, number 6, version 1;
 
     family OS "the machine, its errors and variables", source "RoBIOS 6 library, system functions" {
         /// Version of RoBIOS as text, such as `6.5`.

@@ -11,6 +11,7 @@ pub use function::{Robios6, Robios6Call, Robios6Table};
 use std::fmt::{self, Formatter};
 
 use crate::param::ShowOut;
+use crate::wire::Plain;
 
 /// `BYTE`: an unsigned 8-bit number.
 pub type Byte = u8;
@@ -172,5 +173,27 @@ pub struct HDTEntry {
 impl ShowOut for HDTEntry {
     fn show_out(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(f, "{{{}, {}, \"{}\"}}", self.type_id, self.semantics, self.name.escape_ascii())
+    }
+}
+
+macro_rules! plain {
+    ($($kind:ty),*) => {$(
+        // SAFETY: `repr(C)` of numbers whose sizes leave no gap, see the test below.
+        unsafe impl Plain for $kind {}
+    )*};
+}
+plain!(PositionType, SpeedType, RadioIOParameters, RadioStatus, HDTEntry);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn structs_that_cross_to_another_process_have_no_padding() {
+        assert_eq!(size_of::<PositionType>(), 3 * 4);
+        assert_eq!(size_of::<SpeedType>(), 2 * 4);
+        assert_eq!(size_of::<RadioIOParameters>(), 6 * 4);
+        assert_eq!(size_of::<RadioStatus>(), 4 * 4);
+        assert_eq!(size_of::<HDTEntry>(), 2 * 4 + 16);
     }
 }

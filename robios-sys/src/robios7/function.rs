@@ -9,7 +9,7 @@ use crate::table::function_table;
 
 function_table! {
     /// The RoBIOS-7 functions as a program's library gets them.
-    table Robios7Table, trait Robios7, call Robios7Call, version 1;
+    table Robios7Table, trait Robios7, call Robios7Call, number 7, version 1;
 
     family LCD "the colour display", source "RoBIOS-7 library, LCD output" {
         /// Prints as printf does, at the cursor. Returns 0.

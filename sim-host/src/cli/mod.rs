@@ -9,6 +9,7 @@ use clap::{Parser, Subcommand};
 
 pub mod cc;
 pub mod check;
+pub mod child;
 pub mod convert;
 pub mod diagnostic;
 pub mod excerpt;
@@ -60,6 +61,9 @@ enum Command {
     Schema,
     /// Build a robot program from C sources by hand
     Cc(cc::CcArgs),
+    /// A robot's process of `eyesim run --exec process`
+    #[command(hide = true)]
+    Child(child::ChildArgs),
     /// Write a new robot program with a robi, a world and a sim that run at once
     New(new::NewArgs),
 }
@@ -75,6 +79,7 @@ pub fn main() -> ExitCode {
         Command::Convert(args) => convert::run(&args),
         Command::Schema => convert::schema(),
         Command::Cc(args) => cc::run(&args),
+        Command::Child(args) => child::run(&args),
         Command::New(args) => new::run(&args),
     };
     result.unwrap_or_else(|error| {

@@ -25,6 +25,7 @@ use super::progress::{Building, Counts, Progress};
 use super::table::{self, Screen};
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM, EXIT_USAGE, check};
 use crate::executive::conductor::End;
+use crate::executive::program::Exec;
 use crate::executive::run::{Ended, Limits, Parts, RobotEnd, Run};
 use crate::executive::thread::ThreadExecutor;
 use crate::files::DiskFiles;
@@ -65,6 +66,9 @@ pub struct RunArgs {
     /// Robots that run at one time [default: one for each processor]
     #[arg(long, value_name = "NUMBER")]
     pub threads: Option<NonZeroUsize>,
+    /// Where programs run: on threads of this process, or each in a process of its own, where a fault ends its robot alone
+    #[arg(long, value_name = "WHERE", value_enum, default_value_t = Exec::Thread)]
+    pub exec: Exec,
     /// Simulated seconds at which the run ends [default: that of the scene, else 600]
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_hyphen_values = true)]
     pub until: Option<Time>,
@@ -220,7 +224,7 @@ fn simulate(args: &RunArgs, options: Options, files: &DiskFiles, loaded: Loaded)
     if programs.iter().next().is_none() {
         eprintln!("no robot has a program, so no time passes: `--program FILE` gives them one");
     }
-    let loaded_programs = match programs.load(scene) {
+    let loaded_programs = match programs.load(scene, args.exec) {
         Ok(loaded) => loaded,
         Err(error) => {
             eprintln!("error: {error:#}");

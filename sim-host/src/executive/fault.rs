@@ -1,6 +1,6 @@
 //! What is known of a robot program that broke, in words.
 
-use super::signal::{Fault, OVERDUE_SIGNAL, ThreadBlock};
+use super::signal::{Fault, OVERDUE_SIGNAL};
 
 /// A flow that will never run again, and why.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,22 +11,22 @@ pub struct Broken {
     pub is_overdue: bool,
     /// Number of the last RoBIOS call, `u16::MAX` before the first.
     pub last_call: u16,
+    /// The place in words, where the program itself has told it.
+    pub place: String,
     /// Program counter at the break, then what look like return addresses, innermost first.
     pub addresses: Vec<usize>,
 }
 
 /// How far from the stack pointer return addresses are looked for, in words.
-const SEARCH: usize = 4096;
+pub(super) const SEARCH: usize = 4096;
 
 /// Below the stack lies a guard page; a fault this near to it is an overflow.
 const GUARD: usize = 64 << 10;
 
 impl Broken {
-    /// The words for `fault` of the thread that `block` belongs to, which is parked.
-    pub(super) fn new(fault: Fault, block: &ThreadBlock) -> Self {
-        use std::sync::atomic::Ordering::Relaxed;
-        let [low, high] = [block.stack[0].load(Relaxed), block.stack[1].load(Relaxed)];
-        let near_guard = (low.saturating_sub(GUARD)..low + GUARD).contains(&fault.address);
+    /// The words for `fault` of a thread with these bounds of its stack, and with these words on it from the stack pointer on.
+    pub(super) fn new(fault: Fault, [low, _]: [usize; 2], last_call: u16, stack_words: Vec<usize>) -> Self {
+        let near_guard = low > 0 && (low.saturating_sub(GUARD)..low + GUARD).contains(&fault.address);
         let what = match fault.signal {
             OVERDUE_SIGNAL => "no RoBIOS call returned in time".into(),
             libc::SIGSEGV | libc::SIGBUS if near_guard => "stack overflow".into(),
@@ -39,13 +39,13 @@ impl Broken {
             other => format!("signal {other}"),
         };
         let mut addresses = vec![fault.pc];
-        addresses.extend(stack_words(fault.sp, low, high));
-        Self { what, is_overdue: fault.signal == OVERDUE_SIGNAL, last_call: block.last_call.load(Relaxed), addresses }
+        addresses.extend(stack_words);
+        Self { what, is_overdue: fault.signal == OVERDUE_SIGNAL, last_call, place: String::new(), addresses }
     }
 }
 
 /// The words on a parked thread's stack from `sp` on, as far as the search goes.
-fn stack_words(sp: usize, low: usize, high: usize) -> Vec<usize> {
+pub(super) fn stack_words(sp: usize, [low, high]: [usize; 2]) -> Vec<usize> {
     let sp = sp.next_multiple_of(align_of::<usize>());
     if sp < low || sp >= high {
         return Vec::new();

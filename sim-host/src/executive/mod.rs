@@ -1,18 +1,22 @@
 //! Executing robot programs: who runs when, on what, and what happens when one breaks.
 //!
 //! [`Executor`] is the seam: how a robot's flow of control is run, suspended and resumed. [`thread`] fills it with one OS
-//! thread a robot; a process or a fiber a robot fit behind it too. Above the seam nothing knows which:
+//! thread a robot, which serves the robot's [`process`] where it has one; a fiber a robot fits behind it too. Above the seam nothing knows which:
 //! [`conductor`] is the slot loop that decides who runs, [`run`] starts and supervises a whole run. Below it, [`signal`]
 //! and [`watchdog`] catch programs that fault or never return.
 
 pub mod bell;
 pub mod conductor;
 pub mod fault;
+pub mod process;
+pub mod program;
 pub mod run;
 pub mod signal;
 pub mod standing;
 pub mod thread;
 pub mod watchdog;
+
+use std::sync::Arc;
 
 use robios_sys::{Callback, Stop};
 use sim_core::RobotId;
@@ -23,11 +27,17 @@ use crate::robios::caller::Call;
 ///
 /// A flow starts suspended. Exactly the flows that the conductor resumed and that have not suspended themselves since run.
 pub trait Executor: Send + Sync {
-    /// Creates the robot's flow, suspended; `flow` returns when the robot's program has ended.
+    /// Creates the robot's flow, suspended; `flow` returns when the robot's program has ended. `child` is the process that the
+    /// flow serves, where its program has one of its own.
     ///
     /// # Errors
     /// When the system has no room for another flow.
-    fn start(&self, robot: RobotId, flow: Box<dyn FnOnce() + Send>) -> std::io::Result<()>;
+    fn start(
+        &self,
+        robot: RobotId,
+        child: Option<Arc<process::Child>>,
+        flow: Box<dyn FnOnce() + Send>,
+    ) -> std::io::Result<()>;
 
     /// Lets the robot's flow go on, in `lane`: the flows of one lane run one after the other, so they are best kept on one
     /// processor. Called once for each time that the flow suspended itself or was created.

@@ -15,9 +15,9 @@ use super::Executor;
 use super::bell::Bell;
 use super::conductor::{Conductor, End, HandOver, Plan};
 use super::fault::Broken;
+use super::program::RobotProgram;
 use super::standing::{Finish, Standing};
 use super::{signal, standing, watchdog};
-use crate::program::load::LoadedProgram;
 use crate::record::{Digest, Outcome, Recorder};
 use crate::robios::caller::{Call, Caller};
 use crate::robios::cost::Costs;
@@ -33,6 +33,8 @@ pub struct Run {
     with_program: Vec<RobotId>,
     conductor: Mutex<Conductor>,
     executor: Box<dyn Executor>,
+    /// Robots whose processes broke, and how: nobody else is harmed.
+    lost: Mutex<Vec<(RobotId, Broken)>>,
     costs: Costs,
     bell: Bell,
     /// Bounds of the present slot in microseconds: a copy that calls read without the world's lock.
@@ -49,7 +51,7 @@ pub struct Parts {
     /// All robots, in the order of their ids.
     pub robots: Vec<Robot>,
     /// Their programs, in the same order; none for a robot that only stands there.
-    pub programs: Vec<Option<LoadedProgram>>,
+    pub programs: Vec<Option<RobotProgram>>,
     /// How flows are run.
     pub executor: Box<dyn Executor>,
     /// What calls cost.
@@ -142,6 +144,7 @@ impl Run {
             with_program,
             conductor: Mutex::new(Conductor::new(&plan, parts.recorder)),
             executor: parts.executor,
+            lost: Mutex::default(),
             costs: parts.costs,
             bell,
             is_stopping: AtomicBool::new(false),
@@ -150,16 +153,21 @@ impl Run {
         for (index, program) in programs.iter().enumerate() {
             let Some(program) = program else { continue };
             let (id, run, program) = (RobotId::from_index(index), Arc::clone(&run), Arc::clone(program));
-            Arc::clone(&run).executor.start(id, Box::new(move || run.live(id, &program)))?;
+            let child = program.child().cloned();
+            Arc::clone(&run).executor.start(id, child, Box::new(move || run.live(id, &program)))?;
         }
         let hand_over = run.conductor.lock().begin(&run);
         run.resume(&hand_over);
-        let broken = run.supervise(limits, &mut watch);
+        let mut broken = run.supervise(limits, &mut watch);
         // Nothing of a broken process runs on: another program may wait for a lock that the broken one holds.
         if broken.is_empty() {
             run.stop_all();
         }
-        Ok(run.conclude(&programs, &broken, start))
+        broken.append(&mut run.lost.lock());
+        let ended = run.conclude(&programs, &broken, start);
+        let deadline = Instant::now() + LEAVE;
+        programs.iter().flatten().for_each(|program| program.end(deadline));
+        Ok(ended)
     }
 
     /// The state of robot `id`.
@@ -233,11 +241,19 @@ impl Run {
     }
 
     /// The life of a robot's flow.
-    fn live(self: Arc<Self>, id: RobotId, program: &LoadedProgram) {
+    fn live(self: Arc<Self>, id: RobotId, program: &RobotProgram) {
         self.executor.suspend(id);
         if !self.is_stopping() {
-            let code = program.run(&Caller::new(Arc::clone(&self), id));
-            let ending = if self.is_stopping() { Ending::Stopped } else { Ending::Exited { code } };
+            let ending = match program.run(&Caller::new(Arc::clone(&self), id)) {
+                Err(broken) if !program.child().is_some_and(|child| child.is_ending()) => {
+                    let ending = Ending::broken(&broken);
+                    self.lost.lock().push((id, broken));
+                    ending
+                }
+                _ if self.is_stopping() => Ending::Stopped,
+                Ok(code) => Ending::Exited { code },
+                Err(_) => Ending::Stopped,
+            };
             self.robot(id).ending.get_or_insert(ending);
         }
         if self.is_stopping() {
@@ -313,7 +329,7 @@ impl Run {
     }
 
     /// What the run has come to, once nobody runs any more.
-    fn conclude(&self, programs: &[Option<Arc<LoadedProgram>>], broken: &[(RobotId, Broken)], start: Instant) -> Ended {
+    fn conclude(&self, programs: &[Option<Arc<RobotProgram>>], broken: &[(RobotId, Broken)], start: Instant) -> Ended {
         let mut conductor = self.conductor.lock();
         let time = conductor.time(&self.world.read());
         let end = conductor.take_end();

@@ -30,7 +30,12 @@ pub struct ThreadBlock {
     fault_pc: AtomicUsize,
     fault_sp: AtomicUsize,
     faulted: AtomicBool,
+    /// What takes a fault instead of parking the thread; async-signal-safe.
+    report: Option<Report>,
 }
+
+/// Takes a fault of the thread that the block belongs to, on whose alternate stack it runs; a return lets the thread go on.
+pub type Report = fn(&ThreadBlock, Fault);
 
 /// A fault as the kernel reported it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,11 +81,17 @@ impl Default for ThreadBlock {
             fault_pc: AtomicUsize::new(0),
             fault_sp: AtomicUsize::new(0),
             faulted: AtomicBool::new(false),
+            report: None,
         }
     }
 }
 
 impl ThreadBlock {
+    /// A block whose faults are handed to `report`.
+    pub fn reporting(report: Report) -> Self {
+        Self { report: Some(report), ..Self::default() }
+    }
+
     /// The fault that parked this thread.
     pub fn fault(&self) -> Option<Fault> {
         self.faulted.load(Ordering::Acquire).then(|| Fault {
@@ -121,6 +132,11 @@ impl ThreadBlock {
         }
     }
 
+    /// Lowest and highest address of the thread's stack.
+    pub fn stack_bounds(&self) -> [usize; 2] {
+        [self.stack[0].load(Ordering::Relaxed), self.stack[1].load(Ordering::Relaxed)]
+    }
+
     /// Bytes of stack left below the caller's frame; `usize::MAX` where the bounds are unknown.
     pub fn stack_left(&self) -> usize {
         let here = 0u8;
@@ -151,12 +167,38 @@ impl ThreadBlock {
 pub fn install(bell: &bell::Bell) -> io::Result<()> {
     BELL.store(bell.raw(), Ordering::Release);
     INTERRUPTED.store(false, Ordering::Release);
-    for signal in FAULT_SIGNALS {
-        set_handler(signal, on_fault as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK)?;
-    }
-    set_handler(OVERDUE_SIGNAL, on_fault as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK)?;
+    catch_faults()?;
     for signal in [libc::SIGINT, libc::SIGTERM] {
         set_handler(signal, on_interrupt as *const () as usize, libc::SA_RESTART)?;
+    }
+    Ok(())
+}
+
+/// In a robot's own process: catches faults of the threads whose blocks [report](ThreadBlock::reporting) them; what ends the host is
+/// the host's to hear.
+///
+/// # Errors
+/// When the kernel refuses a handler.
+pub fn install_in_child() -> io::Result<()> {
+    catch_faults()?;
+    for signal in [libc::SIGINT, libc::SIGTERM, libc::SIGHUP, libc::SIGQUIT] {
+        set_handler(signal, libc::SIG_IGN, 0)?;
+    }
+    Ok(())
+}
+
+/// Lets `signal` do to this process what it does by default; returns only if that is nothing. Async-signal-safe.
+pub fn default_action(signal: i32) {
+    // SAFETY: signal and raise are async-signal-safe.
+    unsafe {
+        libc::signal(signal, libc::SIG_DFL);
+        libc::raise(signal);
+    }
+}
+
+fn catch_faults() -> io::Result<()> {
+    for signal in FAULT_SIGNALS.into_iter().chain([OVERDUE_SIGNAL]) {
+        set_handler(signal, on_fault as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK)?;
     }
     Ok(())
 }
@@ -183,21 +225,23 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
     if block.is_null() {
         // SAFETY: neither call takes a pointer, and both always succeed.
         let is_first_thread = unsafe { libc::gettid() == libc::getpid() };
-        if signal != OVERDUE_SIGNAL && !is_first_thread {
+        if signal != OVERDUE_SIGNAL && !is_first_thread && BELL.load(Ordering::Relaxed) >= 0 {
             end_with_foreign_fault();
         }
         if signal != OVERDUE_SIGNAL {
             // The host's own fault: let the default action show it when the instruction is tried again.
-            // SAFETY: signal and raise are async-signal-safe.
-            unsafe {
-                libc::signal(signal, libc::SIG_DFL);
-                libc::raise(signal);
-            }
+            default_action(signal);
         }
         return;
     }
     // SAFETY: the block is 'static (see `adopt_current_thread`).
     let block = unsafe { &*block };
+    if let Some(report) = block.report {
+        // SAFETY: `info` and `context` are what the kernel passed to this SA_SIGINFO handler.
+        let (address, (pc, sp)) = unsafe { ((*info).si_addr() as usize, registers(context)) };
+        report(block, Fault { signal, address, pc, sp });
+        return;
+    }
     if signal == OVERDUE_SIGNAL && block.in_host.load(Ordering::Relaxed) {
         block.overdue.store(true, Ordering::Relaxed);
         return;

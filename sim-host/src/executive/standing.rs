@@ -4,7 +4,7 @@ use sim_core::time::Time;
 
 use super::conductor::End;
 use super::fault::Broken;
-use crate::program::load::LoadedProgram;
+use super::program::RobotProgram;
 use crate::record::Outcome;
 use crate::robios::caller::Call;
 use crate::robios::robot::{Ending, Robot, Waiting, Waits};
@@ -49,7 +49,7 @@ pub struct Finish<'a> {
 }
 
 /// How the program of `robot` stands, given how the run finished and whether its flow broke.
-pub fn judge(robot: &mut Robot, finish: &Finish<'_>, broken: Option<&Broken>, program: &LoadedProgram) -> Standing {
+pub fn judge(robot: &mut Robot, finish: &Finish<'_>, broken: Option<&Broken>, program: &RobotProgram) -> Standing {
     let standing = |outcome, reason| Standing { outcome, reason, exit_code: None, fault: None };
     if let Some(broken) = broken {
         let place = place(broken, program);
@@ -76,7 +76,7 @@ pub fn judge(robot: &mut Robot, finish: &Finish<'_>, broken: Option<&Broken>, pr
 }
 
 /// `waits for KEY4 since 2.310 s at maze.c:88 (try --keys "3:KEY4")`.
-fn wait_in_words(robot: &mut Robot, waiting: &Waiting, program: &LoadedProgram, finish: &Finish<'_>) -> String {
+fn wait_in_words(robot: &mut Robot, waiting: &Waiting, program: &RobotProgram, finish: &Finish<'_>) -> String {
     let Waiting { waits_for, since, .. } = waiting;
     let place = program.call_site().map(|site| format!(" at {site}")).unwrap_or_default();
     let advice = match waits_for {
@@ -92,14 +92,14 @@ fn wait_in_words(robot: &mut Robot, waiting: &Waiting, program: &LoadedProgram, 
     format!("waits for {waits_for} since {since}{place}{advice}")
 }
 
-fn place(broken: &Broken, program: &LoadedProgram) -> Place {
-    let location = program.own_source_line(&broken.addresses);
+fn place(broken: &Broken, program: &RobotProgram) -> Place {
+    let location = if broken.place.is_empty() {
+        program.own_source_line(&broken.addresses).map(|line| line.to_string()).unwrap_or_default()
+    } else {
+        broken.place.clone()
+    };
     let last_call = Call::of_robios_number(broken.last_call).map_or("", Call::name);
-    Place {
-        what: broken.what.clone(),
-        location: location.map(|location| location.to_string()).unwrap_or_default(),
-        last_call,
-    }
+    Place { what: broken.what.clone(), location, last_call }
 }
 
 impl std::fmt::Display for Place {

@@ -2,7 +2,7 @@
 
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::sync::{OnceLock, mpsc};
+use std::sync::{Arc, OnceLock, mpsc};
 use std::thread::{self, Thread};
 
 use parking_lot::Mutex;
@@ -11,12 +11,14 @@ use sim_core::RobotId;
 
 use super::Executor;
 use super::fault::Broken;
+use super::fault::stack_words;
+use super::process::Child;
 use super::signal::{self, ThreadBlock};
-use super::watchdog::Watch;
+use super::watchdog::{Look, Watch};
 use crate::robios::caller::Call;
 
 /// Stack of a robot's thread, in bytes of address space; memory is used as the program touches it.
-const STACK: usize = 8 << 20;
+pub(super) const STACK: usize = 8 << 20;
 
 /// Stack that a RoBIOS call may need, the slot loop included: below it the program has overflowed.
 const RESERVE: usize = 128 << 10;
@@ -35,6 +37,8 @@ struct RobotThread {
     lane: AtomicU32,
     go: AtomicBool,
     thread: OnceLock<Thread>,
+    /// The process that the thread serves.
+    child: OnceLock<Arc<Child>>,
     watch: Mutex<Watch>,
 }
 
@@ -50,6 +54,7 @@ impl ThreadExecutor {
             lane: AtomicU32::new(u32::MAX),
             go: AtomicBool::new(false),
             thread: OnceLock::new(),
+            child: OnceLock::new(),
             watch: Mutex::default(),
         };
         let processors = if flows > lanes { processors(lanes) } else { Vec::new() };
@@ -62,7 +67,10 @@ impl ThreadExecutor {
 }
 
 impl Executor for ThreadExecutor {
-    fn start(&self, robot: RobotId, flow: Box<dyn FnOnce() + Send>) -> io::Result<()> {
+    fn start(&self, robot: RobotId, child: Option<Arc<Child>>, flow: Box<dyn FnOnce() + Send>) -> io::Result<()> {
+        if let Some(child) = child {
+            let _ = self.robot(robot).child.set(child);
+        }
         let block = self.robot(robot).block;
         let (adopted, adoption) = mpsc::sync_channel(1);
         let handle = thread::Builder::new().name(robot.to_string()).stack_size(STACK).spawn(move || {
@@ -85,6 +93,9 @@ impl Executor for ThreadExecutor {
             && robot.lane.swap(lane, Ordering::Relaxed) != lane
         {
             bind(robot.block.tid.load(Ordering::Relaxed), *processor);
+            if let Some(child) = robot.child.get() {
+                bind(child.first().thread().cast_signed(), *processor);
+            }
         }
         robot.go.store(true, Ordering::Release);
         if let Some(thread) = robot.thread.get() {
@@ -129,18 +140,32 @@ impl Executor for ThreadExecutor {
     fn broken(&self) -> Vec<(RobotId, Broken)> {
         let broken = |(index, robot): (usize, &RobotThread)| {
             let fault = robot.block.fault()?;
-            Some((RobotId::from_index(index), Broken::new(fault, robot.block)))
+            let (bounds, last_call) = (robot.block.stack_bounds(), robot.block.last_call.load(Ordering::Relaxed));
+            let words = stack_words(fault.sp, bounds);
+            Some((RobotId::from_index(index), Broken::new(fault, bounds, last_call, words)))
         };
         self.robots.iter().enumerate().filter_map(broken).collect()
     }
 
     fn is_overdue(&self, robot: RobotId, timeout: f64) -> bool {
         let robot = self.robot(robot);
-        robot.watch.lock().is_overdue(robot.block, timeout)
+        let look = match robot.child.get() {
+            Some(child) => Look::at_process(child.pid(), robot.block),
+            None => Look::at_thread(robot.block),
+        };
+        let is_overdue = look.is_some_and(|look| robot.watch.lock().is_overdue(&look, timeout));
+        if let Some(child) = robot.child.get().filter(|_| !is_overdue) {
+            child.forgive();
+        }
+        is_overdue
     }
 
     fn break_overdue(&self, robot: RobotId) {
-        signal::stop_overdue(self.robot(robot).block);
+        let robot = self.robot(robot);
+        match robot.child.get() {
+            Some(child) => child.stop_overdue(),
+            None => signal::stop_overdue(robot.block),
+        }
     }
 }
 

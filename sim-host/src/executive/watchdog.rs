@@ -1,11 +1,12 @@
-//! The watchdog's measure: a thread's own processor time since its release, so that a loaded machine fails nobody.
+//! The watchdog's measure: a thread's or process's own processor time since its release, so that a loaded machine fails nobody.
 
 use std::fs;
+use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
 
 use super::signal::ThreadBlock;
 
-/// What is known of one thread since the watchdog first saw its present release.
+/// What is known of one flow since the watchdog first saw its present release.
 #[derive(Default)]
 pub struct Watch {
     release: u64,
@@ -14,26 +15,60 @@ pub struct Watch {
 
 struct Since {
     processor_time: Duration,
-    /// When the thread was last seen to run, or ready to.
+    /// When it was last seen to run, or ready to.
     last_active: Instant,
     last_processor_time: Duration,
 }
 
+/// What the watchdog sees of a flow.
+pub struct Look {
+    /// Number of its release, see [`ThreadBlock::releases`](super::signal::ThreadBlock::releases).
+    pub release: u64,
+    /// Processor time that it has used in all.
+    pub processor_time: Duration,
+    /// True when it sleeps in the kernel.
+    pub is_asleep: bool,
+}
+
+impl Look {
+    /// At a thread of this process.
+    pub fn at_thread(block: &ThreadBlock) -> Option<Self> {
+        let tid = block.tid.load(Relaxed);
+        Some(Self {
+            release: block.releases.load(Relaxed),
+            processor_time: processor_time(tid)?,
+            is_asleep: is_asleep(&format!("/proc/self/task/{tid}")),
+        })
+    }
+
+    /// At the process `pid`, which the thread of `block` serves; nothing while a debugger holds it.
+    pub fn at_process(pid: i32, block: &ThreadBlock) -> Option<Self> {
+        if is_traced(&pid.to_string()) {
+            return None;
+        }
+        let mut threads = threads(pid).into_iter();
+        Some(Self {
+            release: block.releases.load(Relaxed),
+            processor_time: process_time(pid)?,
+            // While the host works for the program its threads sleep with good reason.
+            is_asleep: !block.in_host.load(Relaxed) && threads.all(|tid| is_asleep(&format!("/proc/{pid}/task/{tid}"))),
+        })
+    }
+}
+
 impl Watch {
-    /// True when the thread has used `timeout` seconds of processor time, or slept in the kernel for as long, since its
+    /// True when the flow has used `timeout` seconds of processor time, or slept in the kernel for as long, since its
     /// last release. Measured from the first look at a release, so up to one look's interval in the program's favour.
-    pub fn is_overdue(&mut self, block: &ThreadBlock, timeout: f64) -> bool {
-        use std::sync::atomic::Ordering::Relaxed;
-        let (release, tid) = (block.releases.load(Relaxed), block.tid.load(Relaxed));
-        let Some(processor_time) = processor_time(tid) else { return false };
+    pub fn is_overdue(&mut self, look: &Look, timeout: f64) -> bool {
+        let processor_time = look.processor_time;
         let now = Instant::now();
-        if release != self.release || self.since.is_none() {
-            self.release = release;
+        if look.release != self.release || self.since.is_none() {
+            self.release = look.release;
             self.since = Some(Since { processor_time, last_active: now, last_processor_time: processor_time });
             return false;
         }
         let Some(since) = &mut self.since else { return false };
-        if processor_time != since.last_processor_time || !is_asleep(tid) {
+        if processor_time != since.last_processor_time || !look.is_asleep {
             since.last_active = now;
             since.last_processor_time = processor_time;
         }
@@ -43,12 +78,29 @@ impl Watch {
     }
 }
 
-/// True while a debugger holds the process: nothing is overdue then.
+/// True while a debugger holds this process: nothing is overdue then.
 pub fn is_debugged() -> bool {
-    fs::read_to_string("/proc/self/status")
+    is_traced("self")
+}
+
+/// True while a debugger holds the process `pid`.
+pub fn is_traced(pid: &str) -> bool {
+    fs::read_to_string(format!("/proc/{pid}/status"))
         .ok()
         .and_then(|status| status.lines().find_map(|line| line.strip_prefix("TracerPid:").map(|pid| pid.trim() != "0")))
         .unwrap_or(false)
+}
+
+/// The kernel's ids of the threads of process `pid`; none once it has ended.
+pub fn threads(pid: i32) -> Vec<i32> {
+    let threads = fs::read_dir(format!("/proc/{pid}/task")).into_iter().flatten().flatten();
+    threads.filter_map(|thread| thread.file_name().to_str()?.parse().ok()).collect()
+}
+
+/// Processor time that the process has used so far.
+fn process_time(pid: i32) -> Option<Duration> {
+    // The kernel's encoding of a process's clock: ~pid << 3, all time (2).
+    (pid > 0).then(|| clock(!pid << 3 | 2)).flatten()
 }
 
 /// Processor time that the thread has used so far.
@@ -57,16 +109,19 @@ fn processor_time(tid: i32) -> Option<Duration> {
         return None;
     }
     // The kernel's encoding of a thread's clock: ~tid << 3, per thread (4), all time (2).
-    let clock = (!tid << 3) | 6;
+    clock((!tid << 3) | 6)
+}
+
+fn clock(clock: libc::clockid_t) -> Option<Duration> {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
     // SAFETY: `time` is one valid timespec; an unknown clock gives an error.
     let status = unsafe { libc::clock_gettime(clock, &mut time) };
     (status == 0).then(|| Duration::new(time.tv_sec.unsigned_abs(), time.tv_nsec.unsigned_abs() as u32))
 }
 
-/// True when the kernel says that the thread sleeps (as opposed to runs or waits for a processor).
-fn is_asleep(tid: i32) -> bool {
-    let Ok(stat) = fs::read_to_string(format!("/proc/self/task/{tid}/stat")) else { return false };
+/// True when the kernel says that the thread of the folder sleeps (as opposed to runs or waits for a processor).
+fn is_asleep(folder: &str) -> bool {
+    let Ok(stat) = fs::read_to_string(format!("{folder}/stat")) else { return false };
     // "tid (name) S ...": the name may hold blanks and brackets.
     stat.rsplit_once(')').is_some_and(|(_, rest)| matches!(rest.trim_start().chars().next(), Some('S' | 'D')))
 }
@@ -84,7 +139,11 @@ mod tests {
         while processor_time(tid).unwrap() - before < Duration::from_millis(5) {
             assert!(start.elapsed() < Duration::from_secs(60), "processor time stands still");
         }
-        assert!(!is_asleep(tid));
+        assert!(!is_asleep(&format!("/proc/self/task/{tid}")));
         assert!(processor_time(-1).is_none());
+        let own = std::process::id() as i32;
+        assert!(process_time(own) > processor_time(tid), "other threads have used some, too");
+        assert!(process_time(0).is_none());
+        assert!(threads(own).contains(&tid) && threads(0).is_empty());
     }
 }

@@ -89,6 +89,14 @@ pub enum LoadError {
         /// Why.
         error: io::Error,
     },
+    /// Its process ended or broke before the program could begin.
+    #[error("cannot load `{}` in a process of its own: {what}", path.display())]
+    Process {
+        /// The library.
+        path: PathBuf,
+        /// What happened.
+        what: String,
+    },
     /// More private copies than the kernel lets one process map.
     #[error(
         "{robots} robots need about {needed} memory mappings for private copies of their programs and for their stacks, and \
@@ -231,6 +239,8 @@ pub struct Loader {
     /// For each program (by its address, which the program kept beside it holds) the file of its first copy, whose pages of
     /// code and constants the others share.
     first_copies: BTreeMap<usize, (Arc<Prepared>, File)>,
+    /// As `first_copies`, the file that processes of their own load.
+    libraries: BTreeMap<usize, (Arc<Prepared>, PathBuf)>,
 }
 
 impl Loader {
@@ -240,7 +250,7 @@ impl Loader {
     /// If the folder cannot be made.
     pub fn new() -> io::Result<Self> {
         let folder = tempfile::Builder::new().prefix("eyesim-run-").tempdir()?;
-        Ok(Self { folder, copies: 0, first_copies: BTreeMap::new() })
+        Ok(Self { folder, copies: 0, first_copies: BTreeMap::new(), libraries: BTreeMap::new() })
     }
 
     /// Maps a private copy of `prepared` for one robot, which runs it with `arguments` behind the program's name.
@@ -255,28 +265,38 @@ impl Loader {
         check_description(image)?;
         let arguments = c_arguments(&prepared.name, arguments)
             .map_err(|argument| LoadError::Argument { path: image.path().to_owned(), argument })?;
-        let (library, copy) = self.map_copy(image)?;
-        let symbol =
-            // SAFETY: the symbol is only used as an address here.
-            unsafe { library.get::<*const Program>(PROGRAM_SYMBOL) }.map_err(|error| refused(image.path(), Path::new(""), &error))?;
-        let description = symbol.as_raw_ptr().cast_const().cast::<Program>();
-        // The copy stays for ever: a loaded image may have left pointers into itself anywhere.
-        std::mem::forget(library);
-        let misfit = |what: &str| LoadError::Misfit { path: image.path().to_owned(), what: what.to_owned() };
-        if description.is_null() || !description.is_aligned() {
-            return Err(misfit("its description is not where it should be"));
-        }
-        // SAFETY: not null, aligned, and `check_description` has seen in the file that a description of this version and
-        // at least this size is there; it is a constant in an image that is never unmapped.
-        let description = unsafe { &*description };
-        description.check().map_err(|why| misfit(&why.to_string()))?;
-        let base = base_of(std::ptr::from_ref(description).addr()).ok_or_else(|| misfit("its address is unknown"))?;
-        self.share(prepared, base, copy);
+        let (opened, copy) = self.map_copy(image)?;
+        self.share(prepared, opened.base, copy);
+        let Opened { base, description } = opened;
         Ok(LoadedProgram { prepared: Arc::clone(prepared), arguments, base, description })
     }
 
+    /// The file from which processes of their own load `prepared`: one copy for all of them, whose pages they share. It is there as
+    /// long as the loader. The arguments are those of the program, to be checked.
+    ///
+    /// # Errors
+    /// [`LoadError`] if it is no program for this eyesim, as far as that can be seen without loading it.
+    pub fn library(&mut self, prepared: &Arc<Prepared>, arguments: &[String]) -> Result<PathBuf, LoadError> {
+        let image = &prepared.image;
+        check_description(image)?;
+        c_arguments(&prepared.name, arguments)
+            .map_err(|argument| LoadError::Argument { path: image.path().to_owned(), argument })?;
+        let key = Arc::as_ptr(prepared).addr();
+        if let Some((_, path)) = self.libraries.get(&key) {
+            return Ok(path.clone());
+        }
+        let stem = image.path().file_stem().unwrap_or(OsStr::new("program"));
+        let path = self.folder.path().join(format!("{}.{}.so", stem.display(), self.libraries.len()));
+        fs::write(&path, image.bytes()).map_err(|error| {
+            let folder = self.folder.path().to_owned();
+            LoadError::Copy { path: image.path().to_owned(), folder, error }
+        })?;
+        self.libraries.insert(key, (Arc::clone(prepared), path.clone()));
+        Ok(path)
+    }
+
     /// Writes a copy of `image` and maps it: the library, and the file, which has no name any more.
-    fn map_copy(&mut self, image: &ProgramImage) -> Result<(Library, File), LoadError> {
+    fn map_copy(&mut self, image: &ProgramImage) -> Result<(Opened, File), LoadError> {
         self.copies += 1;
         let stem = image.path().file_stem().unwrap_or(OsStr::new("program"));
         let path = self.folder.path().join(format!("{}-{}.so", stem.display(), self.copies));
@@ -292,11 +312,9 @@ impl Loader {
             let folder = self.folder.path().to_owned();
             LoadError::Copy { path: image.path().to_owned(), folder, error }
         })?;
-        // SAFETY: loading runs the constructors of a library that the user asked to run; that is what a robot program
-        // is. The flags are those of dlopen.
-        let library = unsafe { Library::open(Some(&path), RTLD_NOW | RTLD_LOCAL) };
+        let opened = open(&path);
         let _ = fs::remove_file(&path);
-        Ok((library.map_err(|error| refused(image.path(), &path, &error))?, copy))
+        Ok((opened.map_err(|error| error.of(image.path(), &path))?, copy))
     }
 
     /// Lets the copy at `base`, loaded from the file `copy`, use the code and constants of the program's first copy.
@@ -314,6 +332,63 @@ impl Loader {
             }
         }
     }
+}
+
+/// A library that is mapped for ever.
+pub struct Opened {
+    /// Where it lies.
+    pub base: usize,
+    /// Its description, checked.
+    pub description: &'static Program,
+}
+
+/// Why a library cannot be opened.
+#[derive(Debug)]
+pub enum OpenError {
+    /// The dynamic linker's words.
+    Linker(String),
+    /// What does not fit.
+    Misfit(String),
+}
+
+impl OpenError {
+    /// The error for the library at `path`, which was opened as its copy `copy`.
+    pub fn of(self, path: &Path, copy: &Path) -> LoadError {
+        match self {
+            Self::Linker(what) => refused(path, copy, &what),
+            Self::Misfit(what) => LoadError::Misfit { path: path.to_owned(), what },
+        }
+    }
+}
+
+/// Maps the library at `path`, in which a description of this version was seen ([`Loader::library`] looks for one); its
+/// constructors run on this thread.
+///
+/// # Errors
+/// Why it is not one that can be run.
+pub fn open(path: &Path) -> Result<Opened, OpenError> {
+    let linker = |error: &libloading::Error| {
+        let source = std::error::Error::source(error).map(ToString::to_string);
+        OpenError::Linker(source.unwrap_or_else(|| error.to_string()))
+    };
+    let misfit = |what: &str| OpenError::Misfit(what.to_owned());
+    // SAFETY: loading runs the constructors of a library that the user asked to run; that is what a robot program
+    // is. The flags are those of dlopen.
+    let library = unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) }.map_err(|error| linker(&error))?;
+    // SAFETY: the symbol is only used as an address here.
+    let symbol = unsafe { library.get::<*const Program>(PROGRAM_SYMBOL) }.map_err(|error| linker(&error))?;
+    let description = symbol.as_raw_ptr().cast_const().cast::<Program>();
+    // The library stays for ever: a loaded image may have left pointers into itself anywhere.
+    std::mem::forget(library);
+    if description.is_null() || !description.is_aligned() {
+        return Err(misfit("its description is not where it should be"));
+    }
+    // SAFETY: not null, aligned, and `check_description` has seen in the file that a description of this version and
+    // at least this size is there; it is a constant in an image that is never unmapped.
+    let description = unsafe { &*description };
+    description.check().map_err(|why| misfit(&why.to_string()))?;
+    let base = base_of(std::ptr::from_ref(description).addr()).ok_or_else(|| misfit("its address is unknown"))?;
+    Ok(Opened { base, description })
 }
 
 /// Checks what can be seen in the file, before any of the library's code runs.
@@ -348,9 +423,7 @@ fn robios_functions(image: &ProgramImage) -> Vec<String> {
 }
 
 /// What the dynamic linker says of `copy`, told of the library that it is a copy of.
-fn refused(path: &Path, copy: &Path, error: &libloading::Error) -> LoadError {
-    let source = std::error::Error::source(error).map(ToString::to_string);
-    let what = source.unwrap_or_else(|| error.to_string());
+fn refused(path: &Path, copy: &Path, what: &str) -> LoadError {
     let what = what.replace(&format!("{}: ", copy.display()), "").replace(&copy.display().to_string(), "the library");
     let path = path.to_owned();
     match what.split_once("undefined symbol: ") {

@@ -1,0 +1,160 @@
+//! Calls as bytes, for programs in processes of their own: little endian, without padding, outputs before the result.
+//!
+//! The layout of each kind of parameter is in `docs/protocol.md`. Nothing here waits or maps memory: a [`Line`] of the
+//! program's side carries a request to the host and brings the reply.
+
+use std::ffi::c_void;
+
+use crate::abi::{Status, Stop};
+use crate::param::Callback;
+
+#[cfg(target_endian = "big")]
+compile_error!("what crosses to another process is little endian");
+
+/// In place of a length: a null pointer.
+pub const NULL: u32 = u32::MAX;
+
+/// Bytes that are not what the protocol says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Malformed;
+
+impl std::fmt::Display for Malformed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("a message that makes no sense")
+    }
+}
+
+impl std::error::Error for Malformed {}
+
+/// The program's end of a connection to its host: what the entries of a table for another process need.
+pub trait Line {
+    /// The line of the calling thread; `None` answers the call with [`Status::STOP`].
+    ///
+    /// # Safety
+    /// `context` is what was passed to the program's `run`, which has not returned.
+    unsafe fn from_context<'a>(context: *mut c_void) -> Option<&'a Self>;
+
+    /// Sends a call with its arguments and gives the bytes of the reply. The host may call the program back meanwhile.
+    ///
+    /// # Errors
+    /// [`Stop`] when the program must be left.
+    fn exchange(&self, table: u32, function: u32, arguments: impl FnOnce(&mut Vec<u8>)) -> Result<Vec<u8>, Stop>;
+}
+
+/// A value that crosses as the bytes that it has in memory.
+///
+/// # Safety
+/// The type has no padding, and all bits of it may have any value.
+pub unsafe trait Plain: Copy + 'static {
+    /// Appends the value.
+    fn put(&self, to: &mut Vec<u8>) {
+        // SAFETY: a value without padding is so many initialised bytes.
+        to.extend_from_slice(unsafe { std::slice::from_raw_parts((&raw const *self).cast::<u8>(), size_of::<Self>()) });
+    }
+
+    /// Reads a value.
+    ///
+    /// # Errors
+    /// [`Malformed`] if there are too few bytes.
+    fn get(from: &mut Reader<'_>) -> Result<Self, Malformed> {
+        let bytes = from.take(size_of::<Self>())?;
+        // SAFETY: as many bytes as the type has, each of which may have any value; they may lie anywhere.
+        Ok(unsafe { bytes.as_ptr().cast::<Self>().read_unaligned() })
+    }
+}
+
+macro_rules! plain {
+    ($($number:ty),*) => {$(
+        // SAFETY: numbers have no padding and no forbidden values.
+        unsafe impl Plain for $number {}
+    )*};
+}
+plain!(u8, i8, u16, i16, i32, u32, i64, u64, f32, f64);
+
+// SAFETY: an array has no padding between elements that have none.
+unsafe impl<T: Plain, const N: usize> Plain for [T; N] {}
+
+/// Bytes that are read from front to back.
+#[derive(Clone, Copy, Debug)]
+pub struct Reader<'a> {
+    bytes: &'a [u8],
+}
+
+impl<'a> Reader<'a> {
+    /// A reader at the start of `bytes`.
+    pub const fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes }
+    }
+
+    /// The next `len` bytes.
+    ///
+    /// # Errors
+    /// [`Malformed`] if there are fewer.
+    pub fn take(&mut self, len: usize) -> Result<&'a [u8], Malformed> {
+        let (taken, rest) = self.bytes.split_at_checked(len).ok_or(Malformed)?;
+        self.bytes = rest;
+        Ok(taken)
+    }
+
+    /// The next value.
+    ///
+    /// # Errors
+    /// [`Malformed`] if there are too few bytes.
+    pub fn get<T: Plain>(&mut self) -> Result<T, Malformed> {
+        T::get(self)
+    }
+
+    /// The next bytes with their length in front; `None` where a null pointer was sent.
+    ///
+    /// # Errors
+    /// [`Malformed`] if there are too few bytes.
+    pub fn bytes(&mut self) -> Result<Option<&'a [u8]>, Malformed> {
+        match self.get()? {
+            NULL => Ok(None),
+            len => self.take(len as usize).map(Some),
+        }
+    }
+
+    /// What is left.
+    pub const fn rest(&self) -> &'a [u8] {
+        self.bytes
+    }
+}
+
+/// Appends bytes with their length in front, or what stands for a null pointer.
+///
+/// # Panics
+/// If there are 4 GiB or more of them: no program of a robot has them.
+pub fn put_bytes(bytes: Option<&[u8]>, to: &mut Vec<u8>) {
+    match bytes {
+        None => NULL.put(to),
+        Some(bytes) => {
+            u32::try_from(bytes.len())
+                .ok()
+                .filter(|len| *len != NULL)
+                .expect("bytes of a call fit in a message")
+                .put(to);
+            to.extend_from_slice(bytes);
+        }
+    }
+}
+
+/// The arguments of a call as the host got them.
+pub struct Request<'a> {
+    /// Those not yet read.
+    pub arguments: Reader<'a>,
+    /// Makes of a function of the program, by its two numbers, one that the host can call.
+    pub callback: &'a dyn Fn(u64, u64) -> Callback,
+}
+
+impl std::fmt::Debug for Request<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Request").field("arguments", &self.arguments).finish_non_exhaustive()
+    }
+}
+
+impl From<Stop> for Status {
+    fn from(_: Stop) -> Self {
+        Self::STOP
+    }
+}

@@ -1,0 +1,24 @@
+//! `eyesim child`: a robot's process, started by `eyesim run --exec process` alone.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Context as _;
+use clap::Args;
+
+use crate::executive::process::client;
+
+/// Arguments of `eyesim child`.
+#[derive(Args)]
+pub struct ChildArgs {
+    /// The program, a shared library
+    pub library: PathBuf,
+}
+
+/// Runs the command; the standard input is the channel to the host.
+///
+/// # Errors
+/// When `eyesim run` has not started it.
+pub fn run(args: &ChildArgs) -> anyhow::Result<ExitCode> {
+    client::run(&args.library).context("`eyesim child` is started by `eyesim run --exec process` alone")
+}

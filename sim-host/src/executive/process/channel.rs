@@ -1,0 +1,379 @@
+//! The channel between a robot's process and the host: shared memory, one message under way, a futex that says whose turn it is.
+//!
+//! The layout is in `docs/protocol.md`. Whoever has the turn owns the message; nobody trusts the other's bytes: they are copied out and
+//! checked.
+
+use std::fs::File;
+use std::io;
+use std::os::fd::{AsRawFd as _, FromRawFd as _};
+use std::ptr;
+use std::sync::atomic::{AtomicU32, Ordering, fence};
+use std::time::Duration;
+
+/// Bytes of a channel: two images of the largest camera and their call fit; only what is written to takes memory.
+pub const CHANNEL: usize = 32 << 20;
+
+/// Where the body of a message begins.
+const BODY: usize = 64;
+
+/// Bytes of the longest body.
+pub const LONGEST: usize = CHANNEL - BODY;
+
+const MAGIC: u32 = u32::from_le_bytes(*b"EYES");
+const VERSION: u32 = 1;
+
+/// Whose turn it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Turn {
+    /// The child's: its program runs.
+    Child = 0,
+    /// The host's: it answers.
+    Host = 1,
+}
+
+/// Kinds of messages; the child's are below 16.
+pub mod kind {
+    /// The child's thread is there.
+    pub const READY: u32 = 1;
+    /// The program cannot be run.
+    pub const REFUSED: u32 = 2;
+    /// A call of a table's function.
+    pub const CALL: u32 = 3;
+    /// The function that the host has called has returned.
+    pub const RETURNED: u32 = 4;
+    /// `main` has returned.
+    pub const EXITED: u32 = 5;
+    /// The program broke.
+    pub const FAULT: u32 = 6;
+    /// Run `main`.
+    pub const RUN: u32 = 16;
+    /// The call's outputs and result.
+    pub const OK: u32 = 17;
+    /// The program must be left.
+    pub const STOP: u32 = 18;
+    /// Call a function of the program.
+    pub const CALL_BACK: u32 = 19;
+}
+
+/// What the body of a REFUSED message begins with.
+pub mod refusal {
+    /// The dynamic linker refuses the library.
+    pub const LINKER: u32 = 1;
+    /// The library does not fit this eyesim.
+    pub const MISFIT: u32 = 2;
+    /// Anything else.
+    pub const OTHER: u32 = 3;
+}
+
+/// A message that was copied out of a channel.
+#[derive(Debug)]
+pub struct Message {
+    /// One of [`kind`].
+    pub kind: u32,
+    /// Its bytes.
+    pub body: Vec<u8>,
+}
+
+/// The first bytes of a channel.
+#[repr(C)]
+struct Header {
+    magic: AtomicU32,
+    version: AtomicU32,
+    turn: AtomicU32,
+    kind: AtomicU32,
+    length: AtomicU32,
+    thread: AtomicU32,
+    channels: AtomicU32,
+    host: AtomicU32,
+}
+
+/// One mapped channel.
+pub struct Channel {
+    memory: *mut u8,
+}
+
+// SAFETY: the header is atomic, and the body is touched by raw copies of whoever has the turn.
+unsafe impl Send for Channel {}
+// SAFETY: as above.
+unsafe impl Sync for Channel {}
+
+/// The file in which all channels of one child lie.
+#[derive(Debug)]
+pub struct Channels {
+    file: File,
+}
+
+impl Channels {
+    /// A file with channel 0, ready for a child. It has no name, and is closed by `exec` unless passed on.
+    ///
+    /// # Errors
+    /// When the process has no file descriptor left, or the kernel no memory.
+    pub fn new() -> io::Result<Self> {
+        // SAFETY: the name is a string that ends in 0; a descriptor that is not negative is new and owned by nobody else.
+        let file = unsafe {
+            let fd = libc::memfd_create(c"eyesim".as_ptr(), libc::MFD_CLOEXEC | libc::MFD_ALLOW_SEALING);
+            if fd < 0 {
+                return Err(io::Error::last_os_error());
+            }
+            File::from_raw_fd(fd)
+        };
+        let channels = Self { file };
+        channels.grow_to(1)?;
+        // A child that cut the file would let the host fault.
+        // SAFETY: the descriptor is open; the call takes no pointer.
+        if unsafe { libc::fcntl(channels.file.as_raw_fd(), libc::F_ADD_SEALS, libc::F_SEAL_SHRINK) } < 0 {
+            return Err(io::Error::last_os_error());
+        }
+        let first = channels.map(0)?;
+        first.header().channels.store(1, Ordering::Relaxed);
+        first.header().host.store(std::process::id(), Ordering::Relaxed);
+        first.set_up();
+        Ok(channels)
+    }
+
+    /// The file of channels that a child has got as its standard input, which is `/dev/null` from now on.
+    ///
+    /// # Errors
+    /// When the standard input is no such file.
+    pub fn of_standard_input() -> io::Result<Self> {
+        // SAFETY: the descriptors are those of this process; dup gives a new one that nobody else owns.
+        let file = unsafe {
+            let fd = libc::fcntl(0, libc::F_DUPFD_CLOEXEC, 3);
+            if fd < 0 {
+                return Err(io::Error::last_os_error());
+            }
+            let null = libc::open(c"/dev/null".as_ptr(), libc::O_RDWR | libc::O_CLOEXEC);
+            if null >= 0 {
+                libc::dup2(null, 0);
+                libc::close(null);
+            }
+            File::from_raw_fd(fd)
+        };
+        let length = file.metadata()?.len();
+        if length < CHANNEL as u64 || length % CHANNEL as u64 != 0 {
+            return Err(io::Error::other("the standard input is not a channel of eyesim"));
+        }
+        Ok(Self { file })
+    }
+
+    /// Makes room for `count` channels; a new one must be [set up](Channel::set_up) by the host.
+    ///
+    /// # Errors
+    /// When the kernel refuses.
+    pub fn grow_to(&self, count: u32) -> io::Result<()> {
+        self.file.set_len(u64::from(count) * CHANNEL as u64)
+    }
+
+    /// Maps a channel that the file has.
+    ///
+    /// # Errors
+    /// When the kernel has no room.
+    pub fn map(&self, number: u32) -> io::Result<Channel> {
+        let offset = libc::off_t::from(number) * CHANNEL as libc::off_t;
+        // SAFETY: a new mapping at a place that the kernel chooses; the file has the channel and never shrinks.
+        let memory = unsafe {
+            libc::mmap(
+                ptr::null_mut(),
+                CHANNEL,
+                libc::PROT_READ | libc::PROT_WRITE,
+                libc::MAP_SHARED | libc::MAP_NORESERVE,
+                self.file.as_raw_fd(),
+                offset,
+            )
+        };
+        if memory == libc::MAP_FAILED { Err(io::Error::last_os_error()) } else { Ok(Channel { memory: memory.cast() }) }
+    }
+
+    /// The file, to be passed to a child.
+    ///
+    /// # Errors
+    /// When the process has no file descriptor left.
+    pub fn file(&self) -> io::Result<File> {
+        self.file.try_clone()
+    }
+}
+
+impl Channel {
+    fn header(&self) -> &Header {
+        // SAFETY: the mapping is aligned to pages, longer than the header, and lives as long as `self`; every bit pattern
+        // is a header.
+        unsafe { &*self.memory.cast::<Header>() }
+    }
+
+    /// Writes what a channel begins with.
+    pub fn set_up(&self) {
+        self.header().magic.store(MAGIC, Ordering::Relaxed);
+        self.header().version.store(VERSION, Ordering::Release);
+    }
+
+    /// Whether the other side speaks this protocol.
+    pub fn is_known(&self) -> bool {
+        let header = self.header();
+        header.magic.load(Ordering::Relaxed) == MAGIC && header.version.load(Ordering::Relaxed) == VERSION
+    }
+
+    /// Whose turn it is.
+    pub fn turn(&self) -> Turn {
+        if self.header().turn.load(Ordering::Acquire) == Turn::Child as u32 { Turn::Child } else { Turn::Host }
+    }
+
+    /// The child's thread at the channel; 0 before it is there.
+    pub fn thread(&self) -> u32 {
+        self.header().thread.load(Ordering::Relaxed)
+    }
+
+    /// Says that the calling thread of the child uses the channel.
+    pub fn attach(&self) {
+        // SAFETY: gettid takes no arguments and always succeeds.
+        let thread = unsafe { libc::gettid() };
+        self.header().thread.store(thread.unsigned_abs(), Ordering::Relaxed);
+    }
+
+    /// Sends a message made of `parts` and gives the turn to the other side. To be called by whoever has the turn.
+    /// False, and nothing sent, if it is too long. Async-signal-safe.
+    pub fn send(&self, kind: u32, parts: &[&[u8]]) -> bool {
+        let length: usize = parts.iter().map(|part| part.len()).sum();
+        if length > LONGEST {
+            return false;
+        }
+        let header = self.header();
+        let mut at = BODY;
+        for part in parts {
+            // SAFETY: the body has room for all parts, as was just checked; the other side does not touch it out of turn, and
+            // a part is no memory of the channel.
+            unsafe { ptr::copy_nonoverlapping(part.as_ptr(), self.memory.add(at), part.len()) };
+            at += part.len();
+        }
+        header.kind.store(kind, Ordering::Relaxed);
+        header.length.store(length as u32, Ordering::Relaxed);
+        let next = if kind < kind::RUN { Turn::Host } else { Turn::Child };
+        header.turn.store(next as u32, Ordering::Release);
+        wake(&header.turn);
+        true
+    }
+
+    /// Copies the message out; to be called by whoever has the turn. None if its length is impossible.
+    pub fn message(&self) -> Option<Message> {
+        fence(Ordering::Acquire);
+        let header = self.header();
+        let (kind, length) = (header.kind.load(Ordering::Relaxed), header.length.load(Ordering::Relaxed) as usize);
+        if length > LONGEST {
+            return None;
+        }
+        let mut body = Vec::with_capacity(length);
+        // SAFETY: the mapping has as many bytes behind the header, the vector as much room; should the other side write out of
+        // turn, the copy is some bytes, which are checked like all others.
+        unsafe {
+            ptr::copy_nonoverlapping(self.memory.add(BODY), body.as_mut_ptr(), length);
+            body.set_len(length);
+        }
+        Some(Message { kind, body })
+    }
+
+    /// Waits until it is the turn of `whose`, or `timeout` has passed. True when it is.
+    pub fn wait_for(&self, whose: Turn, timeout: Option<Duration>) -> bool {
+        let other = if whose == Turn::Host { Turn::Child } else { Turn::Host };
+        if self.turn() != whose {
+            wait(&self.header().turn, other as u32, timeout);
+        }
+        self.turn() == whose
+    }
+
+    /// In channel 0: the process of the host.
+    pub fn host(&self) -> u32 {
+        self.header().host.load(Ordering::Relaxed)
+    }
+
+    /// In channel 0: how many channels there are.
+    pub fn count(&self) -> u32 {
+        self.header().channels.load(Ordering::Acquire)
+    }
+
+    /// In channel 0: tells the child that there are more.
+    pub fn set_count(&self, count: u32) {
+        self.header().channels.store(count, Ordering::Release);
+        wake(&self.header().channels);
+    }
+
+    /// In channel 0: waits until there are more than `count` channels.
+    pub fn wait_for_more_than(&self, count: u32) {
+        while self.count() <= count {
+            wait(&self.header().channels, count, None);
+        }
+    }
+}
+
+impl Drop for Channel {
+    fn drop(&mut self) {
+        // SAFETY: the mapping was made with this size, and nothing borrowed from it outlives `self`.
+        unsafe { libc::munmap(self.memory.cast(), CHANNEL) };
+    }
+}
+
+/// Sleeps while `word` is `value`; may return at any time. Shared between processes.
+fn wait(word: &AtomicU32, value: u32, timeout: Option<Duration>) {
+    let timeout = timeout.map(|timeout| libc::timespec {
+        tv_sec: timeout.as_secs() as libc::time_t,
+        tv_nsec: timeout.subsec_nanos() as libc::c_long,
+    });
+    let timeout = timeout.as_ref().map_or(ptr::null(), ptr::from_ref);
+    // SAFETY: the word is mapped and aligned, the timeout null or valid.
+    unsafe { libc::syscall(libc::SYS_futex, word.as_ptr(), libc::FUTEX_WAIT, value, timeout) };
+}
+
+/// Wakes who sleeps on `word`; async-signal-safe.
+fn wake(word: &AtomicU32) {
+    // SAFETY: the word is mapped and aligned.
+    unsafe { libc::syscall(libc::SYS_futex, word.as_ptr(), libc::FUTEX_WAKE, 1) };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_goes_there_and_back() {
+        let channels = Channels::new().unwrap();
+        let (host, child) = (channels.map(0).unwrap(), channels.map(0).unwrap());
+        assert!(child.is_known());
+        assert_eq!((host.turn(), host.count()), (Turn::Child, 1));
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                assert!(child.send(kind::CALL, &[b"ab", b"", b"c"]));
+                while !child.wait_for(Turn::Child, None) {}
+                let reply = child.message().unwrap();
+                assert_eq!((reply.kind, reply.body.len()), (kind::OK, LONGEST));
+                assert_eq!(reply.body[LONGEST - 1], 7);
+            });
+            while !host.wait_for(Turn::Host, Some(Duration::from_secs(60))) {}
+            let message = host.message().unwrap();
+            assert_eq!((message.kind, &*message.body), (kind::CALL, &b"abc"[..]));
+            let long = vec![7; LONGEST + 1];
+            assert!(!host.send(kind::OK, &[&long]), "too long");
+            assert_eq!(host.turn(), Turn::Host, "nothing was sent");
+            assert!(host.send(kind::OK, &[&long[1..]]));
+        });
+    }
+
+    #[test]
+    fn further_channels_are_apart() {
+        let channels = Channels::new().unwrap();
+        let first = channels.map(0).unwrap();
+        channels.grow_to(2).unwrap();
+        let second = channels.map(1).unwrap();
+        second.set_up();
+        first.set_count(2);
+        first.wait_for_more_than(1);
+        assert!(second.send(kind::READY, &[]));
+        assert_eq!((first.turn(), second.turn()), (Turn::Child, Turn::Host));
+        assert!(channels.file.set_len(0).is_err(), "the file cannot be cut");
+    }
+
+    #[test]
+    fn an_impossible_length_is_no_message() {
+        let channel = Channels::new().unwrap().map(0).unwrap();
+        channel.header().length.store(u32::MAX, Ordering::Relaxed);
+        assert!(channel.message().is_none());
+    }
+}

@@ -1,0 +1,266 @@
+//! A robot's process as the host sees it: started, listened to, watched, ended.
+
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::io;
+use std::os::unix::process::{CommandExt as _, ExitStatusExt as _};
+use std::path::Path;
+use std::process::{Command, ExitStatus, Stdio};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, AtomicU16, Ordering};
+use std::time::{Duration, Instant};
+
+use parking_lot::Mutex;
+use robios_sys::wire::Reader;
+
+use super::channel::{Channel, Channels, Message, Turn, kind};
+use crate::executive::fault::{Broken, SEARCH};
+use crate::executive::signal::{Fault, OVERDUE_SIGNAL};
+use crate::executive::watchdog;
+
+/// How often a child that has the turn is looked at.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// How long a child that was asked for its place may take to tell it.
+const GRACE: Duration = Duration::from_millis(300);
+
+/// A robot's process.
+pub struct Child {
+    process: Mutex<Process>,
+    /// The process, and its group.
+    pid: i32,
+    channels: Channels,
+    first: Channel,
+    /// Channels of tasks, and how many there are besides the first.
+    tasks: Mutex<Tasks>,
+    /// Since when the watchdog waits for an overdue child to tell its place.
+    asked: Mutex<Option<Instant>>,
+    is_ending: AtomicBool,
+    lost: OnceLock<Broken>,
+    /// Number of the last RoBIOS call, `u16::MAX` before the first.
+    pub(super) last_call: AtomicU16,
+    /// Functions of the program that the host may call, by their numbers in the child.
+    pub(super) callbacks: Mutex<BTreeMap<(u64, u64), Box<dyn Any + Send>>>,
+}
+
+struct Process {
+    handle: std::process::Child,
+    /// How it ended, once it has.
+    status: Option<ExitStatus>,
+}
+
+#[derive(Default)]
+struct Tasks {
+    count: u32,
+    idle: Vec<Channel>,
+}
+
+impl Child {
+    /// Starts `command` with a file of channels as its standard input. It ends with the calling thread at the latest.
+    ///
+    /// # Errors
+    /// When the system has no room for another process, or the command is not there.
+    pub fn start(mut command: Command) -> io::Result<Self> {
+        let channels = Channels::new()?;
+        let first = channels.map(0)?;
+        command.stdin(Stdio::from(channels.file()?)).stdout(Stdio::from(io::stderr())).process_group(0);
+        let handle = command.spawn()?;
+        Ok(Self {
+            pid: handle.id() as i32,
+            process: Mutex::new(Process { handle, status: None }),
+            channels,
+            first,
+            tasks: Mutex::default(),
+            asked: Mutex::new(None),
+            is_ending: AtomicBool::new(false),
+            lost: OnceLock::new(),
+            last_call: AtomicU16::new(u16::MAX),
+            callbacks: Mutex::default(),
+        })
+    }
+
+    /// The command that runs the C or Rust program in the library `library`, for a robot called `name` in lists of processes.
+    ///
+    /// # Errors
+    /// When this program does not know where it lies.
+    pub fn command(name: &str, library: &Path) -> io::Result<Command> {
+        let mut command = Command::new(std::env::current_exe()?);
+        command.arg0(format!("eyesim: {name}")).arg("child").arg(library);
+        Ok(command)
+    }
+
+    /// The channel of the thread that runs `main`.
+    pub fn first(&self) -> &Channel {
+        &self.first
+    }
+
+    /// The process.
+    pub fn pid(&self) -> i32 {
+        self.pid
+    }
+
+    /// Waits for the child's next message on `channel`.
+    ///
+    /// # Errors
+    /// How the child broke, ended or was ended; the same for ever after.
+    pub fn receive(&self, channel: &Channel) -> Result<Message, Broken> {
+        if let Some(lost) = self.lost.get() {
+            return Err(lost.clone());
+        }
+        while !channel.wait_for(Turn::Host, Some(LOOK)) {
+            // What it has said before it ended counts.
+            if let Some(status) = self.exit_status()
+                && !channel.wait_for(Turn::Host, Some(Duration::ZERO))
+            {
+                return Err(self.lose(self.end_in_words(status)));
+            }
+        }
+        match channel.message() {
+            Some(message) if message.kind == kind::FAULT => Err(self.lose(self.fault(&message.body))),
+            Some(message) => Ok(message),
+            None => Err(self.malformed()),
+        }
+    }
+
+    /// Gives up a child whose messages make no sense.
+    pub fn malformed(&self) -> Broken {
+        self.lose(self.broken("its process sent a message that makes no sense: the program wrote where it may not"))
+    }
+
+    /// A channel with a thread of the child's for a task, which waits to be called back.
+    ///
+    /// # Errors
+    /// How the child was lost; also when the kernel has no room for another channel.
+    pub fn task(&self) -> Result<Channel, Broken> {
+        let mut tasks = self.tasks.lock();
+        if let Some(channel) = tasks.idle.pop() {
+            return Ok(channel);
+        }
+        let number = tasks.count + 1;
+        let channel = self.channels.grow_to(number + 1).and_then(|()| self.channels.map(number));
+        let channel = channel.map_err(|error| self.lose(self.broken(&format!("no room for another task: {error}"))))?;
+        tasks.count = number;
+        drop(tasks);
+        channel.set_up();
+        self.first.set_count(number + 1);
+        match self.receive(&channel)?.kind {
+            kind::READY => Ok(channel),
+            _ => Err(self.malformed()),
+        }
+    }
+
+    /// Gives a task's channel back, whose thread waits to be called back again.
+    pub fn give_back(&self, channel: Channel) {
+        self.tasks.lock().idle.push(channel);
+    }
+
+    /// Ends an overdue child: asks it for its place, and kills it when it does not tell.
+    pub fn stop_overdue(&self) {
+        let mut asked = self.asked.lock();
+        match *asked {
+            None => {
+                *asked = Some(Instant::now());
+                // Those for whose call the host works, or who are none of the robot's, pass it over.
+                for thread in watchdog::threads(self.pid) {
+                    // SAFETY: tgkill takes no pointer; a thread that is gone is an error.
+                    unsafe { libc::syscall(libc::SYS_tgkill, self.pid, thread, OVERDUE_SIGNAL) };
+                }
+            }
+            Some(since) if since.elapsed() > GRACE => self.kill(),
+            Some(_) => {}
+        }
+    }
+
+    /// A child that is not overdue after all is asked anew when it is.
+    pub fn forgive(&self) {
+        *self.asked.lock() = None;
+    }
+
+    /// Ends the child: waits until `deadline` for it to end by itself, then kills it and whatever it has started.
+    pub fn end(&self, deadline: Instant) {
+        self.is_ending.store(true, Ordering::Release);
+        while self.exit_status().is_none() {
+            if Instant::now() >= deadline {
+                self.kill();
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// True once the host ends the child: what happens to it then is not its program's fault.
+    pub fn is_ending(&self) -> bool {
+        self.is_ending.load(Ordering::Acquire)
+    }
+
+    /// How the process has ended, if it has; it is no zombie then.
+    fn exit_status(&self) -> Option<ExitStatus> {
+        let mut process = self.process.lock();
+        if process.status.is_none() {
+            process.status = process.handle.try_wait().unwrap_or(None);
+        }
+        process.status
+    }
+
+    /// Kills the process and its group.
+    fn kill(&self) {
+        let process = self.process.lock();
+        if process.status.is_none() {
+            // SAFETY: kill takes no pointer; the process has not been waited for, so the number is still its own.
+            unsafe {
+                libc::kill(-self.pid, libc::SIGKILL);
+                libc::kill(self.pid, libc::SIGKILL);
+            }
+        }
+    }
+
+    fn lose(&self, broken: Broken) -> Broken {
+        let broken = self.lost.get_or_init(|| broken).clone();
+        self.kill();
+        broken
+    }
+
+    fn broken(&self, what: &str) -> Broken {
+        let last_call = self.last_call.load(Ordering::Relaxed);
+        Broken { what: what.to_owned(), is_overdue: false, last_call, place: String::new(), addresses: Vec::new() }
+    }
+
+    fn end_in_words(&self, status: ExitStatus) -> Broken {
+        if self.asked.lock().is_some() {
+            let fault = Fault { signal: OVERDUE_SIGNAL, address: 0, pc: 0, sp: 0 };
+            return Broken::new(fault, [0; 2], self.last_call.load(Ordering::Relaxed), Vec::new());
+        }
+        match (status.signal(), status.code()) {
+            (Some(signal), _) => self.broken(&format!("its process was killed by signal {signal}")),
+            (_, code) => {
+                self.broken(&format!("its process ended (exit code {}) without a word", code.unwrap_or_default()))
+            }
+        }
+    }
+
+    /// What a FAULT message says.
+    fn fault(&self, body: &[u8]) -> Broken {
+        let parse = || {
+            let mut body = Reader::new(body);
+            let signal: i32 = body.get()?;
+            let text = body.get::<u32>()? as usize;
+            let [address, pc, low, high]: [u64; 4] = body.get()?;
+            let text = String::from_utf8_lossy(body.take(text)?).into_owned();
+            let words = body.rest().chunks_exact(8).take(SEARCH);
+            let words = words.map(|word| word.iter().rev().fold(0, |value, byte| value << 8 | usize::from(*byte)));
+            if signal == 0 {
+                return Ok(self.broken(&text));
+            }
+            let fault = Fault { signal, address: address as usize, pc: pc as usize, sp: 0 };
+            let last_call = self.last_call.load(Ordering::Relaxed);
+            let broken = Broken::new(fault, [low as usize, high as usize], last_call, words.collect());
+            Ok::<_, robios_sys::wire::Malformed>(Broken { place: text, ..broken })
+        };
+        parse().unwrap_or_else(|_malformed| self.broken("its process broke, and did not say how"))
+    }
+}
+
+impl Drop for Child {
+    fn drop(&mut self) {
+        self.end(Instant::now());
+    }
+}

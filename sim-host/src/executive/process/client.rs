@@ -1,0 +1,260 @@
+//! The child's side: a process that loads one robot's program, runs it, and sends each of its calls to the host.
+
+use std::cell::Cell;
+use std::ffi::{CString, c_char, c_int, c_void};
+use std::path::Path;
+use std::process::ExitCode;
+use std::ptr;
+use std::sync::atomic::{AtomicPtr, Ordering};
+use std::{io, thread};
+
+use robios_sys::wire::{Line, Malformed, Plain as _, Reader, put_bytes};
+use robios_sys::{CallSite, Callback, Host, Program, Robios6Table, Robios7Table, Status, Stop, SupportTable};
+
+use super::channel::{Channel, Channels, Message, Turn, kind, refusal};
+use crate::executive::fault::SEARCH;
+use crate::executive::signal::{self, Fault, OVERDUE_SIGNAL, ThreadBlock};
+use crate::executive::thread::STACK;
+use crate::program::load::{OpenError, Opened, open};
+
+/// A thread's end of its channel.
+struct ProgramLine {
+    channel: Channel,
+}
+
+thread_local! {
+    /// The line of this thread; null for a thread that is none of the robot's.
+    static LINE: Cell<*const ProgramLine> = const { Cell::new(ptr::null()) };
+}
+
+/// Where the program says that it is; null as long as it is not loaded, and where it does not tell.
+static CALL_SITE: AtomicPtr<CallSite> = AtomicPtr::new(ptr::null_mut());
+
+static SUPPORT: SupportTable = SupportTable::remote::<ProgramLine>();
+static ROBIOS6: Robios6Table = Robios6Table::remote::<ProgramLine>();
+static ROBIOS7: Robios7Table = Robios7Table::remote::<ProgramLine>();
+static HOST6: Host = Host::of_robios6(&SUPPORT, &ROBIOS6);
+static HOST7: Host = Host::of_robios7(&SUPPORT, &ROBIOS7);
+
+/// Runs the program in the library `library` for the host that has made this process, whose channels are the standard input.
+///
+/// # Errors
+/// When this process was not made by `eyesim run`.
+pub fn run(library: &Path) -> io::Result<ExitCode> {
+    let channels = Channels::of_standard_input()?;
+    let first = channels.map(0)?;
+    if !first.is_known() {
+        return Err(io::Error::other("the standard input is not a channel of this eyesim"));
+    }
+    die_with(first.host())?;
+    signal::install_in_child()?;
+    let library = library.to_owned();
+    let own = channels.map(0)?;
+    start("program", move || ProgramLine::adopt(own).run_program(&library))?;
+    // The first thread only listens: it starts a thread for each channel that the host adds.
+    for number in 1.. {
+        first.wait_for_more_than(number);
+        let channel = channels.map(number)?;
+        start("task", move || ProgramLine::adopt(channel).run_tasks())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Lets the kernel kill this process when the thread of process `host` that has made it ends.
+fn die_with(host: u32) -> io::Result<()> {
+    // SAFETY: neither call takes a pointer.
+    let parent = unsafe {
+        libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL);
+        libc::getppid()
+    };
+    if parent.unsigned_abs() == host { Ok(()) } else { Err(io::Error::other("eyesim has ended")) }
+}
+
+/// Starts a thread of the program, with as much stack as in the host.
+fn start(name: &str, body: impl FnOnce() + Send + 'static) -> io::Result<()> {
+    thread::Builder::new().name(name.to_owned()).stack_size(STACK).spawn(body).map(drop)
+}
+
+impl ProgramLine {
+    /// Makes the calling thread the one of `channel`: its faults are reported there.
+    fn adopt(channel: Channel) -> &'static Self {
+        let line: &'static Self = Box::leak(Box::new(Self { channel }));
+        line.channel.attach();
+        LINE.set(line);
+        let block: &'static ThreadBlock = Box::leak(Box::new(ThreadBlock::reporting(report_fault)));
+        if let Err(error) = block.adopt_current_thread() {
+            line.refuse(refusal::OTHER, &format!("no stack for signals: {error}"));
+        }
+        line
+    }
+
+    /// The life of the thread that runs `main`.
+    fn run_program(&self, library: &Path) {
+        let Opened { base, description } = match open(library) {
+            Ok(opened) => opened,
+            Err(OpenError::Linker(what)) => self.refuse(refusal::LINKER, &what),
+            Err(OpenError::Misfit(what)) => self.refuse(refusal::MISFIT, &what),
+        };
+        CALL_SITE.store(description.call_site.cast_mut(), Ordering::Relaxed);
+        let order = self.converse(kind::READY, &(base as u64).to_le_bytes());
+        let code = match arguments(&order) {
+            Ok(arguments) => run_main(description, &arguments),
+            // Stopped before it began.
+            Err(Malformed) => robios_sys::EXIT_STOPPED,
+        };
+        self.channel.send(kind::EXITED, &[&code.to_le_bytes()]);
+        // What the program has written to files of the C library is flushed.
+        std::process::exit(0);
+    }
+
+    /// The life of a thread that runs tasks: it is called back until the process ends.
+    fn run_tasks(&self) {
+        self.converse(kind::READY, &[0; 8]);
+    }
+
+    /// Sends a message and does what the host asks for until it answers.
+    fn converse(&self, mut kind: u32, body: &[u8]) -> Message {
+        let mut returned;
+        let mut body = body;
+        loop {
+            if !self.channel.send(kind, &[body]) {
+                self.break_off("a call whose arguments are longer than a message can be");
+            }
+            while !self.channel.wait_for(Turn::Child, None) {}
+            let Some(message) = self.channel.message() else { self.break_off("a message of an impossible length") };
+            if message.kind != kind::CALL_BACK {
+                return message;
+            }
+            let Ok(status) = call_back(&message.body) else { self.break_off("a call back without its function") };
+            returned = status.0.to_le_bytes();
+            (kind, body) = (kind::RETURNED, &returned);
+        }
+    }
+
+    /// Tells the host that the program cannot be run, and ends.
+    fn refuse(&self, what: u32, text: &str) -> ! {
+        self.channel.send(kind::REFUSED, &[&what.to_le_bytes(), text.as_bytes()]);
+        std::process::exit(1)
+    }
+
+    /// Tells the host why the program cannot go on, and ends.
+    fn break_off(&self, what: &str) -> ! {
+        let fault = Fault { signal: 0, address: 0, pc: 0, sp: 0 };
+        self.channel.send(kind::FAULT, &[&fault_header(&fault, what.len(), [0; 2]), what.as_bytes()]);
+        std::process::exit(1)
+    }
+}
+
+impl Line for ProgramLine {
+    unsafe fn from_context<'a>(_: *mut c_void) -> Option<&'a Self> {
+        // SAFETY: null, or leaked by `adopt`.
+        unsafe { LINE.get().as_ref() }
+    }
+
+    fn exchange(&self, table: u32, function: u32, arguments: impl FnOnce(&mut Vec<u8>)) -> Result<Vec<u8>, Stop> {
+        let mut call = Vec::with_capacity(128);
+        table.put(&mut call);
+        function.put(&mut call);
+        put_call_site(&mut call);
+        arguments(&mut call);
+        let reply = self.converse(kind::CALL, &call);
+        if reply.kind == kind::OK { Ok(reply.body) } else { Err(Stop) }
+    }
+}
+
+/// Appends where the program is, in its own words.
+fn put_call_site(call: &mut Vec<u8>) {
+    let site = CALL_SITE.load(Ordering::Relaxed);
+    let site = if site.is_null() || !site.is_aligned() {
+        CallSite::NONE
+    } else {
+        // SAFETY: the description's contract: it leads to a variable of the program, written by this thread before the call.
+        unsafe { site.read() }
+    };
+    (site.address.addr() as u64).put(call);
+    site.line.put(call);
+    let file = if site.file.is_null() {
+        &[]
+    } else {
+        // SAFETY: the contract again: a name of that many bytes in the program's constants.
+        unsafe { std::slice::from_raw_parts(site.file, site.file_len) }
+    };
+    put_bytes(Some(file), call);
+}
+
+/// The arguments of `main` in a RUN message.
+fn arguments(order: &Message) -> Result<Vec<CString>, Malformed> {
+    if order.kind != kind::RUN {
+        return Err(Malformed);
+    }
+    let mut body = Reader::new(&order.body);
+    let count: u32 = body.get()?;
+    (0..count).map(|_| CString::new(body.bytes()?.unwrap_or_default()).map_err(|_nul| Malformed)).collect()
+}
+
+/// Runs the program's `main` on this thread and gives its exit code.
+fn run_main(description: &Program, arguments: &[CString]) -> i32 {
+    let mut argv: Vec<*const c_char> = arguments.iter().map(|argument| argument.as_ptr()).collect();
+    argv.push(ptr::null());
+    let robot = LINE.get().cast_mut().cast::<c_void>();
+    let host: &'static Host = if description.generation == 7 { &HOST7 } else { &HOST6 };
+    // SAFETY: the tables are those of `ProgramLine`, whose entries find it by themselves; argv has argc strings that end in 0,
+    // then a null pointer, alive until `run` returns; the description was checked when it was loaded.
+    unsafe { (description.run)(host, robot, arguments.len() as c_int, argv.as_ptr()) }
+}
+
+/// Calls the function that the program has passed as a [`Callback`].
+fn call_back(body: &[u8]) -> Result<Status, Malformed> {
+    let mut body = Reader::new(body);
+    let (code, data): (u64, u64) = (body.get()?, body.get()?);
+    let callback = Callback {
+        // SAFETY: the address is that of a function of this type, or 0, as the program has passed it; the option of a
+        // function is a pointer or null.
+        code: unsafe {
+            std::mem::transmute::<*const c_void, Option<unsafe extern "C" fn(*mut c_void) -> Status>>(
+                ptr::with_exposed_provenance(code as usize),
+            )
+        },
+        data: ptr::with_exposed_provenance_mut(data as usize),
+    };
+    // SAFETY: the host calls back only while the program is inside of its `run`, in a call of this thread or, on a thread of a
+    // task, by its own; this thread holds no lock.
+    let result = unsafe { callback.call() };
+    Ok(result.map_or(Status::STOP, |()| Status::OK))
+}
+
+/// The part of a FAULT message in front of its text.
+fn fault_header(fault: &Fault, text: usize, [low, high]: [usize; 2]) -> [u8; 40] {
+    let mut header = [0; 40];
+    header[0..4].copy_from_slice(&fault.signal.to_le_bytes());
+    header[4..8].copy_from_slice(&(text as u32).to_le_bytes());
+    for (place, value) in header[8..].chunks_exact_mut(8).zip([fault.address, fault.pc, low, high]) {
+        place.copy_from_slice(&(value as u64).to_le_bytes());
+    }
+    header
+}
+
+/// Tells the host of a fault of this thread and ends the process; returns where the host works for the program. Async-signal-safe.
+fn report_fault(block: &ThreadBlock, fault: Fault) {
+    // SAFETY: null, or leaked by `adopt`.
+    let line = unsafe { LINE.get().as_ref() };
+    let Some(line) = line.filter(|line| line.channel.turn() == Turn::Child) else {
+        if fault.signal != OVERDUE_SIGNAL {
+            signal::default_action(fault.signal);
+        }
+        return;
+    };
+    let [low, high] = block.stack_bounds();
+    let sp = fault.sp.next_multiple_of(align_of::<usize>());
+    let words: &[u8] = if (low..high).contains(&sp) {
+        let length = ((high - sp) / size_of::<usize>()).min(SEARCH) * size_of::<usize>();
+        // SAFETY: [sp, sp + length) lies within the mapped stack of this thread, below which nothing runs any more but this
+        // handler, on another stack.
+        unsafe { std::slice::from_raw_parts(ptr::with_exposed_provenance(sp), length) }
+    } else {
+        &[]
+    };
+    line.channel.send(kind::FAULT, &[&fault_header(&fault, 0, [low, high]), words]);
+    // SAFETY: _exit is async-signal-safe.
+    unsafe { libc::_exit(128 + fault.signal) }
+}

@@ -1,0 +1,284 @@
+//! The host's side of a robot in a process: its thread carries out what the child asks for, and calls the child back.
+
+use std::cell::Cell;
+use std::ffi::c_void;
+use std::ptr;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use parking_lot::Mutex;
+use robios_sys::wire::{Malformed, Reader, Request, put_bytes};
+use robios_sys::{Callback, Robios6, Robios6Call, Robios7, Robios7Call, Status, Support, SupportCall};
+
+use super::channel::{Channel, kind, refusal};
+use super::child::Child;
+use crate::executive::fault::Broken;
+use crate::program::image::SourceLine;
+use crate::program::prepare::Prepared;
+use crate::robios::caller::Call;
+
+/// A robot's program in a process of its own, loaded and ready to run.
+pub struct RemoteProgram {
+    child: Arc<Child>,
+    prepared: Arc<Prepared>,
+    arguments: Vec<String>,
+    base: u64,
+    /// Where the program made its last call on its first channel.
+    site: Mutex<Site>,
+}
+
+/// Where a program made a call, as it has told.
+#[derive(Clone, Debug, Default)]
+struct Site {
+    address: u64,
+    line: u32,
+    file: String,
+}
+
+/// Why a child has no program to run.
+#[derive(Debug)]
+pub enum Refusal {
+    /// The dynamic linker's words.
+    Linker(String),
+    /// What does not fit.
+    Misfit(String),
+    /// It ended or broke while it loaded, in words.
+    Broken(String),
+}
+
+impl RemoteProgram {
+    /// Waits until the child has loaded `prepared`, which gets `arguments` behind its name.
+    ///
+    /// # Errors
+    /// Why it has not.
+    pub fn new(child: Child, prepared: Arc<Prepared>, arguments: &[String]) -> Result<Self, Refusal> {
+        let message = child.receive(child.first()).map_err(|broken| Refusal::Broken(broken.what))?;
+        let mut body = Reader::new(&message.body);
+        let malformed = |Malformed| Refusal::Broken(child.malformed().what);
+        match message.kind {
+            kind::READY => {
+                let base = body.get().map_err(malformed)?;
+                let arguments = std::iter::once(&prepared.name).chain(arguments).cloned().collect();
+                Ok(Self { child: Arc::new(child), prepared, arguments, base, site: Mutex::default() })
+            }
+            kind::REFUSED => {
+                let what: u32 = body.get().map_err(malformed)?;
+                let text = String::from_utf8_lossy(body.rest()).into_owned();
+                Err(match what {
+                    refusal::LINKER => Refusal::Linker(text),
+                    refusal::MISFIT => Refusal::Misfit(text),
+                    _ => Refusal::Broken(text),
+                })
+            }
+            _ => Err(malformed(Malformed)),
+        }
+    }
+
+    /// The process.
+    pub fn child(&self) -> &Arc<Child> {
+        &self.child
+    }
+
+    /// Runs the program, its calls answered by `host` on this thread; gives its exit code.
+    ///
+    /// # Errors
+    /// How it broke.
+    pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Broken> {
+        let mut order = (self.arguments.len() as u32).to_le_bytes().to_vec();
+        self.arguments.iter().for_each(|argument| put_bytes(Some(argument.as_bytes()), &mut order));
+        let channel = self.child.first();
+        channel.send(kind::RUN, &[&order]);
+        let service = Service { program: self, channel, host };
+        match service.serve()? {
+            Back::Exited(code) => Ok(code),
+            Back::Returned(_) => Err(self.child.malformed()),
+        }
+    }
+
+    /// As of a program in the host.
+    pub fn own_source_line(&self, addresses: &[usize]) -> Option<SourceLine> {
+        let offsets = addresses.iter().map(|&address| self.offset(address).unwrap_or(usize::MAX));
+        self.prepared.image.own_source_line(offsets)
+    }
+
+    /// Where the program called the function that it is in, in the program's own words (`maze.c:88`), if it tells.
+    pub fn call_site(&self) -> Option<String> {
+        let Site { address, line, file } = self.site.lock().clone();
+        if !file.is_empty() {
+            return Some(format!("{file}:{line}"));
+        }
+        // A return address lies behind the call.
+        let offset = self.offset(usize::try_from(address).ok()?.checked_sub(1)?)?;
+        self.prepared.image.source_line(offset).map(|line| line.to_string())
+    }
+
+    fn offset(&self, address: usize) -> Option<usize> {
+        let offset = address.checked_sub(usize::try_from(self.base).ok()?)?;
+        self.prepared.image.span().contains(&offset).then_some(offset)
+    }
+}
+
+/// What ends a service.
+enum Back {
+    Returned(Status),
+    Exited(i32),
+}
+
+/// One thread of the host at one channel.
+struct Service<'a, H> {
+    program: &'a RemoteProgram,
+    channel: &'a Channel,
+    host: &'a H,
+}
+
+thread_local! {
+    /// The channel that this thread serves, and its child.
+    static SERVED: Cell<(*const Child, *const Channel)> = const { Cell::new((ptr::null(), ptr::null())) };
+}
+
+impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
+    /// Answers calls until the program or the function that was called in it returns.
+    fn serve(&self) -> Result<Back, Broken> {
+        let child = &self.program.child;
+        let outer = SERVED.replace((Arc::as_ptr(child), self.channel));
+        let back = self.answer_all();
+        SERVED.set(outer);
+        back
+    }
+
+    fn answer_all(&self) -> Result<Back, Broken> {
+        let child = &self.program.child;
+        let mut reply = Vec::new();
+        loop {
+            let message = child.receive(self.channel)?;
+            let code = || Reader::new(&message.body).get::<i32>();
+            let back = match message.kind {
+                kind::CALL => {
+                    reply.clear();
+                    self.call(&message.body, &mut reply)
+                        .map(|status| {
+                            let kind = if status == Status::OK { kind::OK } else { kind::STOP };
+                            // A reply is no longer than the outputs that the request had room for.
+                            self.channel.send(kind, &[&reply]).then_some(()).ok_or(Malformed)
+                        })
+                        .flatten()
+                        .map(|()| None)
+                }
+                kind::RETURNED => code().map(|status| Some(Back::Returned(Status(status)))),
+                kind::EXITED => code().map(|code| Some(Back::Exited(code))),
+                _ => Err(Malformed),
+            };
+            match back {
+                Ok(None) => {}
+                Ok(Some(back)) => return Ok(back),
+                Err(Malformed) => return Err(child.malformed()),
+            }
+        }
+    }
+
+    /// Carries out a call.
+    fn call(&self, body: &[u8], reply: &mut Vec<u8>) -> Result<Status, Malformed> {
+        let mut body = Reader::new(body);
+        let (table, function): (u32, u32) = (body.get()?, body.get()?);
+        let (address, line): (u64, u32) = (body.get()?, body.get()?);
+        let file = body.bytes()?.unwrap_or_default();
+        {
+            let mut site = self.program.site.lock();
+            (site.address, site.line) = (address, line);
+            site.file.clear();
+            site.file.push_str(&String::from_utf8_lossy(file));
+        }
+        let callback = |code, data| self.callback(code, data);
+        let mut request = Request { arguments: body, callback: &callback };
+        let function = function as usize;
+        match table {
+            SupportCall::TABLE => {
+                let call = SupportCall::ALL.get(function).ok_or(Malformed)?;
+                call.serve(self.host, &mut request, reply)
+            }
+            Robios6Call::TABLE => {
+                let call = Robios6Call::ALL.get(function).ok_or(Malformed)?;
+                self.note(*call);
+                call.serve(self.host, &mut request, reply)
+            }
+            Robios7Call::TABLE => {
+                let call = Robios7Call::ALL.get(function).ok_or(Malformed)?;
+                self.note(*call);
+                call.serve(self.host, &mut request, reply)
+            }
+            _ => Err(Malformed),
+        }
+    }
+
+    /// Remembers the last RoBIOS call, for the report of a fault.
+    fn note(&self, call: impl Into<Call>) {
+        if let Some(number) = call.into().robios_number() {
+            self.program.child.last_call.store(number, Ordering::Relaxed);
+        }
+    }
+
+    /// A function of the host that calls the child's function of these two numbers.
+    fn callback(&self, code: u64, data: u64) -> Callback {
+        let mut callbacks = self.program.child.callbacks.lock();
+        let remote = callbacks.entry((code, data)).or_insert_with(|| {
+            Box::new(RemoteFunction {
+                program: ptr::from_ref(self.program),
+                host: ptr::from_ref(self.host),
+                code,
+                data,
+            })
+        });
+        let remote = remote.downcast_ref::<RemoteFunction<H>>().map_or(ptr::null(), ptr::from_ref);
+        Callback { code: Some(call_remote::<H>), data: remote.cast_mut().cast::<c_void>() }
+    }
+}
+
+/// A function of a program in another process.
+struct RemoteFunction<H> {
+    program: *const RemoteProgram,
+    host: *const H,
+    code: u64,
+    data: u64,
+}
+
+// SAFETY: program and host are shared by the threads of the robot, and both outlive the program's run, see `Callback`.
+unsafe impl<H: Sync> Send for RemoteFunction<H> {}
+
+/// Calls a function of the child: on the channel that this thread serves already, else on one of a task.
+///
+/// # Safety
+/// `data` is what [`Service::callback`] gave, and the program has not returned from its `run`.
+unsafe extern "C" fn call_remote<H: Support + Robios6 + Robios7 + Sync + 'static>(data: *mut c_void) -> Status {
+    // SAFETY: the caller's promise: the function is kept by the child, the program and the host live as long as the run.
+    let Some((function, program, host)) = (unsafe {
+        data.cast_const()
+            .cast::<RemoteFunction<H>>()
+            .as_ref()
+            .and_then(|function| Some((function, function.program.as_ref()?, function.host.as_ref()?)))
+    }) else {
+        return Status::STOP;
+    };
+    let call = |channel: &Channel| {
+        let outer_site = program.site.lock().clone();
+        channel.send(kind::CALL_BACK, &[&function.code.to_le_bytes(), &function.data.to_le_bytes()]);
+        let back = Service { program, channel, host }.serve();
+        *program.site.lock() = outer_site;
+        back
+    };
+    let (child, channel) = SERVED.get();
+    let back = if child == Arc::as_ptr(&program.child) {
+        // SAFETY: a service of this thread, further up its stack, has set the channel and resets it before it returns.
+        call(unsafe { &*channel })
+    } else {
+        program.child.task().and_then(|channel| {
+            let back = call(&channel)?;
+            program.child.give_back(channel);
+            Ok(back)
+        })
+    };
+    match back {
+        Ok(Back::Returned(status)) => status,
+        // It is lost, or ended in the midst of a function: whoever serves its first channel hears of it, too.
+        Ok(Back::Exited(_)) | Err(_) => Status::STOP,
+    }
+}

@@ -1,0 +1,74 @@
+//! A robot's program, loaded, wherever it runs.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use robios_sys::{Robios6, Robios7, Support};
+
+use super::fault::Broken;
+use super::process::Child;
+use super::process::serve::RemoteProgram;
+use crate::program::image::SourceLine;
+use crate::program::load::LoadedProgram;
+
+/// Where a robot's program runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Exec {
+    /// On a thread of the host.
+    #[default]
+    Thread,
+    /// In a process of its own.
+    Process,
+}
+
+/// A robot's program, ready to run.
+pub enum RobotProgram {
+    /// In this process, on its flow's thread.
+    Thread(LoadedProgram),
+    /// In a process of its own, which its flow's thread serves.
+    Process(RemoteProgram),
+}
+
+impl RobotProgram {
+    /// Runs the program's `main`, its calls answered by `host` on this thread; gives its exit code. One run at a time.
+    ///
+    /// # Errors
+    /// How it broke, where that harms nobody else; a program in this process breaks with its thread.
+    pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Broken> {
+        match self {
+            Self::Thread(program) => Ok(program.run(host)),
+            Self::Process(program) => program.run(host),
+        }
+    }
+
+    /// Its process, where it has one of its own.
+    pub fn child(&self) -> Option<&Arc<Child>> {
+        match self {
+            Self::Thread(_) => None,
+            Self::Process(program) => Some(program.child()),
+        }
+    }
+
+    /// Waits until `deadline` for its process to end, then kills it; nothing where it has none of its own.
+    pub fn end(&self, deadline: Instant) {
+        if let Some(child) = self.child() {
+            child.end(deadline);
+        }
+    }
+
+    /// The line in the program's own sources that a call stack leads to, see [`LoadedProgram::own_source_line`].
+    pub fn own_source_line(&self, addresses: &[usize]) -> Option<SourceLine> {
+        match self {
+            Self::Thread(program) => program.own_source_line(addresses),
+            Self::Process(program) => program.own_source_line(addresses),
+        }
+    }
+
+    /// Where the program called the function that it is in, see [`LoadedProgram::call_site`].
+    pub fn call_site(&self) -> Option<String> {
+        match self {
+            Self::Thread(program) => program.call_site(),
+            Self::Process(program) => program.call_site(),
+        }
+    }
+}
