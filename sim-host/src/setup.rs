@@ -96,6 +96,9 @@ impl Programs {
         check_mappings(copies, MAPPINGS_PER_FLOW)?;
         let mut loader = Loader::new().context("no folder to load programs from")?;
         let named = |robot: &RobotSpec, error: LoadError| anyhow!("{} (`{}`): {error}", robot.id, robot.program_name());
+        if exec == Exec::Process {
+            Child::make_room(self.iter().count());
+        }
         // All processes start before the first one is waited for.
         let mut loading = Vec::with_capacity(scene.robots.len());
         for (robot, program) in scene.robots.iter().zip(&self.of_robots) {

@@ -224,7 +224,18 @@ fn a_library_that_cannot_be_loaded_is_refused_in_the_same_words() {
 fn start(scratch: &Scratch, robots: usize) -> (Child, Vec<u32>) {
     scratch.write("prog.c", "#include \"eyebot.h\"\nint main(void) { OSWait(6000); return 0; }\n");
     write_scene(scratch, &vec!["prog.c"; robots]);
-    let mut command = scratch.command(&["run", "scene.sim", "--exec", "process", "--speed", "1", "--report", "r.json", "--trace", "t.jsonl"]);
+    let mut command = scratch.command(&[
+        "run",
+        "scene.sim",
+        "--exec",
+        "process",
+        "--speed",
+        "1",
+        "--report",
+        "r.json",
+        "--trace",
+        "t.jsonl",
+    ]);
     let host = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("eyesim starts");
     let deadline = Instant::now() + Duration::from_secs(100);
     loop {
@@ -280,9 +291,11 @@ fn a_child_that_is_killed_from_outside_is_told_and_the_interrupt_leaves_no_proce
     assert_eq!(host.wait().expect("it ends").code(), Some(130));
     assert_gone(&children);
     let report: Value = serde_json::from_str(&scratch.read("r.json")).expect("a report");
-    let killed = report["robots"].as_array().expect("robots").iter().filter(|robot| {
-        robot["reason"].as_str().is_some_and(|reason| reason.contains("killed by signal 9"))
-    });
+    let killed = report["robots"]
+        .as_array()
+        .expect("robots")
+        .iter()
+        .filter(|robot| robot["reason"].as_str().is_some_and(|reason| reason.contains("killed by signal 9")));
     assert_eq!(killed.count(), 1, "{report:#}");
 }
 

@@ -89,6 +89,20 @@ impl Child {
         Ok(command)
     }
 
+    /// Lets this process have the files that so many children take, as far as the system allows.
+    pub fn make_room(children: usize) {
+        /// Files that are open anyhow, and those of other rooms.
+        const OTHERS: usize = 256;
+        let mut limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
+        // SAFETY: both calls get one valid limit; where they fail, starting a child fails later and says so.
+        unsafe {
+            if libc::getrlimit(libc::RLIMIT_NOFILE, &mut limit) == 0 && limit.rlim_cur < (children + OTHERS) as u64 {
+                limit.rlim_cur = limit.rlim_max.min((children + OTHERS) as u64);
+                libc::setrlimit(libc::RLIMIT_NOFILE, &limit);
+            }
+        }
+    }
+
     /// The channel of the thread that runs `main`.
     pub fn first(&self) -> &Channel {
         &self.first
