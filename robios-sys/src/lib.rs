@@ -12,6 +12,7 @@ mod abi;
 pub mod c;
 pub mod constant;
 pub mod param;
+pub mod python;
 pub mod robios6;
 pub mod robios7;
 pub mod support;

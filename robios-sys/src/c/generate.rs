@@ -52,6 +52,7 @@ pub fn generated() -> Vec<(&'static str, String)> {
         ("shim/abi.h", abi_header(&support, &six.functions, &seven.functions)),
         ("shim/robios6.c", shim_functions(&six)),
         ("shim/robios7.c", shim_functions(&seven)),
+        ("python/eye.py", crate::python::generated()),
         ("../docs/c-library.md", super::page::c_library_page()),
     ]
 }

@@ -1,0 +1,104 @@
+//! The Python side, embedded as text: the module `eye` of robot programs in Python.
+
+use std::fmt::Write as _;
+
+use crate::constant::Constant;
+use crate::robios7::{CONSTANTS, Robios7Call};
+use crate::support::SupportCall;
+use crate::table::Function;
+
+/// The module `eye`: constants and functions of RoBIOS-7, and the child's side of the protocol; run as a script it runs a
+/// program, whose path is its argument.
+pub const EYE: &str = include_str!("../python/eye.py");
+
+/// What is not generated: `runtime.py`, with places for the rest.
+const RUNTIME: &str = include_str!("../python/runtime.py");
+
+const NOTICE: &str = "Generated: cargo run -p robios-sys --bin generate";
+
+/// The text that `eye.py` must have.
+pub(crate) fn generated() -> String {
+    let support = SupportCall::ALL.iter().map(|call| (0, call.index(), call.function()));
+    let robios7 = Robios7Call::ALL.iter().map(|call| (7, call.index(), call.function()));
+    let mut calls = String::new();
+    for (list, number, function) in support.chain(robios7) {
+        let name = if list == 0 { format!("_support_{}", function.name) } else { format!("_{}", function.name) };
+        let kinds: String = function.parameters.iter().map(|parameter| kind(parameter.kind)).collect();
+        let result = kind(function.returns);
+        writeln!(calls, "{name} = (\"{}\", {list}, {number}, \"{kinds}\", \"{result}\")", function.name)
+            .expect("a string takes every line");
+    }
+    let plain = Robios7Call::ALL.iter().map(|call| call.function()).filter(|function| is_plain(function));
+    let functions: Vec<String> = plain.map(definition).collect();
+    RUNTIME
+        .replace("@NOTICE@", NOTICE)
+        .replace("# @CONSTANTS@", CONSTANTS.iter().map(constant).collect::<String>().trim_end())
+        .replace("# @CALLS@", calls.trim_end())
+        .replace("# @FUNCTIONS@", functions.join("\n\n\n").trim_end())
+}
+
+/// True for a function whose form in Python follows from the list; the others are in `runtime.py`.
+fn is_plain(function: &Function) -> bool {
+    let by_hand = ["LCDPrintf", "LCDSetPrintf", "LCDImageSize", "LCDImageStart", "IPSetSize", "KEYReadXY"];
+    let is_sized = |kind: &str| ["OutBytes", "OutInts"].contains(&kind);
+    !by_hand.contains(&function.name)
+        && function.parameters.iter().all(|parameter| !is_sized(parameter.kind) && parameter.name != "width_px")
+}
+
+fn constant(constant: &Constant) -> String {
+    let value =
+        if constant.value >= 0x1_0000 { format!("{:#08X}", constant.value) } else { constant.value.to_string() };
+    format!("{} = {}\n", constant.name, value.replace("0X", "0x"))
+}
+
+fn definition(function: &Function) -> String {
+    let is_out = |kind: &str| kind.starts_with("Out<");
+    let inputs: Vec<&str> = function.parameters.iter().filter(|it| !is_out(it.kind)).map(|it| it.name).collect();
+    let values: Vec<&str> =
+        function.parameters.iter().map(|it| if is_out(it.kind) { "None" } else { it.name }).collect();
+    let outputs = values.iter().filter(|value| **value == "None").count();
+    let call = format!("_call({})", [&[format!("_{}", function.name).as_str()], &values[..]].concat().join(", "));
+    let body = match (outputs, function.returns) {
+        (0, "()") => call,
+        (0, _) => format!("return {call}[0]"),
+        (1, _) => format!("return {call}[0]"),
+        (count, _) => format!("return tuple({call}[:{count}])"),
+    };
+    let doc = function.doc.iter().map(|line| line.trim()).collect::<Vec<_>>().join("\n    ");
+    // What C writes through pointers is returned instead of the status.
+    let doc = if outputs > 0 { doc.split(" Returns ").next().unwrap_or_default().to_owned() } else { doc };
+    format!("def {}({}):\n    \"\"\"{doc}\"\"\"\n    {body}", function.name, inputs.join(", "))
+}
+
+/// How the runtime packs a parameter or a result of this type.
+fn kind(kind: &str) -> &'static str {
+    match kind {
+        "()" => "",
+        "i32" | "Color" | "Timer" => "i",
+        "u32" => "I",
+        "u8" | "Char" | "Flag" => "B",
+        "i64" => "q",
+        "u64" => "Q",
+        "Text" => "t",
+        "Bytes" => "b",
+        "Out<i32>" => "o",
+        "Out<u8>" => "O",
+        "OutBytes" => "r",
+        "OutInts" => "R",
+        "Callback" => "k",
+        other => panic!("no form in Python is known for `{other}`: add it here and in runtime.py"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_function_is_in_the_module_once() {
+        for call in Robios7Call::ALL {
+            let definition = format!("\ndef {}(", call.name());
+            assert_eq!(EYE.matches(&definition).count(), 1, "{}", call.name());
+        }
+    }
+}
