@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
+use sim_core::ObjectId;
 use sim_core::build;
 use sim_core::drive::Motion;
-use sim_core::format::{PathRef, RobotSpec, SceneSpec, Span};
+use sim_core::format::{ObjectSpec, PathRef, RobotSpec, SceneSpec, Span};
 use sim_core::time::Time;
 use sim_core::world::World;
 
@@ -21,6 +22,7 @@ use crate::program::prepare::{Prepared, prepare};
 use crate::robios::Devices;
 use crate::robios::key::{Keys, Press};
 use crate::robios::robot::{Robot, RobotParts};
+use crate::robios::truth::{Census, Counted};
 
 /// Memory mappings of a robot's flow: its stack, the guard below it, its alternate stack and the kernel's neighbours.
 const MAPPINGS_PER_FLOW: usize = 4;
@@ -201,6 +203,7 @@ pub fn build_world(
 ) -> anyhow::Result<(World, Vec<Robot>)> {
     debug_assert!(scene.robots.iter().enumerate().all(|(index, robot)| robot.id.index() == index));
     let walls = build::obstacles(scene);
+    let census = Arc::new(census(scene));
     let mut models = BTreeMap::new();
     let mut robots = Vec::with_capacity(scene.robots.len());
     for (spec, program) in scene.robots.iter().zip(&programs.of_robots) {
@@ -209,11 +212,12 @@ pub fn build_world(
         let presses = options.keys.iter().filter(|press| press.robot.is_none_or(|robot| robot == spec.id));
         let generation = program.as_ref().and_then(|program| program.image.description()).map(|it| it.generation);
         let devices = if generation == Some(7) { Devices::of_robios7 } else { Devices::new };
+        let keys = Keys::scripted(presses.map(|press| (press.at, press.touch)));
         let mut robot = Robot::new(RobotParts {
             program: program.as_ref().map(|program| program.name.clone()).unwrap_or_default(),
             motion: Motion::new(spec.id, Arc::clone(model), Arc::clone(&walls), spec.start),
             spec: Arc::clone(&spec.robi),
-            devices: devices(&spec.robi, Keys::scripted(presses.map(|press| (press.at, press.touch)))),
+            devices: devices(&spec.robi, keys).among(Arc::clone(&census)),
             seed: options.seed,
             is_verbose: options.is_verbose,
         });
@@ -223,4 +227,18 @@ pub fn build_world(
     let world = World::new(walls, options.slot, robots.iter_mut().map(|robot| &mut robot.motion));
     let objects = build::movable(scene).map(|object| (build::properties(object), object.pose));
     Ok((world.with_objects(objects), robots))
+}
+
+/// The robots and objects of a scene by their numbers for programs.
+fn census(scene: &SceneSpec) -> Census {
+    let mut movable = 0;
+    let counted = |object: &ObjectSpec| {
+        if object.kind.is_fixed {
+            return Counted::Fixed(object.pose);
+        }
+        movable += 1;
+        Counted::Movable(ObjectId(movable))
+    };
+    let objects = scene.objects.iter().map(counted).collect();
+    Census { robots: scene.robots.len(), objects }
 }

@@ -399,19 +399,19 @@ fn write_plot(path: &Path, scene: &SceneSpec, trails: &Trails, ended: &Ended) ->
         robi: Arc::clone(&spec.robi),
         start: spec.start,
         end: ended.robots[index].pose,
-        trail: trails.trails()[index].points(),
+        trails: trails.trails()[index].lines(),
     };
     let robots: Vec<RunRobot> = scene.robots.iter().enumerate().map(robot).collect();
-    let object = |object: &ObjectSpec, end: Pose, trail: Vec<DVec2>| RunObject {
+    let object = |object: &ObjectSpec, end: Pose, trails: Vec<Vec<DVec2>>| RunObject {
         kind: Arc::clone(&object.kind),
         start: object.pose,
         end,
-        trail,
+        trails,
     };
     let fixed = scene.objects.iter().filter(|spec| spec.kind.is_fixed);
     let fixed = fixed.map(|spec| object(spec, spec.pose, Vec::new()));
     let moved = build::movable(scene).zip(ended.objects.iter().zip(trails.objects()));
-    let moved = moved.map(|(spec, (end, trail))| object(spec, *end, trail.points()));
+    let moved = moved.map(|(spec, (end, trail))| object(spec, *end, trail.lines()));
     let objects: Vec<RunObject> = fixed.chain(moved).collect();
     let drawing = plot::draw_run(&RunPicture {
         title: &scene.file,

@@ -20,6 +20,7 @@ use super::signal;
 use crate::record::event::WORLD;
 use crate::record::{Event, Journal, RecordError, Recorder};
 use crate::robios::robot::{Robot, Waits};
+use crate::robios::truth::{Placeable, Placement};
 
 /// Who runs, who waits until when, and where the run's record goes.
 pub struct Conductor {
@@ -313,11 +314,21 @@ impl Conductor {
         active.append(&mut self.ran);
         active.sort_unstable();
         active.dedup();
+        let placements = take_placements(run, &active);
+        active.extend(placements.iter().filter_map(|placement| match placement.what {
+            Placeable::Robot(id) => Some(id),
+            Placeable::Object(_) => None,
+        }));
+        active.sort_unstable();
+        active.dedup();
         if world.slot_start() == Time::ZERO {
             let all = (0..world.object_count()).map(ObjectId::from_index);
             self.record_objects(world, Time::ZERO, all);
         }
         let mut robots: Vec<MutexGuard<'_, Robot>> = active.iter().map(|id| run.robot(*id)).collect();
+        for placement in &placements {
+            self.place(placement, world, &mut robots);
+        }
         let contacts = {
             let mut motions: Vec<&mut Motion> = robots.iter_mut().map(|robot| &mut robot.motion).collect();
             world.advance(&mut motions)
@@ -335,13 +346,37 @@ impl Conductor {
                 self.moving.push(robot.id);
             }
             if robot.waiting.as_ref().is_some_and(|waiting| waiting.waits_for == Waits::Drive) {
-                let drive_end = robot.motion.drive_end().unwrap_or(Time::NEVER).max(slot_end);
+                // Somebody who was put elsewhere has no drive any more.
+                let is_done = robot.motion.is_drive_done(slot_end);
+                let drive_end = if is_done { Some(slot_end) } else { robot.motion.drive_end() };
+                let drive_end = drive_end.unwrap_or(Time::NEVER).max(slot_end);
                 let wake = drive_end.min(robot.timers.next_due()).min(robot.devices.due());
                 self.sleep_until(robot.id, wake);
             }
             self.recorder.collect(&mut robot.journal);
         }
         self.recorder.end_slot(slot_end)
+    }
+
+    /// Puts a robot or an object elsewhere, at the slot's end.
+    fn place(&mut self, placement: &Placement, world: &mut World, robots: &mut [MutexGuard<'_, Robot>]) {
+        let Placement { by, what, pose, .. } = *placement;
+        let slot_end = world.slot_end();
+        match what {
+            Placeable::Robot(id) => {
+                let Ok(place) = robots.binary_search_by_key(&id, |robot| robot.id) else { return };
+                // The program's millimetres are always a place, here and below.
+                let _ = robots[place].motion.place(slot_end, pose);
+                robots[place].record_placed(slot_end, by, &pose);
+            }
+            Placeable::Object(object) => {
+                let _ = world.place_object(object, pose);
+                let (x_m, y_m) = (pose.position.x, pose.position.y);
+                let event =
+                    Event::ObjectPlaced { object: object.0, by: by.0, x_m, y_m, phi_rad: pose.heading.remainder() };
+                self.objects.record(slot_end, &event);
+            }
+        }
     }
 
     /// Records where these movable objects are at `at`.
@@ -392,6 +427,17 @@ impl Conductor {
             lane.ready.make_contiguous().sort_unstable();
         }
     }
+}
+
+/// What these robots' programs have asked for in the slot to be put elsewhere, in order.
+fn take_placements(run: &Run, robots: &[RobotId]) -> Vec<Placement> {
+    let mut placements = Vec::new();
+    for id in robots {
+        placements.append(&mut run.robot(*id).placements);
+    }
+    // Each robot's own are in order already.
+    placements.sort_by_key(|placement| (placement.time, placement.by));
+    placements
 }
 
 impl Pace {

@@ -24,8 +24,8 @@ pub struct RunRobot {
     pub start: Pose,
     /// Where it ended.
     pub end: Pose,
-    /// Where it has been.
-    pub trail: Vec<DVec2>,
+    /// Where it has been: a line for each time that it was put elsewhere, and the first.
+    pub trails: Vec<Vec<DVec2>>,
 }
 
 /// An object of a run.
@@ -37,8 +37,8 @@ pub struct RunObject {
     pub start: Pose,
     /// Where it came to.
     pub end: Pose,
-    /// Where it has been; empty for what does not move.
-    pub trail: Vec<DVec2>,
+    /// Where it has been, in lines as those of a robot; empty for what does not move.
+    pub trails: Vec<Vec<DVec2>>,
 }
 
 /// A finished run.
@@ -67,8 +67,7 @@ pub fn draw_run(run: &RunPicture<'_>) -> Drawing {
     draw_objects(&mut drawing, run.objects);
     let line = |index: usize| Line::solid(colour::robot(index), 1.5);
     for (index, robot) in robots.iter().enumerate() {
-        robot.trail.iter().for_each(|point| drawing.include(*point));
-        drawing.push(Shape::outlined(Form::Path(robot.trail.clone()), line(index)));
+        draw_trails(&mut drawing, &robot.trails, line(index));
     }
     for (index, robot) in robots.iter().enumerate() {
         let radius = 0.5 * robot.robi.diameter;
@@ -96,6 +95,13 @@ pub fn draw_run(run: &RunPicture<'_>) -> Drawing {
     drawing
 }
 
+fn draw_trails(drawing: &mut Drawing, trails: &[Vec<DVec2>], line: Line) {
+    for trail in trails {
+        trail.iter().for_each(|point| drawing.include(*point));
+        drawing.push(Shape::outlined(Form::Path(trail.clone()), line));
+    }
+}
+
 /// Objects where they came to, and the outlines of those that moved where they had been.
 fn draw_objects(drawing: &mut Drawing, objects: &[RunObject]) {
     let line = Line::solid(SHADE, 1.0);
@@ -104,8 +110,7 @@ fn draw_objects(drawing: &mut Drawing, objects: &[RunObject]) {
         for collider in &object.kind.colliders {
             drawing.push(Shape { fill: None, ..collider_shape(collider, &object.start, Paint::solid(SHADE), line) });
         }
-        object.trail.iter().for_each(|point| drawing.include(*point));
-        drawing.push(Shape::outlined(Form::Path(object.trail.clone()), line));
+        draw_trails(drawing, &object.trails, line);
         drawing.explain(Symbol::Disc(None, line), "where an object was");
     }
     for object in objects {

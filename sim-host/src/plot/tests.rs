@@ -41,7 +41,7 @@ fn drawing(side: f64, count: u32) -> Drawing {
             robi: robi(&name),
             start: Pose::new(trail[0].x, trail[0].y, quarter),
             end: Pose::new(trail[40].x, trail[40].y, quarter + end),
-            trail,
+            trails: vec![trail],
         }
     };
     let robots: Vec<RunRobot> = (1..=count).map(robot).collect();
@@ -101,13 +101,13 @@ fn up_in_the_world_is_up_in_the_picture() {
         robi: robi("S4"),
         start: Pose::new(0.5, 0.5, 0.0),
         end: Pose::new(0.5, 1.5, 0.0),
-        trail: vec![DVec2::new(0.5, 0.5), DVec2::new(0.5, 1.5)],
+        trails: vec![vec![DVec2::new(0.5, 0.5), DVec2::new(0.5, 1.5)]],
     };
     let up = svg(&picture("", &square(2.0), std::slice::from_ref(&robot), &[]));
     let trail = points(elements(&up, "polyline", "#0072B2")[0]);
     assert!(trail[1].1 < trail[0].1 && trail[1].0 == trail[0].0, "{trail:?}");
     // A trail out of the world is in the picture all the same.
-    robot.trail.push(DVec2::new(-7.0, 9.0));
+    robot.trails[0].push(DVec2::new(-7.0, 9.0));
     let wide = picture("", &square(2.0), &[robot], &[]);
     assert_eq!(wide.extent(), (DVec2::new(-7.0, 0.0), DVec2::new(2.0, 9.0)));
 }
@@ -119,7 +119,7 @@ fn objects_are_shown_where_they_came_to_and_where_they_were() {
         kind: Arc::clone(&kind),
         start: Pose::new(0.5, 0.5, 0.0),
         end: Pose::new(x, 0.5, 0.0),
-        trail: Vec::new(),
+        trails: Vec::new(),
     };
     let count = |x: f64| {
         let (world, objects) = (square(2.0), [object(x)]);
@@ -164,7 +164,7 @@ fn names_are_escaped_and_shortened() {
         robi: robi(name),
         start: Pose::new(0.5, 0.5, 0.0),
         end: Pose::new(0.5, 0.5, 0.0),
-        trail: Vec::new(),
+        trails: Vec::new(),
     };
     let robots = [robot(1, "<b>&"), robot(2, "a robot with a very long name that nobody reads to its end")];
     let svg = svg(&picture("", &square(1.0), &robots, &[]));

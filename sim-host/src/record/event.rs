@@ -346,6 +346,41 @@ events! {
         /// Whole turns of the heading.
         turns: i64,
     }
+    /// A laser scanner is read.
+    Scan = "scan" {
+        /// Number of points.
+        points: u32,
+        /// The nearest distance; none when it saw nothing within its range.
+        nearest_m: Option<f64>,
+        /// Where that is, counter-clockwise from ahead, rad.
+        bearing_rad: Option<f64>,
+        /// All distances as the program gets them, added up, mm.
+        sum_mm: i64,
+    }
+    /// A robot is put at another place.
+    Placed = "placed" {
+        /// Number of the robot whose program did it.
+        by: u32,
+        /// World coordinate to the right, m.
+        x_m: f64,
+        /// World coordinate upwards, m.
+        y_m: f64,
+        /// rad
+        phi_rad: f64,
+    }
+    /// A movable object is put at another place; of the world, not of a robot.
+    ObjectPlaced = "object_placed" {
+        /// Its number.
+        object: u32,
+        /// Number of the robot whose program did it.
+        by: u32,
+        /// World coordinate to the right, m.
+        x_m: f64,
+        /// World coordinate upwards, m.
+        y_m: f64,
+        /// rad
+        phi_rad: f64,
+    }
     /// The program writes a line to its standard error. A note.
     Stderr = "stderr" {
         /// The line without its end.

@@ -1,5 +1,7 @@
 //! Where robots have been: trails that keep their shape in bounded memory.
 
+use std::collections::VecDeque;
+
 use glam::DVec2;
 use sim_core::ObjectId;
 use sim_core::math;
@@ -122,28 +124,63 @@ impl Trail {
 /// The open segment cannot be extended: a corner is needed.
 struct Bend;
 
+/// How many trails a body keeps that is put elsewhere again and again: the latest ones.
+const MAX_TRAILS: usize = 64;
+
+/// The trails of one body: a new one begins where it is put elsewhere.
+#[derive(Clone, Debug)]
+pub struct Way {
+    trails: VecDeque<Trail>,
+}
+
+impl Way {
+    fn new(start: DVec2) -> Self {
+        Self { trails: VecDeque::from([Trail::new(start)]) }
+    }
+
+    /// Continues to `position`, in metres.
+    fn push(&mut self, position: DVec2) {
+        if let Some(trail) = self.trails.back_mut() {
+            trail.push(position);
+        }
+    }
+
+    /// Goes on at `position`, in metres, without a line that leads there.
+    fn jump(&mut self, position: DVec2) {
+        if self.trails.len() == MAX_TRAILS {
+            self.trails.pop_front();
+        }
+        self.trails.push_back(Trail::new(position));
+    }
+
+    /// The points of each trail, in the order of time.
+    pub fn lines(&self) -> Vec<Vec<DVec2>> {
+        self.trails.iter().map(Trail::points).collect()
+    }
+}
+
 /// Collects the trails of all robots and the places of contacts while a run goes on.
 #[derive(Clone, Debug)]
 pub struct Trails {
-    trails: Vec<Trail>,
-    objects: Vec<Trail>,
+    trails: Vec<Way>,
+    objects: Vec<Way>,
     contacts: Vec<DVec2>,
 }
 
 impl Trails {
     /// Trails from the poses at the start of the robots and of the movable objects, in order of their ids.
     pub fn new(robots: &[Pose], objects: &[Pose]) -> Self {
-        let trails = |starts: &[Pose]| starts.iter().map(|start| Trail::new(start.position)).collect();
+        let trails = |starts: &[Pose]| starts.iter().map(|start| Way::new(start.position)).collect();
         Self { trails: trails(robots), objects: trails(objects), contacts: Vec::new() }
     }
 
     /// The trails of the movable objects in order of their ids.
-    pub fn objects(&self) -> &[Trail] {
+    pub fn objects(&self) -> &[Way] {
         &self.objects
     }
 
     /// The trails in order of the robots' ids.
-    pub fn trails(&self) -> &[Trail] {
+    pub fn trails(&self) -> &[Way] {
         &self.trails
     }
 
@@ -155,7 +192,7 @@ impl Trails {
 
 impl Sink for Trails {
     fn interest(&self) -> KindSet {
-        KindSet::of(&[Kind::Pose, Kind::Object, Kind::Contact])
+        KindSet::of(&[Kind::Pose, Kind::Object, Kind::Placed, Kind::ObjectPlaced, Kind::Contact])
     }
 
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
@@ -168,6 +205,16 @@ impl Sink for Trails {
             Event::Object { object, x_m, y_m, .. } => {
                 if let Some(trail) = self.objects.get_mut(ObjectId(object).index()) {
                     trail.push(DVec2::new(x_m, y_m));
+                }
+            }
+            Event::Placed { x_m, y_m, .. } => {
+                if let Some(trail) = self.trails.get_mut(record.robot.index()) {
+                    trail.jump(DVec2::new(x_m, y_m));
+                }
+            }
+            Event::ObjectPlaced { object, x_m, y_m, .. } => {
+                if let Some(trail) = self.objects.get_mut(ObjectId(object).index()) {
+                    trail.jump(DVec2::new(x_m, y_m));
                 }
             }
             Event::Contact { x_m, y_m, .. } => {
@@ -270,6 +317,17 @@ mod tests {
         for point in points.into_iter().step_by(37) {
             assert!(distance(&line, point) <= trail.deviation(), "{point}");
         }
+    }
+
+    #[test]
+    fn no_line_leads_to_where_a_body_is_put() {
+        let mut way = Way::new(DVec2::ZERO);
+        way.push(DVec2::X);
+        way.jump(DVec2::new(5.0, 5.0));
+        way.push(DVec2::new(5.0, 6.0));
+        assert_eq!(way.lines(), [vec![DVec2::ZERO, DVec2::X], vec![DVec2::new(5.0, 5.0), DVec2::new(5.0, 6.0)]]);
+        (0..100).for_each(|_| way.jump(DVec2::ZERO));
+        assert_eq!(way.lines().len(), MAX_TRAILS);
     }
 
     #[test]

@@ -24,27 +24,34 @@ pub mod irtv;
 pub mod key;
 pub mod latch;
 pub mod lcd;
+pub mod lidar;
 pub mod motor;
+mod motor7;
 pub mod os;
 pub mod panel;
 pub mod psd;
+mod psd7;
 mod robios6;
 mod robios7;
 pub mod robot;
 pub mod screen;
 pub mod serial;
 pub mod servo;
+mod servo7;
 pub mod support;
 pub mod table;
 #[cfg(test)]
 mod tests;
+pub mod truth;
 mod unit7;
 pub mod vw;
 mod vw7;
 
 use std::borrow::Cow;
 use std::fmt::Display;
+use std::sync::Arc;
 
+use robios_sys::Robios7Call as Call7;
 use robios_sys::robios6::semantics::SEMANTICS;
 use sim_core::drive::{Command, CommandError};
 use sim_core::format::RobiSpec;
@@ -81,6 +88,8 @@ pub struct Devices {
     pub quads: motor::Quads,
     /// Servos.
     pub servos: servo::Servos,
+    /// The laser scanner.
+    pub lidar: lidar::Lidar,
     /// The driving interface.
     pub vw: vw::Vw,
     /// Bumpers.
@@ -95,6 +104,8 @@ pub struct Devices {
     pub serial: serial::Serial,
     /// Settings of the receiver for a remote control, while it is on.
     pub irtv: Option<irtv::Settings>,
+    /// Which robots and objects there are.
+    pub census: Arc<truth::Census>,
     /// Hints that the program was given.
     pub hints: hint::Hints,
 }
@@ -116,6 +127,11 @@ impl Devices {
             Some(screen) => Panel::Colour(screen),
             None => Panel::Classic(Box::new(std::mem::take(&mut self.lcd))),
         }
+    }
+
+    /// These devices in a scene with these robots and objects.
+    pub fn among(self, census: Arc<truth::Census>) -> Self {
+        Self { census, ..self }
     }
 
     /// When [`settle`] is due next; [`Time::NEVER`] if nothing waits for it.
@@ -175,6 +191,16 @@ impl Robot {
         outcome.map_or_else(|error| self.refused(call, failure, |_| error.to_string()), |()| 0)
     }
 
+    /// Tells the user, once a function, why a call without an answer did nothing.
+    fn rejected(&mut self, call: impl Into<Call>, reason: impl FnOnce(&Self) -> String) {
+        let call = call.into();
+        if self.devices.hints.is_first_failure(call) {
+            let text = format!("`{}` did nothing: {}", call.name(), reason(self));
+            self.hint(&text);
+        }
+        self.failed(call, 0);
+    }
+
     /// The answer of a call that asks for a device that the robot does not have.
     fn has_no(&mut self, call: impl Into<Call>, answer: i32, kind: i32, semantics: i32) -> i32 {
         self.refused(call, answer, |robot| {
@@ -184,6 +210,21 @@ impl Robot {
             let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
             format!("`{}` has no `{wanted}`; of this kind it has: {known}", robot.spec.file)
         })
+    }
+
+    /// Place of the device of a kind that RoBIOS-7 calls `number`; tells the user, once a function, if there is none.
+    fn find_numbered(&mut self, call: Call7, kind: i32, number: i32, names: &[&str]) -> Option<usize> {
+        let found = self.devices.table.numbered(kind, number, names).map(|device| device.index);
+        if found.is_none() && self.devices.hints.is_first_failure(call.into()) {
+            let table = &self.devices.table;
+            let known: Vec<_> = (1..=table::MAX_NUMBER)
+                .filter_map(|number| Some(format!("{number} ({})", table.numbered(kind, number, names)?.name)))
+                .collect();
+            let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+            let text = format!("`{}`: `{}` has no number {number}, it has: {known}", call.name(), self.spec.file);
+            self.hint(&text);
+        }
+        found
     }
 
     /// The answer of a call whose device is not simulated: the user is told once a function.

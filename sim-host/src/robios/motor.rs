@@ -103,19 +103,28 @@ pub fn quad_release(robot: &mut Robot, handles: i32) -> i32 {
 /// `QUADReset`
 pub fn quad_reset(robot: &mut Robot, handles: i32) -> i32 {
     let Some(quads) = robot.devices.quads.handles.all(handles) else { return robot.failed(Call::QUADReset, -1) };
-    let angles = robot.motion.wheel_angles(robot.now);
-    quads.for_each(|index| robot.devices.quads.count_start[index] = angles[index]);
+    quads.for_each(|index| reset(robot, index));
     0
 }
 
 /// `QUADRead`
 pub fn quad_read(robot: &mut Robot, handle: i32) -> i32 {
     let Some(index) = robot.devices.quads.handles.one(handle) else { return robot.failed(Call::QUADRead, 0) };
+    count(robot, index)
+}
+
+/// Ticks of encoder `index` since its reset.
+pub(super) fn count(robot: &mut Robot, index: usize) -> i32 {
     let start = robot.devices.quads.count_start[index];
     let ticks = ticks_since(robot, index, start);
     record_ticks(robot, index, ticks);
     // Counters of 32 bits wrap.
     ticks as i32
+}
+
+/// Sets encoder `index` to 0.
+pub(super) fn reset(robot: &mut Robot, index: usize) {
+    robot.devices.quads.count_start[index] = robot.motion.wheel_angles(robot.now)[index];
 }
 
 /// `QUADGetMotor`

@@ -272,7 +272,7 @@ pub fn settle(robot: &mut Robot, world: &World) {
 }
 
 /// What sensor `index` saw at `at`, in metres.
-fn measure(psds: &[PsdSpec], motion: &mut Motion, world: &World, index: usize, at: Time) -> Option<f64> {
+pub(super) fn measure(psds: &[PsdSpec], motion: &mut Motion, world: &World, index: usize, at: Time) -> Option<f64> {
     let psd = psds.get(index)?;
     let mount = Mount::new(psd.position.x, psd.position.y, psd.angle);
     Beam { mount, range: psd.range }.distance(world, motion.id(), &motion.pose(at), at)

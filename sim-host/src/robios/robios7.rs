@@ -2,11 +2,11 @@
 //!
 //! Units are converted in [`unit7`](super::unit7). A function that stands nowhere here answers as for a robot without that device.
 
-use robios_sys::{Out, Robios7, Robios7Call as Call, Stop};
+use robios_sys::{Out, OutInts, Robios7, Robios7Call as Call, Stop};
 
 use super::caller::Caller;
 use super::screen::canvas::{Canvas, Ink, rgb};
-use super::{display7 as display, key, vw7};
+use super::{display7 as display, key, lidar, motor7, psd7, servo7, truth, vw7};
 
 type Text<'a> = Option<&'a [u8]>;
 type Bytes<'a> = Option<&'a [u8]>;
@@ -88,12 +88,35 @@ impl Robios7 for Caller {
     // AU.
 
     // PSD.
+    act! {
+        fn PSDGet(psd: i32) -> i32 = |robot, world| psd7::get(robot, world, psd);
+        fn PSDGetRaw(psd: i32) -> i32 = |robot, world| psd7::get_raw(robot, world, psd);
+    }
 
     // LIDAR.
+    act! {
+        fn LIDARGet(distances: &mut OutInts) -> i32 = |robot, world| lidar::get(robot, world, distances);
+        fn LIDARSet(range: i32, tilt: i32, points: i32) -> () = |robot, _| lidar::set(robot, range, tilt, points);
+    }
 
     // SERVO.
+    act! {
+        fn SERVOSet(servo: i32, angle: i32) -> i32 = |robot, world| servo7::set(robot, world, servo, angle);
+        fn SERVOSetRaw(servo: i32, angle: i32) -> i32 = |robot, world| servo7::set_raw(robot, world, servo, angle);
+        fn SERVORange(servo: i32, low: i32, high: i32) -> i32 = |robot, _| servo7::set_range(robot, servo, [low, high]);
+    }
 
     // MOTOR, ENCODER.
+    act! {
+        fn MOTORDrive(motor: i32, speed: i32) -> i32 = |robot, world| motor7::drive(robot, world, motor, speed);
+        fn MOTORDriveRaw(motor: i32, speed: i32) -> i32 = |robot, world| motor7::drive_raw(robot, world, motor, speed);
+        fn MOTORSpeed(motor: i32, ticks: i32) -> i32 = |robot, world| motor7::speed(robot, world, motor, ticks);
+        fn MOTORPID(motor: i32, p: i32, i: i32, d: i32) -> i32 =
+            |robot, _| motor7::start_control(robot, motor, [p, i, d]);
+        fn MOTORPIDOff(motor: i32) -> i32 = |robot, _| motor7::stop_control(robot, motor);
+        fn ENCODERRead(quad: i32) -> i32 = |robot, _| motor7::encoder(robot, quad);
+        fn ENCODERReset(quad: i32) -> i32 = |robot, _| motor7::reset_encoder(robot, quad);
+    }
 
     // VW.
     act! {
@@ -129,4 +152,16 @@ impl Robios7 for Caller {
     // RADIO.
 
     // SIM.
+    act! {
+        fn SIMGetRobot(id: i32, x: &mut Out<i32>, y: &mut Out<i32>, z: &mut Out<i32>, phi: &mut Out<i32>) -> () =
+            |robot, world| truth::robot_pose(robot, world, id, [x, y, z, phi]);
+        fn SIMSetRobot(id: i32, x: i32, y: i32, _z: i32, phi: i32) -> () =
+            |robot, _| truth::set_robot(robot, id, [x, y, phi]);
+        fn SIMGetObject(id: i32, x: &mut Out<i32>, y: &mut Out<i32>, z: &mut Out<i32>, phi: &mut Out<i32>) -> () =
+            |robot, world| truth::object_pose(robot, world, id, [x, y, z, phi]);
+        fn SIMSetObject(id: i32, x: i32, y: i32, _z: i32, phi: i32) -> () =
+            |robot, _| truth::set_object(robot, id, [x, y, phi]);
+        fn SIMGetRobotCount() -> i32 = |robot, _| truth::robot_count(robot);
+        fn SIMGetObjectCount() -> i32 = |robot, _| truth::object_count(robot);
+    }
 }

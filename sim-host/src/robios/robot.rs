@@ -13,6 +13,7 @@ use sim_core::world::{Contact, World};
 use super::Devices;
 use super::caller::{Call, Timers};
 use super::support::Generators;
+use super::truth::Placement;
 use crate::executive::fault::Broken;
 use crate::executive::standing::Standing;
 use crate::record::{Event, Journal, Obstacle};
@@ -41,6 +42,8 @@ pub struct Robot {
     pub waiting: Option<Waiting>,
     /// How its program ended, once that is known.
     pub ending: Option<Ending>,
+    /// What its program has asked for in the present slot to be put elsewhere, in order.
+    pub placements: Vec<Placement>,
     /// The pose that was recorded last.
     recorded_pose: Option<Pose>,
 }
@@ -125,6 +128,7 @@ impl Robot {
             timers: Timers::default(),
             waiting: None,
             ending: None,
+            placements: Vec::new(),
             recorded_pose: Some(start),
         }
     }
@@ -168,6 +172,13 @@ impl Robot {
         };
         let event = Event::Contact { at_s: contact.time.seconds(), with, x_m: contact.point.x, y_m: contact.point.y };
         self.journal.record(contact.time, &event);
+    }
+
+    /// Records that the program of robot `by` has put it at `pose` at `at`.
+    pub fn record_placed(&mut self, at: Time, by: RobotId, pose: &Pose) {
+        let Pose { position, heading } = pose;
+        let event = Event::Placed { by: by.0, x_m: position.x, y_m: position.y, phi_rad: heading.remainder() };
+        self.journal.record(at, &event);
     }
 
     /// Records that its program begins.

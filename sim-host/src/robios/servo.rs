@@ -17,7 +17,12 @@ pub struct Servos {
     handles: Handles,
     /// Positions 0 to 255 by servo; the middle as long as nothing was set.
     positions: Vec<u8>,
+    /// By servo what positions 0 and 255 of RoBIOS-7 mean, as far as `SERVORange` has set any.
+    ranges: Vec<[u8; 2]>,
 }
+
+/// All that a servo can do.
+const WHOLE_RANGE: [u8; 2] = [0, 255];
 
 /// Position of a servo that was never set.
 const MIDDLE: u8 = 127;
@@ -26,6 +31,17 @@ impl Servos {
     /// Position of servo `index`, 0 to 255.
     pub fn position(&self, index: usize) -> u8 {
         self.positions.get(index).copied().unwrap_or(MIDDLE)
+    }
+
+    /// What positions 0 and 255 of RoBIOS-7 mean.
+    pub fn range(&self, index: usize) -> [u8; 2] {
+        self.ranges.get(index).copied().unwrap_or(WHOLE_RANGE)
+    }
+
+    /// Sets what positions 0 and 255 of RoBIOS-7 mean.
+    pub fn set_range(&mut self, index: usize, range: [u8; 2]) {
+        self.ranges.resize(self.ranges.len().max(index + 1), WHOLE_RANGE);
+        self.ranges[index] = range;
     }
 }
 
@@ -52,18 +68,23 @@ pub fn set(robot: &mut Robot, world: &World, handles: i32, position: i32) -> i32
         return robot.failed(Call::SERVOSet, -1);
     };
     for index in servos {
-        let positions = &mut robot.devices.servos.positions;
-        positions.resize(positions.len().max(index + 1), MIDDLE);
-        positions[index] = position;
-        let device = robot.devices.table.name(HDT_SERVO, index);
-        robot.journal.record(robot.now, &Event::Servo { device, position: position.into() });
-        if robot.spec.drive.steering.as_deref() == Some(device) {
-            let angle = steering_from_position(position) * robot.motion.model().max_steering;
-            // Never refused: the angle is finite, and only a drive that steers has a steering servo.
-            let _ = robot.command(world, Command::Steer(angle));
-        }
+        turn(robot, world, index, position);
     }
     0
+}
+
+/// Turns servo `index`.
+pub(super) fn turn(robot: &mut Robot, world: &World, index: usize, position: u8) {
+    let positions = &mut robot.devices.servos.positions;
+    positions.resize(positions.len().max(index + 1), MIDDLE);
+    positions[index] = position;
+    let device = robot.devices.table.name(HDT_SERVO, index);
+    robot.journal.record(robot.now, &Event::Servo { device, position: position.into() });
+    if robot.spec.drive.steering.as_deref() == Some(device) {
+        let angle = steering_from_position(position) * robot.motion.model().max_steering;
+        // Never refused: the angle is finite, and only a drive that steers has a steering servo.
+        let _ = robot.command(world, Command::Steer(angle));
+    }
 }
 
 /// Part of the greatest steering angle, left positive: 0 is 1, 127 and 128 are 0, 255 is -1.

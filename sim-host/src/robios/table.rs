@@ -9,6 +9,9 @@ use robios_sys::robios6::hdt_type::{
 use robios_sys::robios6::semantics::SEMANTICS;
 use sim_core::format::{JointSpec, RobiSpec};
 
+/// Greatest number of a device in RoBIOS-7: programs know 4 motors, 6 PSDs, 14 servos; 31 is our choice.
+pub const MAX_NUMBER: i32 = 31;
+
 /// One device of a robot.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Device {
@@ -26,6 +29,11 @@ impl Device {
     /// The number that comes first, 0 for a device that no program can ask for.
     pub fn number(&self) -> i32 {
         self.numbers.iter().flatten().next().copied().unwrap_or(0)
+    }
+
+    /// Its own numbers that programs of RoBIOS-7 can mean.
+    fn small_numbers(&self) -> impl Iterator<Item = i32> {
+        self.numbers[..2].iter().flatten().copied().filter(|number| (1..=MAX_NUMBER).contains(number))
     }
 }
 
@@ -77,6 +85,21 @@ impl Table {
         (0..3).find_map(|place| self.of_kind(kind).find(|device| device.numbers[place] == Some(number)))
     }
 
+    /// The device of a kind that RoBIOS-7 calls `number`, from 1 on.
+    ///
+    /// Where devices of the kind have numbers from 1 to [`MAX_NUMBER`] of their own, these count; else, where some are
+    /// called as in `names`, their places there; else their places in the robi.
+    pub fn numbered(&self, kind: i32, number: i32, names: &[&str]) -> Option<&Device> {
+        let place = usize::try_from(number).ok()?.checked_sub(1)?;
+        if self.of_kind(kind).any(|device| device.small_numbers().next().is_some()) {
+            return self.of_kind(kind).find(|device| device.small_numbers().any(|own| own == number));
+        }
+        if self.of_kind(kind).any(|device| names.contains(&device.name.as_str())) {
+            return self.of_kind(kind).find(|device| names.get(place) == Some(&device.name.as_str()));
+        }
+        self.of_kind(kind).nth(place)
+    }
+
     /// Name of device `index` of a kind; empty if there is none.
     pub fn name(&self, kind: i32, index: usize) -> &str {
         self.of_kind(kind).find(|device| device.index == index).map_or("", |device| &device.name)
@@ -110,4 +133,34 @@ fn servos(spec: &RobiSpec) -> Vec<(&str, Option<i32>)> {
         }
     }
     servos
+}
+
+#[cfg(test)]
+mod tests {
+    use sim_core::format::{read_companion, read_robi};
+
+    use super::*;
+
+    /// Names of PSDs 0 to 4 of a robi with these lines.
+    fn psds(lines: &str, companion: &str) -> [Option<String>; 5] {
+        let robi = format!("name A\ndiameter 200\n{lines}wheel 100 3600 1000 100\ndrive DIFFERENTIAL_DRIVE A B C D\n");
+        let (mut spec, _) = read_robi("a.robi", &robi);
+        assert!(read_companion("a.toml", companion, &mut spec).is_empty());
+        let table = Table::new(&spec);
+        [0, 1, 2, 3, 4]
+            .map(|number| table.numbered(HDT_PSD, number, &["PSD_FRONT", "PSD_LEFT"]).map(|device| device.name.clone()))
+    }
+
+    #[test]
+    fn numbers_of_the_robi_go_before_names_and_those_before_places() {
+        let some = |name: &str| Some(name.to_owned());
+        let by_id = psds("psd PSD_LEFT 1 0 0 0 0\npsd PSD_FRONT 3 0 0 0 0\npsd PSD_BACK -212 0 0 0 0\n", "");
+        assert_eq!(by_id, [None, some("PSD_LEFT"), None, some("PSD_FRONT"), None]);
+        let by_name = psds("psd PSD_BACK -212 0 0 0 0\npsd PSD_LEFT -205 0 0 0 0\npsd PSD_FRONT -200 0 0 0 0\n", "");
+        assert_eq!(by_name, [None, some("PSD_FRONT"), some("PSD_LEFT"), None, None]);
+        let by_place = psds("psd PSD_A -212 0 0 0 0\npsd PSD_B -205 0 0 0 0\n", "");
+        assert_eq!(by_place, [None, some("PSD_A"), some("PSD_B"), None, None]);
+        let by_companion = psds("psd PSD_A -212 0 0 0 0\npsd PSD_B -205 0 0 0 0\n", "[hdt]\nPSD_A = 4\n");
+        assert_eq!(by_companion, [None, None, None, None, some("PSD_A")]);
+    }
 }

@@ -1,0 +1,92 @@
+//! Motors and encoders as RoBIOS-7 has them: by number, each with a controller of its own.
+//!
+//! Source: RoBIOS-7 library, servos and motors. A motor that is set takes it from a drive in progress, which ends; the other
+//! motors go on as they turn: our choice.
+
+use std::f64::consts::TAU;
+
+use robios_sys::Robios7Call as Call;
+use robios_sys::robios6::hdt_type::{HDT_MOTOR, HDT_QUAD};
+use sim_core::drive::{Command, Pid};
+use sim_core::world::World;
+
+use super::motor;
+use super::robot::Robot;
+use crate::record::Event;
+
+/// Greatest number of `MOTORDriveRaw`.
+const FULL_RAW: i32 = 127;
+
+/// `MOTORDrive`
+pub fn drive(robot: &mut Robot, world: &World, motor: i32, percent: i32) -> i32 {
+    set(robot, world, Call::MOTORDrive, motor, f64::from(percent.clamp(-100, 100)) / 100.0)
+}
+
+/// `MOTORDriveRaw`
+pub fn drive_raw(robot: &mut Robot, world: &World, motor: i32, raw: i32) -> i32 {
+    set(robot, world, Call::MOTORDriveRaw, motor, f64::from(raw.clamp(-FULL_RAW, FULL_RAW)) / f64::from(FULL_RAW))
+}
+
+/// `MOTORSpeed`
+pub fn speed(robot: &mut Robot, world: &World, motor: i32, ticks_per_s: i32) -> i32 {
+    let Some(wheel) = find(robot, Call::MOTORSpeed, motor) else { return 1 };
+    let rate = f64::from(ticks_per_s) / robot.motion.model().ticks_per_turn * TAU;
+    let accepted = robot.command(world, Command::WheelSpeed { wheel, rate });
+    let device = &robot.spec.drive.motors[wheel].motor;
+    robot.journal.record(robot.now, &Event::Output { device, value: ticks_per_s.into() });
+    robot.answered(Call::MOTORSpeed, 1, accepted)
+}
+
+/// `MOTORPID`: out = p/10 e + i/10 (integral of e) + d/1000 (derivative of the wheel's rate), in rates of the wheel and
+/// seconds. The scale is our choice.
+pub fn start_control(robot: &mut Robot, motor: i32, [p, i, d]: [i32; 3]) -> i32 {
+    let Some(wheel) = find(robot, Call::MOTORPID, motor) else { return 1 };
+    if [p, i, d].iter().any(|factor| !(0..=255).contains(factor)) {
+        return robot.refused(Call::MOTORPID, 1, |_| "each parameter must be 0 to 255".to_owned());
+    }
+    let pid = Pid { p: f64::from(p) / 10.0, i: f64::from(i) / 10.0, d: f64::from(d) / 1000.0 };
+    let accepted = robot.motion.start_wheel_control(robot.now, wheel, pid);
+    robot.answered(Call::MOTORPID, 1, accepted)
+}
+
+/// `MOTORPIDOff`
+pub fn stop_control(robot: &mut Robot, motor: i32) -> i32 {
+    let Some(wheel) = find(robot, Call::MOTORPIDOff, motor) else { return 1 };
+    let accepted = robot.motion.stop_wheel_control(robot.now, wheel);
+    robot.answered(Call::MOTORPIDOff, 1, accepted)
+}
+
+/// `ENCODERRead`
+pub fn encoder(robot: &mut Robot, quad: i32) -> i32 {
+    match robot.find_numbered(Call::ENCODERRead, HDT_QUAD, quad, &[]) {
+        Some(index) => motor::count(robot, index),
+        None => robot.failed(Call::ENCODERRead, 0),
+    }
+}
+
+/// `ENCODERReset`
+pub fn reset_encoder(robot: &mut Robot, quad: i32) -> i32 {
+    let Some(index) = robot.find_numbered(Call::ENCODERReset, HDT_QUAD, quad, &[]) else {
+        return robot.failed(Call::ENCODERReset, 1);
+    };
+    motor::reset(robot, index);
+    0
+}
+
+/// Drives a motor with a part of the wheels' greatest rate.
+fn set(robot: &mut Robot, world: &World, call: Call, motor: i32, part: f64) -> i32 {
+    let Some(wheel) = find(robot, call, motor) else { return 1 };
+    let rate = part * robot.motion.model().max_wheel_rate;
+    let accepted = robot.command(world, Command::Wheel { wheel, rate });
+    let device = &robot.spec.drive.motors[wheel].motor;
+    robot.journal.record(robot.now, &Event::Motor { device, percent: (100.0 * part).round() as i32 });
+    robot.answered(call, 1, accepted)
+}
+
+fn find(robot: &mut Robot, call: Call, motor: i32) -> Option<usize> {
+    let found = robot.find_numbered(call, HDT_MOTOR, motor, &[]);
+    if found.is_none() {
+        robot.failed(call, 1);
+    }
+    found
+}

@@ -1,0 +1,47 @@
+//! Servos as RoBIOS-7 has them: by number, with a range that the program sets.
+//!
+//! A servo's own numbers are 0 to 255 over its whole swing: our choice. Source: RoBIOS-7 library, servos and motors.
+
+use robios_sys::Robios7Call as Call;
+use robios_sys::robios6::hdt_type::HDT_SERVO;
+use sim_core::world::World;
+
+use super::robot::Robot;
+use super::servo;
+
+/// `SERVOSet`
+pub fn set(robot: &mut Robot, world: &World, servo: i32, position: i32) -> i32 {
+    let Some((index, position)) = find(robot, Call::SERVOSet, servo, position) else { return 1 };
+    let [low, high] = robot.devices.servos.range(index).map(f64::from);
+    let own = low + f64::from(position) / 255.0 * (high - low);
+    servo::turn(robot, world, index, own.round() as u8);
+    0
+}
+
+/// `SERVOSetRaw`
+pub fn set_raw(robot: &mut Robot, world: &World, servo: i32, position: i32) -> i32 {
+    let Some((index, position)) = find(robot, Call::SERVOSetRaw, servo, position) else { return 1 };
+    servo::turn(robot, world, index, position);
+    0
+}
+
+/// `SERVORange`
+pub fn set_range(robot: &mut Robot, servo: i32, [low, high]: [i32; 2]) -> i32 {
+    let Some((index, low)) = find(robot, Call::SERVORange, servo, low) else { return 1 };
+    let Some((_, high)) = find(robot, Call::SERVORange, servo, high) else { return 1 };
+    robot.devices.servos.set_range(index, [low, high]);
+    0
+}
+
+/// The servo and the number as one of its own; `None` after the answer was counted as a failure.
+fn find(robot: &mut Robot, call: Call, servo: i32, number: i32) -> Option<(usize, u8)> {
+    let Some(index) = robot.find_numbered(call, HDT_SERVO, servo, &[]) else {
+        robot.failed(call, 1);
+        return None;
+    };
+    let Ok(number) = u8::try_from(number) else {
+        robot.refused(call, 1, |_| format!("a position is 0 to 255, not {number}"));
+        return None;
+    };
+    Some((index, number))
+}

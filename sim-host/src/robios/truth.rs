@@ -1,0 +1,171 @@
+//! The functions of RoBIOS-7 that only a simulator can have: true poses, and robots and objects put elsewhere.
+//!
+//! Source: EyeSim VR, simulation functions. Headings are those of the sim file and of VW: 0 along x, counter-clockwise.
+
+use sim_core::pose::Pose;
+use sim_core::time::Time;
+use sim_core::world::World;
+use sim_core::{ObjectId, RobotId};
+
+use robios_sys::{Out, Robios7Call as Call};
+
+use super::robot::Robot;
+use super::unit7::{pose, pose_numbers};
+
+/// What the numbers of the scene mean: its robots from 1 on, then its objects in the order of the sim file.
+#[derive(Clone, Debug, Default)]
+pub struct Census {
+    /// Number of robots.
+    pub robots: usize,
+    /// The objects, fixed ones included.
+    pub objects: Vec<Counted>,
+}
+
+/// An object with a number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Counted {
+    /// One that can be moved.
+    Movable(ObjectId),
+    /// One that never moves, and where it is.
+    Fixed(Pose),
+}
+
+/// What a robot's program wants to be put elsewhere at the slot's end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// When it was asked for.
+    pub time: Time,
+    /// Whose program asked.
+    pub by: RobotId,
+    /// What.
+    pub what: Placeable,
+    /// Where to.
+    pub pose: Pose,
+}
+
+/// What can be put elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Placeable {
+    /// Another robot.
+    Robot(RobotId),
+    /// A movable object.
+    Object(ObjectId),
+}
+
+impl Census {
+    /// The robot of a number; 0 is `own`.
+    fn robot(&self, number: i32, own: RobotId) -> Option<RobotId> {
+        match usize::try_from(number).ok()? {
+            0 => Some(own),
+            number => (number <= self.robots).then(|| RobotId::from_index(number - 1)),
+        }
+    }
+
+    /// The object of a number.
+    fn object(&self, number: i32) -> Option<Counted> {
+        let place = usize::try_from(number).ok()?.checked_sub(self.robots + 1)?;
+        self.objects.get(place).copied()
+    }
+}
+
+/// `SIMGetRobot`
+pub fn robot_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out<i32>; 4]) {
+    let Some(id) = robot.devices.census.robot(number, robot.id) else {
+        return no_robot(robot, Call::SIMGetRobot, number);
+    };
+    let now = robot.now;
+    let pose = if id == robot.id { robot.motion.pose(now) } else { world.robot_pose(id, now) };
+    give(&pose, into);
+}
+
+/// `SIMSetRobot`: at once for the own robot, of another one at the slot's end. Odometry does not notice it.
+pub fn set_robot(robot: &mut Robot, number: i32, to: [i32; 3]) {
+    let Some(id) = robot.devices.census.robot(number, robot.id) else {
+        return no_robot(robot, Call::SIMSetRobot, number);
+    };
+    let pose = pose(to);
+    if id != robot.id {
+        return place(robot, Placeable::Robot(id), pose);
+    }
+    // Whole millimetres are always a place.
+    let _ = robot.motion.place(robot.now, pose);
+    robot.record_placed(robot.now, robot.id, &pose);
+}
+
+/// `SIMGetObject`
+pub fn object_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out<i32>; 4]) {
+    let pose = match robot.devices.census.object(number) {
+        Some(Counted::Movable(object)) => world.object_pose(object, robot.now),
+        Some(Counted::Fixed(pose)) => pose,
+        None => return no_object(robot, Call::SIMGetObject, number),
+    };
+    give(&pose, into);
+}
+
+/// `SIMSetObject`: at the slot's end.
+pub fn set_object(robot: &mut Robot, number: i32, to: [i32; 3]) {
+    match robot.devices.census.object(number) {
+        Some(Counted::Movable(object)) => place(robot, Placeable::Object(object), pose(to)),
+        Some(Counted::Fixed(_)) => {
+            robot.rejected(Call::SIMSetObject, |_| format!("object {number} is fixed: it stays where it is"));
+        }
+        None => no_object(robot, Call::SIMSetObject, number),
+    }
+}
+
+/// `SIMGetRobotCount`
+pub fn robot_count(robot: &Robot) -> i32 {
+    robot.devices.census.robots as i32
+}
+
+/// `SIMGetObjectCount`
+pub fn object_count(robot: &Robot) -> i32 {
+    robot.devices.census.objects.len() as i32
+}
+
+/// Everything stands on the floor: z is 0.
+fn give(pose: &Pose, [x, y, z, phi]: [&mut Out<i32>; 4]) {
+    let numbers = pose_numbers(pose);
+    [x, y, phi].into_iter().zip(numbers).for_each(|(out, number)| out.set(number));
+    z.set(0);
+}
+
+fn place(robot: &mut Robot, what: Placeable, pose: Pose) {
+    robot.placements.push(Placement { time: robot.now, by: robot.id, what, pose });
+}
+
+fn no_robot(robot: &mut Robot, call: Call, number: i32) {
+    robot.rejected(call, |robot| {
+        format!("there is no robot {number}, accepted: 0 for the own one, 1 to {}", robot.devices.census.robots)
+    });
+}
+
+fn no_object(robot: &mut Robot, call: Call, number: i32) {
+    robot.rejected(call, |robot| {
+        let Census { robots, objects } = &*robot.devices.census;
+        match objects.len() {
+            0 => format!("there is no object {number}, since the scene has none"),
+            count => format!(
+                "there is no object {number}: objects are numbered on from the robots, here from {} to {}",
+                robots + 1,
+                robots + count
+            ),
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn objects_are_numbered_on_from_the_robots() {
+        let (can, stone) = (Counted::Movable(ObjectId(1)), Counted::Fixed(Pose::new(1.0, 2.0, 0.0)));
+        let census = Census { robots: 2, objects: vec![can, stone] };
+        let own = RobotId(2);
+        assert_eq!([0, 1, 2].map(|number| census.robot(number, own)), [Some(own), Some(RobotId(1)), Some(own)]);
+        assert_eq!([-1, 3, i32::MIN].map(|number| census.robot(number, own)), [None; 3]);
+        assert_eq!([3, 4].map(|number| census.object(number)), [Some(can), Some(stone)]);
+        assert_eq!([0, 2, 5, -7, i32::MAX].map(|number| census.object(number)), [None; 5]);
+    }
+}
