@@ -195,6 +195,22 @@ proptest! {
     }
 
     #[test]
+    fn arcs_end_at_their_points_with_the_curvature_of_the_circle(
+        x in prop_oneof![-2.0..2.0_f64, -1e4..1e4_f64, Just(0.0), Just(1e-9)],
+        y in prop_oneof![-2.0..2.0_f64, -1e4..1e4_f64, Just(0.0), Just(-1e-9), Just(1e-100)],
+    ) {
+        let point = DVec2::new(x, y);
+        let arc = arc_to(point);
+        let end = Pose::default().moved(arc);
+        prop_assert!((end.position - point).length() <= 4e-15 * point.length(), "{end:?}");
+        prop_assert!(arc.omega.abs() <= PI && arc.vx * x >= 0.0);
+        if point != DVec2::ZERO {
+            let curvature = 2.0 * y / point.length_squared();
+            prop_assert!((arc.omega - curvature * arc.vx).abs() <= 1e-14 * arc.omega.abs(), "{arc:?}");
+        }
+    }
+
+    #[test]
     fn a_drive_that_is_replaced_counts_for_what_it_has_covered(
         first in displacement(),
         second in displacement(),
