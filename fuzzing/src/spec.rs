@@ -173,6 +173,9 @@ pub fn robi(robi: &RobiSpec) {
     }
     let inputs = &robi.inputs;
     assert!(inputs.analog.iter().all(|(channel, value)| *channel <= 15 && *value <= 1023), "{inputs:?}");
+    assert!(inputs.digital.iter().all(|(line, value)| (1..=16).contains(line) && *value <= 1), "{inputs:?}");
+    assert!(inputs.voltage >= 0.0 && inputs.digital.is_sorted(), "{inputs:?}");
+    assert!(robi.serials.is_sorted_by_key(|serial| serial.interface), "{:?}", robi.serials);
     assert!(inputs.analog.is_sorted() && inputs.latches.is_sorted() && robi.hdt.is_sorted(), "{inputs:?}");
 }
 

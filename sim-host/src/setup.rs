@@ -1,7 +1,7 @@
 //! From a scene to a run that can start: finds, builds and loads the programs, makes world and robots.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
@@ -23,6 +23,7 @@ use crate::robios::Devices;
 use crate::robios::key::{Keys, Press};
 use crate::robios::robot::{Robot, RobotParts};
 use crate::robios::truth::{Census, Counted};
+use crate::robios::storage::Storage;
 
 /// Memory mappings of a robot's flow: its stack, the guard below it, its alternate stack and the kernel's neighbours.
 const MAPPINGS_PER_FLOW: usize = 4;
@@ -188,6 +189,8 @@ pub struct RobotOptions<'a> {
     pub slot: Time,
     /// Key presses of all robots.
     pub keys: &'a [Press],
+    /// True when programs may run commands of this machine (`OSExecute`).
+    pub may_execute: bool,
     /// True when every call is to be recorded.
     pub is_verbose: bool,
 }
@@ -211,13 +214,16 @@ pub fn build_world(
         model.check().with_context(|| format!("robot type `{}`", spec.robi.file))?;
         let presses = options.keys.iter().filter(|press| press.robot.is_none_or(|robot| robot == spec.id));
         let generation = program.as_ref().and_then(|program| program.image.description()).map(|it| it.generation);
-        let devices = if generation == Some(7) { Devices::of_robios7 } else { Devices::new };
+        let new_devices = if generation == Some(7) { Devices::of_robios7 } else { Devices::new };
         let keys = Keys::scripted(presses.map(|press| (press.at, press.touch)));
+        let mut devices = new_devices(&spec.robi, keys).among(Arc::clone(&census));
+        devices.storage = Storage::new(Path::new(&scene.folder));
+        devices.os.may_execute = options.may_execute;
         let mut robot = Robot::new(RobotParts {
             program: program.as_ref().map(|program| program.name.clone()).unwrap_or_default(),
             motion: Motion::new(spec.id, Arc::clone(model), Arc::clone(&walls), spec.start),
             spec: Arc::clone(&spec.robi),
-            devices: devices(&spec.robi, keys).among(Arc::clone(&census)),
+            devices,
             seed: options.seed,
             is_verbose: options.is_verbose,
         });

@@ -70,7 +70,7 @@ fn run(folder: &Path, scene: &SceneSpec, lanes: usize) -> Ended {
     let programs = Programs::build(scene, &search, &builder).unwrap_or_else(|error| panic!("{error:#}"));
     let loaded = programs.load(scene, Exec::Thread).unwrap_or_else(|error| panic!("{error:#}"));
     let slot = Time::from_millis(50);
-    let options = RobotOptions { seed: 0, slot, keys: &[], is_verbose: false };
+    let options = RobotOptions { seed: 0, slot, keys: &[], may_execute: false, is_verbose: false };
     let (world, robots) = build_world(scene, &programs, &options).unwrap_or_else(|error| panic!("{error:#}"));
     let limits = Limits { lanes, until: Time::from_millis(60_000), speed: None, timeout: 10.0, is_verbose: false };
     let header = TraceHeader { seed: 0, slot_us: slot.0, robots: Vec::new() };

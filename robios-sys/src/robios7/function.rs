@@ -134,8 +134,8 @@ function_table! {
         fn IPSetSize(resolution: i32) -> i32 = 1, c "int IPSetSize(int resolution)";
 
         /// Reads a PNM file: P1 to P6; a size other than the images' is cut, or filled up with black. Grey files become grey
-        /// images, colour files colour images. Returns 0, 1 if it cannot be read.
-        fn IPReadFile(filename: Text, width_px: i32, height_px: i32, img: OutBytes) -> i32 = 1,
+        /// images, colour files colour images. Returns the digit of P1 to P6, -1 if it cannot be read.
+        fn IPReadFile(filename: Text, width_px: i32, height_px: i32, img: OutBytes) -> i32 = -1,
             c "int IPReadFile(const char *filename, BYTE *img)";
 
         /// Writes a colour image as PPM. Returns 0, 1 if it cannot be written.

@@ -2,9 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use glam::DVec3;
-use toml::de::DeTable;
+use toml::Spanned;
+use toml::de::{DeString, DeTable, DeValue};
 
 use super::Span;
 use super::code::Code;
@@ -12,7 +15,7 @@ use super::diagnostic::Diagnostic;
 use super::given::Given;
 use super::line::{self, Quantity};
 use super::robi::{LIDAR_SWEEP, LIDAR_TILT, MAX_LIDAR_POINTS};
-use super::spec::{BumperSpec, CompassSpec, InfraredSpec, LidarSpec, RobiSpec, ServoSpec};
+use super::spec::{BumperSpec, CompassSpec, InfraredSpec, LidarSpec, RobiSpec, SerialLine, SerialSpec, ServoSpec};
 use super::table::{Reader, Section};
 
 /// Distance below which an infrared switch answers when the file does not say, in metres.
@@ -25,6 +28,10 @@ const MIN_LCD_SIDE: i64 = 64;
 const MAX_LCD_WIDTH: i64 = 1920;
 /// Most rows of pixels of the display.
 const MAX_LCD_HEIGHT: i64 = 1200;
+/// Digital lines, and serial interfaces, numbered from 1.
+const LINES: u8 = 16;
+/// Greatest voltage of a battery.
+const MAX_VOLTAGE: f64 = 1000.0;
 /// Names that a message lists at most.
 const MAX_LISTED: usize = 32;
 
@@ -77,6 +84,9 @@ impl Reader<'_> {
         }
         if let Some(section) = self.section(parent, "input") {
             self.input(section, robi);
+        }
+        if let Some(section) = self.section(parent, "serial") {
+            self.serial(&section, robi);
         }
         if let Some(section) = self.section(parent, "hdt") {
             self.hdt(section, robi);
@@ -206,16 +216,24 @@ impl Reader<'_> {
     fn input(&mut self, mut section: Section<'_, '_>, robi: &mut RobiSpec) {
         let inputs = &mut robi.inputs;
         if let Some(channels) = self.section(&mut section, "analog") {
-            let values = self.numbered(&channels, 15, 1023, "A/D channel");
+            let values = self.numbered(&channels, 0..=15, 1023, "A/D channel");
             inputs.analog.extend(values);
         }
         if let Some(latches) = self.section(&mut section, "latch") {
-            let values = self.numbered(&latches, 255, 255, "latch");
+            let values = self.numbered(&latches, 0..=255, 255, "latch");
             inputs.latches.extend(values.into_iter().map(|(number, value)| (number, value as u8)));
         }
-        for (key, register) in
-            [("parallel_data", &mut inputs.parallel_data), ("parallel_status", &mut inputs.parallel_status)]
-        {
+        if let Some(lines) = self.section(&mut section, "digital") {
+            let values = self.numbered(&lines, 1..=LINES, 1, "digital line");
+            inputs.digital.extend(values.into_iter().map(|(number, value)| (number, value as u8)));
+        }
+        let voltage = Quantity::number("voltage of the battery", 0.0, MAX_VOLTAGE);
+        self.set(&mut section, "voltage_v", &voltage, &mut inputs.voltage);
+        for (key, register) in [
+            ("microphone", &mut inputs.microphone),
+            ("parallel_data", &mut inputs.parallel_data),
+            ("parallel_status", &mut inputs.parallel_status),
+        ] {
             if let Some(value) = self.integer(&mut section, key, 0, 255) {
                 *register = value as u8;
             }
@@ -223,22 +241,59 @@ impl Reader<'_> {
         self.unknown_keys(&section);
         inputs.analog.sort_unstable();
         inputs.latches.sort_unstable();
+        inputs.digital.sort_unstable();
+    }
+
+    /// What is connected to the serial interfaces: `1 = "loopback"`, `2 = { file = "gps.txt" }`.
+    fn serial(&mut self, section: &Section<'_, '_>, robi: &mut RobiSpec) {
+        for (key, value) in section.table {
+            let Some(interface) = self.number_of(key, 1..=LINES, "serial interface") else { continue };
+            let line = match value.get_ref() {
+                DeValue::String(word) if word == "loopback" => Some(SerialLine::Loopback),
+                DeValue::Table(_) => self.as_section("serial", value).and_then(|section| self.serial_file(section)),
+                _ => {
+                    self.wrong_type(key.get_ref(), value, "`\"loopback\"` or `{ file = \"NAME\" }`");
+                    None
+                }
+            };
+            robi.serials.extend(line.map(|line| SerialSpec { interface, line }));
+        }
+        robi.serials.sort_by_key(|serial| serial.interface);
+    }
+
+    fn serial_file(&mut self, mut section: Section<'_, '_>) -> Option<SerialLine> {
+        let path = self.required_reference(&mut section, "file");
+        self.unknown_keys(&section);
+        Some(SerialLine::File { path: path?, bytes: Arc::default() })
     }
 
     /// A table whose keys are numbers: `3 = 512`.
-    fn numbered(&mut self, section: &Section<'_, '_>, highest: u8, largest: u16, what: &str) -> Vec<(u8, u16)> {
+    fn numbered(
+        &mut self,
+        section: &Section<'_, '_>,
+        numbers: RangeInclusive<u8>,
+        largest: u16,
+        what: &str,
+    ) -> Vec<(u8, u16)> {
         let mut values = Vec::new();
         for (key, value) in section.table {
-            let Some(number) = key.get_ref().parse::<u8>().ok().filter(|number| *number <= highest) else {
-                let message = format!("`{}` is no {what}", key.get_ref());
-                self.sink.error(Code::TomlKey, self.span(key.span()), message, format!("a number from 0 to {highest}"));
-                continue;
-            };
+            let Some(number) = self.number_of(key, numbers.clone(), what) else { continue };
             if let Some(value) = self.as_integer(key.get_ref(), value, 0, i64::from(largest)) {
                 values.push((number, value as u16));
             }
         }
         values
+    }
+
+    /// The number that a key is.
+    fn number_of(&mut self, key: &Spanned<DeString<'_>>, numbers: RangeInclusive<u8>, what: &str) -> Option<u8> {
+        let number = key.get_ref().parse().ok().filter(|number| numbers.contains(number));
+        if number.is_none() {
+            let message = format!("`{}` is no {what}", key.get_ref());
+            let expected = format!("a number from {} to {}", numbers.start(), numbers.end());
+            self.sink.error(Code::TomlKey, self.span(key.span()), message, expected);
+        }
+        number
     }
 
     fn hdt(&mut self, section: Section<'_, '_>, robi: &mut RobiSpec) {

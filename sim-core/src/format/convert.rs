@@ -210,7 +210,7 @@ impl Conversion<'_> {
     fn robi(&mut self, target: Kind) -> Loaded {
         let (robi, loaded) = load_robi(self.from, self.files);
         if let Some(mut robi) = robi {
-            robi.model.iter_mut().for_each(|model| self.rewrite_path(&mut model.path));
+            self.rewrite_robi(&mut robi);
             self.write_robi(&robi, target);
         }
         loaded
@@ -292,11 +292,20 @@ impl Conversion<'_> {
             world.texture.iter_mut().for_each(|texture| self.rewrite_path(texture));
             world.objects.iter_mut().for_each(|line| self.rewrite_type(&mut line.kind));
         }
-        let robots = sim.inline.robot_types.iter_mut().map(|(robi, _)| &mut robi.model);
-        let objects = sim.inline.object_types.iter_mut().map(|(object, _)| &mut object.model);
-        robots.chain(objects).flatten().for_each(|model| self.rewrite_path(&mut model.path));
+        sim.inline.robot_types.iter_mut().for_each(|(robi, _)| self.rewrite_robi(robi));
+        let objects = sim.inline.object_types.iter_mut().flat_map(|(object, _)| &mut object.model);
+        objects.for_each(|model| self.rewrite_path(&mut model.path));
         if let Some(super::CostsRef::File(path)) = &mut sim.run.costs {
             self.rewrite_path(path);
+        }
+    }
+
+    fn rewrite_robi(&self, robi: &mut super::RobiSpec) {
+        robi.model.iter_mut().for_each(|model| self.rewrite_path(&mut model.path));
+        for serial in &mut robi.serials {
+            if let super::SerialLine::File { path, .. } = &mut serial.line {
+                self.rewrite_path(path);
+            }
         }
     }
 

@@ -8,8 +8,8 @@ use glam::DVec2;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::spec::{
-    CostsRef, DEFAULT_WALL_HEIGHT, ObjectType, PathRef, RobiSpec, RunSpec, SceneSpec, SimSpec, TypeRef, WallSpec,
-    WorldKind, WorldSpec,
+    CostsRef, DEFAULT_WALL_HEIGHT, ObjectType, PathRef, RobiSpec, RunSpec, SceneSpec, SerialLine, SimSpec, TypeRef,
+    WallSpec, WorldKind, WorldSpec,
 };
 use super::{
     Span, clearance, line, path, place, read_companion, read_costs, read_esobj, read_maze, read_robi, read_scene,
@@ -90,6 +90,9 @@ pub fn load_scene_with(path: &str, seed: Option<u64>, files: &dyn Files) -> Load
     loader.diagnostics.extend(diagnostics);
     sim.run.seed = seed.or(sim.run.seed);
     let folder = path::folder_of(path).to_owned();
+    for (robi, _) in &mut sim.inline.robot_types {
+        loader.serial_files(path, &folder, robi);
+    }
     let world = loader.world(&sim, &folder);
     let placed = place::place(&mut loader, &sim, &folder, world.as_ref());
     let costs = sim.run.costs.take().and_then(|costs| loader.costs(path, &folder, costs));
@@ -406,6 +409,7 @@ impl<'a> Loader<'a> {
             Ok(bytes) => {
                 let text = self.take(&companion, bytes);
                 self.diagnostics.extend(read_companion(&companion, &text, &mut robi));
+                self.serial_files(&companion, path::folder_of(&companion), &mut robi);
             }
             Err(FileError::Missing) => {}
             Err(error) => {
@@ -415,6 +419,20 @@ impl<'a> Loader<'a> {
             }
         }
         robi
+    }
+}
+
+impl Loader<'_> {
+    /// Reads the files that devices at the serial interfaces of a type in `file` send.
+    fn serial_files(&mut self, file: &str, folder: &str, robi: &mut RobiSpec) {
+        for serial in &mut robi.serials {
+            if let SerialLine::File { path, bytes } = &mut serial.line
+                && let Some((place, content)) = self.find(file, folder, path)
+            {
+                *bytes = content.as_slice().into();
+                self.inputs.push(InputFile { path: place, bytes: content });
+            }
+        }
     }
 }
 

@@ -76,6 +76,7 @@ impl RobiSpec {
             compass: None,
             lcd: LcdSpec::default(),
             inputs: InputSpec::default(),
+            serials: Vec::new(),
             hdt: Vec::new(),
         }
     }

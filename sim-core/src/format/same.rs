@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use super::Span;
 use super::spec::{
-    CostsRef, ModelSpec, ObjectLine, ObjectType, PathRef, RobiSpec, RobotLine, SceneSpec, SimSpec, TypeRef, WorldSpec,
+    CostsRef, ModelSpec, ObjectLine, ObjectType, PathRef, RobiSpec, RobotLine, SceneSpec, SerialLine, SimSpec, TypeRef,
+    WorldSpec,
 };
 
 /// What a scene says, wherever it and the files of its world and types lie.
@@ -74,6 +75,12 @@ pub fn robi(robi: &RobiSpec) -> RobiSpec {
     robi.bumpers.iter_mut().for_each(|device| device.span = Span::default());
     robi.servos.iter_mut().for_each(|device| device.span = Span::default());
     robi.compass.iter_mut().for_each(|device| device.span = Span::default());
+    for serial in &mut robi.serials {
+        if let SerialLine::File { path, bytes } = &mut serial.line {
+            forget(path);
+            *bytes = Arc::default();
+        }
+    }
     robi
 }
 

@@ -468,17 +468,66 @@ pub struct CompassSpec {
     pub span: Span,
 }
 
+/// Voltage of the battery where nobody says, in volts: two lithium cells. Source: our choice.
+pub const DEFAULT_VOLTAGE: f64 = 7.2;
+
+/// What the microphone reads in silence: the middle of its range.
+pub const DEFAULT_MICROPHONE: u8 = 128;
+
 /// What the inputs read that are connected to nothing simulated.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct InputSpec {
     /// A/D converter: (channel 0..=15, value 0..=1023), in order of the channels.
     pub analog: Vec<(u8, u16)>,
     /// Digital input latches: (number, value), in order of the numbers.
     pub latches: Vec<(u8, u8)>,
+    /// Digital lines: (number 1..=16, 0 or 1), in order of the numbers.
+    pub digital: Vec<(u8, u8)>,
+    /// Voltage of the battery in volts.
+    pub voltage: f64,
+    /// What the microphone reads.
+    pub microphone: u8,
     /// Data register of the parallel port.
     pub parallel_data: u8,
     /// Status register of the parallel port.
     pub parallel_status: u8,
+}
+
+impl Default for InputSpec {
+    fn default() -> Self {
+        Self {
+            analog: Vec::new(),
+            latches: Vec::new(),
+            digital: Vec::new(),
+            voltage: DEFAULT_VOLTAGE,
+            microphone: DEFAULT_MICROPHONE,
+            parallel_data: 0,
+            parallel_status: 0,
+        }
+    }
+}
+
+/// What is connected to a serial interface.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SerialSpec {
+    /// Number of the interface, 1..=16.
+    pub interface: u8,
+    /// What is at the line's other end.
+    pub line: SerialLine,
+}
+
+/// The other end of a serial line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SerialLine {
+    /// Everything that is sent comes back.
+    Loopback,
+    /// A device that sends the bytes of a file.
+    File {
+        /// The file.
+        path: PathRef,
+        /// Its bytes; empty where it has not been read.
+        bytes: Arc<[u8]>,
+    },
 }
 
 /// A robot type: a `.robi` and the `.toml` beside it.
@@ -528,6 +577,8 @@ pub struct RobiSpec {
     pub lcd: LcdSpec,
     /// What unconnected inputs read.
     pub inputs: InputSpec,
+    /// What is connected to the serial interfaces, in order of their numbers; nothing where none is listed.
+    pub serials: Vec<SerialSpec>,
     /// Further entries of the hardware description table: (name of a device, number under which programs ask for it), in
     /// order of the names. They go before `hdt_sem.h`.
     pub hdt: Vec<(String, i32)>,

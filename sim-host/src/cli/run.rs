@@ -90,6 +90,9 @@ pub struct RunArgs {
     /// Virtual time that RoBIOS calls take, as TOML, in place of the scene's
     #[arg(long, value_name = "FILE")]
     pub costs: Option<PathBuf>,
+    /// Let programs run commands of this machine with `OSExecute`: what they do is outside of the simulation
+    #[arg(long)]
+    pub allow_execute: bool,
     /// Show no progress: neither what is being built nor how far the run is
     #[arg(short, long, conflicts_with = "verbose")]
     pub quiet: bool,
@@ -231,8 +234,13 @@ fn simulate(args: &RunArgs, options: Options, files: &DiskFiles, loaded: Loaded)
             return Ok(None);
         }
     };
-    let robot_options =
-        RobotOptions { seed: options.seed, slot: options.slot, keys: &options.keys, is_verbose: args.verbose };
+    let robot_options = RobotOptions {
+        seed: options.seed,
+        slot: options.slot,
+        keys: &options.keys,
+        may_execute: args.allow_execute,
+        is_verbose: args.verbose,
+    };
     let (world, robots) = build_world(scene, &programs, &robot_options)?;
 
     let until = options.until.unwrap_or(Time::from_seconds_ceil(DEFAULT_UNTIL));

@@ -340,6 +340,7 @@ impl Conductor {
                 robots[place].record_contact(&contact);
             }
         }
+        save_files(&mut robots);
         for robot in &mut robots {
             robot.record_pose(slot_end);
             if robot.motion.is_active() {
@@ -438,6 +439,20 @@ fn take_placements(run: &Run, robots: &[RobotId]) -> Vec<Placement> {
     // Each robot's own are in order already.
     placements.sort_by_key(|placement| (placement.time, placement.by));
     placements
+}
+
+/// Puts on the disk what robots wrote in the slot that ends, in order of (virtual time, robot).
+fn save_files(robots: &mut [MutexGuard<'_, Robot>]) {
+    let mut files = Vec::new();
+    for (index, robot) in robots.iter_mut().enumerate() {
+        files.extend(robot.devices.storage.take_written().map(|file| (file, index)));
+    }
+    files.sort_by_key(|(file, index)| (file.at, *index));
+    for (file, index) in files {
+        if let Err(error) = file.save() {
+            robots[index].hint(&format!("`{}` cannot be written: {error}", file.path.display()));
+        }
+    }
 }
 
 impl Pace {

@@ -1,10 +1,12 @@
-//! Loudspeaker and microphone: sounds are events that take virtual time in the background; the microphone hears silence.
+//! Loudspeaker and microphone: sounds are events that take virtual time in the background; the microphone hears what the
+//! robi's companion says, silence without.
 //!
-//! Source: RoBIOS 6 library, audio.
+//! Sources: RoBIOS 6 library, audio; RoBIOS-7 library, audio.
 
-use robios_sys::{OutBytes, Robios6Call as Call};
+use robios_sys::{OutBytes, Robios6Call, Robios7Call};
 use sim_core::time::Time;
 
+use super::caller::Call;
 use super::robot::Robot;
 use crate::record::Event;
 
@@ -13,12 +15,6 @@ pub const TONE_HZ: std::ops::RangeInclusive<i32> = 65..=21_000;
 
 /// How long `AUBeep` sounds; our choice.
 pub const BEEP: Time = Time::from_millis(100);
-
-/// A byte of silence in an unsigned 8 bit sample.
-pub const SILENT_BYTE: u8 = 128;
-
-/// A 10 bit value of the microphone in silence: the middle of the range.
-pub const SILENT_VALUE: i32 = 512;
 
 /// What loudspeaker and microphone are doing. A new sound replaces the one in progress.
 #[derive(Clone, Copy, Debug, Default)]
@@ -56,6 +52,11 @@ impl Audio {
         self.sample_end <= now
     }
 
+    /// True when neither tone nor sample sounds.
+    pub fn is_silent(&self, now: Time) -> bool {
+        self.is_tone_done(now) && self.is_sample_done(now)
+    }
+
     /// True when nothing is being recorded.
     pub fn is_record_done(&self, now: Time) -> bool {
         self.record_end <= now
@@ -69,18 +70,39 @@ const MAX_RECORD: usize = 1 << 26;
 const MAX_RATE: i64 = 44_100;
 
 /// `AUPlaySample`: the sample's rate in Hz, 0 if it is none.
-pub fn play_sample(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
-    let Some(wave) = sample.and_then(Wave::parse) else { return robot.failed(Call::AUPlaySample, 0) };
-    let duration = Time((u64::from(wave.bytes) * 1_000_000 / u64::from(wave.bytes_per_second)) as i64);
-    robot.devices.audio.play_sample(robot.now, duration);
-    robot.record(Event::Sample { length_bytes: wave.bytes.into() });
+pub fn play_sample_6(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
+    let Some(wave) = sample.and_then(Wave::parse) else { return robot.failed(Robios6Call::AUPlaySample, 0) };
+    play(robot, wave);
     wave.rate_hz
 }
 
+/// `AUPlay`: a WAV file in memory, or the name of one.
+pub fn play_sample_7(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
+    let Some(sample) = sample else { return robot.failed(Robios7Call::AUPlay, 1) };
+    if let Some(wave) = Wave::parse(sample) {
+        play(robot, wave);
+        return 0;
+    }
+    let file = robot.devices.storage.read(sample).map_err(|error| error.to_string());
+    match file.and_then(|file| Wave::parse(&file).ok_or_else(|| "it is no WAV file".to_owned())) {
+        Ok(wave) => {
+            play(robot, wave);
+            0
+        }
+        Err(reason) => robot.refused(Robios7Call::AUPlay, 1, |_| format!("`{}`: {reason}", super::text(sample))),
+    }
+}
+
+fn play(robot: &mut Robot, wave: Wave) {
+    let duration = Time((u64::from(wave.bytes) * 1_000_000 / u64::from(wave.bytes_per_second)) as i64);
+    robot.devices.audio.play_sample(robot.now, duration);
+    robot.record(Event::Sample { length_bytes: wave.bytes.into() });
+}
+
 /// `AUTone`
-pub fn play_tone(robot: &mut Robot, frequency_hz: i32, span_ms: i32) -> i32 {
+pub fn play_tone(robot: &mut Robot, call: impl Into<Call>, failure: i32, frequency_hz: i32, span_ms: i32) -> i32 {
     if !TONE_HZ.contains(&frequency_hz) || span_ms < 0 {
-        return robot.failed(Call::AUTone, -1);
+        return robot.failed(call, failure);
     }
     let duration = Time::from_millis(span_ms.into());
     robot.devices.audio.play_tone(robot.now, duration);
@@ -95,16 +117,38 @@ pub fn beep(robot: &mut Robot) -> i32 {
     0
 }
 
-/// `AURecordSample`: silence; the rate in Hz.
-pub fn record_sample(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> i32 {
+/// `AURecordSample`: the rate in Hz.
+pub fn record_6(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> i32 {
+    record(robot, buffer, rate_hz).unwrap_or_else(|| robot.failed(Robios6Call::AURecordSample, 0))
+}
+
+/// `AURecord`
+pub fn record_7(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> i32 {
+    record(robot, buffer, rate_hz).map_or_else(|| robot.failed(Robios7Call::AURecord, 1), |_| 0)
+}
+
+/// Records what the microphone hears; the rate in Hz, none if that cannot be.
+fn record(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> Option<i32> {
     let length = buffer.capacity();
     if buffer.is_null() || !(1..=MAX_RECORD).contains(&length) || rate_hz <= 0 {
-        return robot.failed(Call::AURecordSample, 0);
+        return None;
     }
     let rate_hz = rate_hz.min(MAX_RATE) as i32;
-    buffer.set(&vec![SILENT_BYTE; length]);
+    buffer.set(&vec![robot.spec.inputs.microphone; length]);
     robot.devices.audio.record(robot.now, duration_of(length as i32, rate_hz));
-    rate_hz
+    Some(rate_hz)
+}
+
+/// `AUCaptureMic`: 10 bits.
+pub fn microphone_6(robot: &Robot) -> i32 {
+    4 * i32::from(robot.spec.inputs.microphone)
+}
+
+/// `AUMicrophone`: 8 bits.
+pub fn microphone_7(robot: &mut Robot) -> i32 {
+    let value = robot.spec.inputs.microphone;
+    robot.record(Event::Reading { device: "microphone", value: value.into() });
+    value.into()
 }
 
 /// What a WAV file says of its sample.

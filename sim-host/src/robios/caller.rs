@@ -7,9 +7,9 @@ use std::any::Any;
 use std::sync::Arc;
 
 use parking_lot::MutexGuard;
-use robios_sys::{CallContext, CallRecord, Callback, Robios6Call, Robios7Call, Stop, SupportCall};
+use robios_sys::{CallContext, CallRecord, Robios6Call, Robios7Call, Stop, SupportCall};
 use sim_core::RobotId;
-use sim_core::time::{TICK, Time};
+use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::robot::{Ending, Robot, Waiting, Waits};
@@ -91,6 +91,16 @@ pub enum Poll<R> {
         /// What the robot waits for, as the user is told.
         waits_for: Waits,
     },
+}
+
+impl<R> Poll<R> {
+    /// With the result that `change` makes of the one there is.
+    pub fn map<S>(self, change: impl FnOnce(R) -> S) -> Poll<S> {
+        match self {
+            Self::Ready(result) => Poll::Ready(change(result)),
+            Self::Until { at, waits_for } => Poll::Until { at, waits_for },
+        }
+    }
 }
 
 impl Caller {
@@ -266,7 +276,8 @@ impl Caller {
             }
         }
         let mut robot = self.robot();
-        robot.timers.in_callback = false;
+        let now = robot.now;
+        robot.timers.end_callbacks(now);
         result.map(|()| robot)
     }
 }
@@ -295,68 +306,5 @@ impl CallContext for Caller {
         self.at_once(SupportCall::failed, |robot| {
             robot.ending.get_or_insert(Ending::Failed { reason });
         });
-    }
-}
-
-/// The timers that a program has attached.
-#[derive(Default)]
-pub struct Timers {
-    list: Vec<Timer>,
-    next_handle: i32,
-    /// True while a callback runs: callbacks are never nested, and may not wait.
-    pub in_callback: bool,
-    /// True between `OSDisable` and `OSEnable`: what falls due meanwhile is made up for once, at `OSEnable`.
-    pub are_held: bool,
-}
-
-struct Timer {
-    handle: i32,
-    period: Time,
-    next: Time,
-    callback: Callback,
-}
-
-/// How many timers a robot may have; our choice.
-const MAX_TIMERS: usize = 32;
-
-impl Timers {
-    /// Attaches `callback` to every `scale`-th tick of the global 10 ms grid after `now`; the handle, or 0 when the list is
-    /// full or `scale` is not positive.
-    pub fn attach(&mut self, now: Time, scale: i32, callback: Callback) -> i32 {
-        if self.list.len() >= MAX_TIMERS || scale <= 0 {
-            return 0;
-        }
-        let period = Time(TICK.0 * i64::from(scale));
-        self.next_handle += 1;
-        self.list.push(Timer { handle: self.next_handle, period, next: now.floor_to(TICK) + period, callback });
-        self.next_handle
-    }
-
-    /// Removes the timer; false when there is none of that handle.
-    pub fn detach(&mut self, handle: i32) -> bool {
-        let before = self.list.len();
-        self.list.retain(|timer| timer.handle != handle);
-        self.list.len() < before
-    }
-
-    /// When the next callback is due; [`Time::NEVER`] without timers and inside a callback.
-    pub fn next_due(&self) -> Time {
-        if self.in_callback || self.are_held {
-            return Time::NEVER;
-        }
-        self.list.iter().map(|timer| timer.next).min().unwrap_or(Time::NEVER)
-    }
-
-    /// The callbacks due at `now`, in order of attachment; missed ticks are coalesced into one.
-    fn take_due(&mut self, now: Time) -> Vec<Callback> {
-        let mut due = Vec::new();
-        for timer in &mut self.list {
-            if timer.next <= now {
-                due.push(timer.callback);
-                let missed = (now - timer.next).0 / timer.period.0;
-                timer.next += Time((missed + 1) * timer.period.0);
-            }
-        }
-        due
     }
 }

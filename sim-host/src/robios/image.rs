@@ -6,25 +6,20 @@
 use robios_sys::robios6::{ColImage, IMAGE_COLUMNS as COLUMNS, IMAGE_ROWS as ROWS, Image};
 use robios_sys::{Out, Robios6Call as Call};
 
-use super::lcd;
+use super::picture::Size;
 use super::robot::Robot;
+use super::{lcd, picture};
+
+const SIZE: Size = Size { width: COLUMNS, height: ROWS };
 
 /// Edges by the Laplace operator: |4 c - n - s - w - e|, at most 255.
 pub fn laplace(source: &Image) -> Image {
-    inner(|row, column| {
-        let at = |dy: usize, dx: usize| level(source, row + dy - 1, column + dx - 1);
-        (4 * at(1, 1) - at(0, 1) - at(2, 1) - at(1, 0) - at(1, 2)).abs()
-    })
+    bordered(&picture::laplace(SIZE, source.as_flattened()))
 }
 
 /// Edges by the Sobel operator: |gx| + |gy|, at most 255.
 pub fn sobel(source: &Image) -> Image {
-    inner(|row, column| {
-        let at = |dy: usize, dx: usize| level(source, row + dy - 1, column + dx - 1);
-        let gx = at(0, 2) + 2 * at(1, 2) + at(2, 2) - at(0, 0) - 2 * at(1, 0) - at(2, 0);
-        let gy = at(2, 0) + 2 * at(2, 1) + at(2, 2) - at(0, 0) - 2 * at(0, 1) - at(0, 2);
-        gx.abs() + gy.abs()
-    })
+    bordered(&picture::sobel(SIZE, source.as_flattened()))
 }
 
 /// Black (0) and white (255) by ordered dithering with a 2 x 2 pattern.
@@ -39,7 +34,8 @@ pub fn differ(current: &Image, last: &Image) -> Image {
 
 /// Grey as the mean of red, green and blue, rounded down.
 pub fn grey_from_colour(source: &ColImage) -> Image {
-    inner(|row, column| source[row][column].iter().map(|value| i32::from(*value)).sum::<i32>() / 3)
+    let grey = picture::grey_of_colour(source.as_flattened().as_flattened());
+    inner(|row, column| i32::from(grey[row * COLUMNS + column]))
 }
 
 /// The part of an image that `LCDPutGraphic` shows: 80 x 54 pixels without the border, from the top.
@@ -61,6 +57,11 @@ pub fn process(
         }
         _ => robot.failed(call, -1),
     }
+}
+
+/// An image whose border is black already.
+fn bordered(pixels: &[u8]) -> Image {
+    std::array::from_fn(|row| std::array::from_fn(|column| pixels[row * COLUMNS + column]))
 }
 
 /// The image whose pixels inside the border are `value`, limited to 0..=255.

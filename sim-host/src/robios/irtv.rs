@@ -68,10 +68,13 @@ pub fn get(robot: &mut Robot) -> Poll<i32> {
     if robot.devices.irtv.is_none() {
         return Poll::Ready(robot.failed(Call::IRTVGet, 0));
     }
-    Poll::Until {
-        at: Time::NEVER,
-        waits_for: Waits::Input("a key of a TV remote control, which nobody has".to_owned()),
-    }
+    no_key()
+}
+
+/// The wait for a key of a remote control.
+pub fn no_key() -> Poll<i32> {
+    let waits_for = Waits::Input("a key of a TV remote control, which nobody has".to_owned());
+    Poll::Until { at: Time::NEVER, waits_for }
 }
 
 /// `IRTVGetStatus`: all 0 while the receiver is off.

@@ -19,6 +19,7 @@ pub mod handle;
 mod hdt;
 pub mod hint;
 pub mod image;
+mod image7;
 mod ir;
 pub mod irtv;
 pub mod key;
@@ -28,7 +29,11 @@ pub mod lidar;
 pub mod motor;
 mod motor7;
 pub mod os;
+mod os7;
 pub mod panel;
+pub mod picture;
+mod pnm;
+mod port7;
 pub mod psd;
 mod psd7;
 mod robios6;
@@ -38,11 +43,13 @@ pub mod screen;
 pub mod serial;
 pub mod servo;
 mod servo7;
+pub mod storage;
 pub mod support;
 pub mod table;
 #[cfg(test)]
 mod tests;
 pub mod truth;
+pub mod timer;
 mod unit7;
 pub mod vw;
 mod vw7;
@@ -102,6 +109,10 @@ pub struct Devices {
     pub latches: latch::Latches,
     /// Serial interfaces.
     pub serial: serial::Serial,
+    /// Digital lines and analog recordings of RoBIOS-7.
+    pub ports: port7::Ports,
+    /// Files.
+    pub storage: storage::Storage,
     /// Settings of the receiver for a remote control, while it is on.
     pub irtv: Option<irtv::Settings>,
     /// Which robots and objects there are.
@@ -113,7 +124,8 @@ pub struct Devices {
 impl Devices {
     /// The devices of a robot of this type, whose keys are pressed as `keys` says.
     pub fn new(spec: &RobiSpec, keys: key::Keys) -> Self {
-        Self { table: table::Table::new(spec), keys, ..Self::default() }
+        let serial = serial::Serial::new(&spec.serials);
+        Self { table: table::Table::new(spec), keys, serial, ..Self::default() }
     }
 
     /// The same for a program of RoBIOS-7.

@@ -3,12 +3,12 @@
 //! Source: RoBIOS 6 library, system functions and timer.
 
 use robios_sys::robios6::ANYKEY;
-use robios_sys::{Callback, Out, OutBytes, Robios6Call as Call};
+use robios_sys::{Callback, Out, OutBytes, Robios6Call as Call, Robios7Call, Stop};
 use sim_core::time::{TICK, Time};
 
-use super::caller::Poll;
+use super::caller::{Caller, Poll};
 use super::robot::{Ending, Robot, Waits};
-use super::{display, key, text};
+use super::{caller, display, display7, key, text};
 use crate::record::Event;
 
 /// Version of RoBIOS that is imitated: the last one for which a manual is known.
@@ -28,6 +28,37 @@ pub struct Os {
     variables: [i32; VARIABLES],
     /// What the clock shows when virtual time begins; less than a day.
     clock_start: Time,
+    /// Whether programs may run commands of the machine that simulates.
+    pub may_execute: bool,
+}
+
+impl Caller {
+    /// `OSWait`, `OSSleep`: waits `span` after the call's own cost.
+    pub(super) fn wait_span(&self, call: impl Into<caller::Call>, span: Time) -> Result<i32, Stop> {
+        let mut end = None;
+        self.wait(call, |robot, _| {
+            let end = *end.get_or_insert(robot.now + span);
+            wait_until(robot, end)
+        })
+    }
+
+    /// `OSError`: shows it; then the program ends, or waits for a key.
+    pub(super) fn show_error(
+        &self,
+        call: impl Into<caller::Call>,
+        message: Option<&[u8]>,
+        number: i32,
+        is_dead: bool,
+    ) -> Result<i32, Stop> {
+        let mut is_shown = false;
+        let result = self.wait(call, |robot, _| {
+            if !std::mem::replace(&mut is_shown, true) {
+                error(robot, message, number, is_dead);
+            }
+            if is_dead { Poll::Ready(0) } else { acknowledge(robot) }
+        });
+        if is_dead { Err(Stop) } else { result }
+    }
 }
 
 /// Whole hundredths of a second, in the 32 bits of a counter that wraps after 248 days.
@@ -61,25 +92,31 @@ pub fn machine_id(robot: &Robot) -> u8 {
 pub fn error(robot: &mut Robot, message: Option<&[u8]>, number: i32, is_dead: bool) {
     let message = String::from_utf8_lossy(message.unwrap_or_default()).into_owned();
     let shown = format!("{message}\nError {number}\n");
-    display::write(robot, shown.as_bytes());
+    show(robot, shown.as_bytes());
     if is_dead {
         let reason = format!("OSError {number}: {}", text(message.as_bytes()));
         robot.ending.get_or_insert(Ending::Failed { reason });
     }
 }
 
+/// Writes at the cursor of the robot's display, of either generation.
+fn show(robot: &mut Robot, text: &[u8]) {
+    if robot.devices.screen.is_some() {
+        display7::put(robot, Robios7Call::LCDPrintf, Some(text));
+    } else {
+        display::write(robot, text);
+    }
+}
+
 /// The wait of an `OSError` that is not deadly: for any key.
 pub fn acknowledge(robot: &mut Robot) -> Poll<i32> {
-    match key::wait_for(robot, ANYKEY) {
-        Poll::Ready(_) => Poll::Ready(0),
-        until => until,
-    }
+    key::wait_for(robot, ANYKEY).map(|_| 0)
 }
 
 /// `OSPanic`
 pub fn panic(robot: &mut Robot, message: Option<&[u8]>) {
     let reason = format!("OSPanic: {}", text(message.unwrap_or_default()));
-    display::write(robot, message.unwrap_or_default());
+    show(robot, message.unwrap_or_default());
     robot.ending.get_or_insert(Ending::Failed { reason });
 }
 
@@ -110,33 +147,39 @@ pub fn set_variable(robot: &mut Robot, number: i32, value: i32) -> i32 {
 }
 
 /// `OSSetTime`
-pub fn set_time(robot: &mut Robot, [hours, minutes, seconds]: [i32; 3]) -> i32 {
+pub fn set_time(robot: &mut Robot, time: [i32; 3]) -> i32 {
+    if set_clock(robot, time) { 0 } else { robot.failed(Call::OSSetTime, -1) }
+}
+
+/// Sets the robot's clock; false, and nothing happens, for no time of a day.
+pub fn set_clock(robot: &mut Robot, [hours, minutes, seconds]: [i32; 3]) -> bool {
     let is_time = (0..24).contains(&hours) && (0..60).contains(&minutes) && (0..60).contains(&seconds);
-    if !is_time {
-        return robot.failed(Call::OSSetTime, -1);
+    if is_time {
+        let clock = Time((i64::from(hours) * 3600 + i64::from(minutes) * 60 + i64::from(seconds)) * 1_000_000);
+        robot.devices.os.clock_start = Time((clock - robot.now).0.rem_euclid(DAY.0));
     }
-    let clock = Time((i64::from(hours) * 3600 + i64::from(minutes) * 60 + i64::from(seconds)) * 1_000_000);
-    robot.devices.os.clock_start = Time((clock - robot.now).0.rem_euclid(DAY.0));
-    0
+    is_time
 }
 
 /// `OSGetTime`
 pub fn time(robot: &Robot, out: [&mut Out<i32>; 4]) -> i32 {
-    out.into_iter().zip(clock(robot)).for_each(|(out, value)| out.set(value));
+    out.into_iter().zip(clock(robot, TICK)).for_each(|(out, value)| out.set(value));
     0
 }
 
 /// `OSShowTime`: hours, minutes and seconds at the cursor of the display.
 pub fn show_time(robot: &mut Robot) -> i32 {
-    let [hours, minutes, seconds, _] = clock(robot);
-    display::write(robot, format!("{hours:02}:{minutes:02}:{seconds:02}").as_bytes());
+    let [hours, minutes, seconds, _] = clock(robot, TICK);
+    show(robot, format!("{hours:02}:{minutes:02}:{seconds:02}").as_bytes());
     0
 }
 
-/// Hours, minutes, seconds and hundredths of a second of the robot's clock.
-fn clock(robot: &Robot) -> [i32; 4] {
-    let ticks = (robot.devices.os.clock_start + robot.now).0.rem_euclid(DAY.0) / TICK.0;
-    [ticks / 360_000, ticks / 6_000 % 60, ticks / 100 % 60, ticks % 100].map(|value| value as i32)
+/// Hours, minutes, seconds and ticks of the robot's clock.
+pub fn clock(robot: &Robot, tick: Time) -> [i32; 4] {
+    const SECOND: i64 = 1_000_000;
+    let clock = (robot.devices.os.clock_start + robot.now).0.rem_euclid(DAY.0);
+    let seconds = clock / SECOND;
+    [seconds / 3600, seconds / 60 % 60, seconds % 60, clock % SECOND / tick.0].map(|value| value as i32)
 }
 
 /// The wait of `OSWait`: until `end`.
@@ -144,22 +187,28 @@ pub fn wait_until(robot: &Robot, end: Time) -> Poll<i32> {
     if robot.now >= end { Poll::Ready(0) } else { Poll::Until { at: end, waits_for: Waits::Time(end) } }
 }
 
-/// `OSAttachTimer`
-pub fn attach_timer(robot: &mut Robot, scale: i32, callback: Option<Callback>) -> i32 {
-    let handle = callback.map_or(0, |callback| robot.timers.attach(robot.now, scale, callback));
+/// `OSAttachTimer`: at every `scale`-th tick.
+pub fn attach_timer(
+    robot: &mut Robot,
+    call: impl Into<caller::Call>,
+    tick: Time,
+    scale: i32,
+    callback: Option<Callback>,
+) -> i32 {
+    let handle = callback.map_or(0, |callback| robot.timers.attach(robot.now, tick, scale, callback));
     if handle == 0 {
-        return robot.failed(Call::OSAttachTimer, 0);
+        return robot.failed(call, 0);
     }
-    let period_s = span_of_hundredths(scale).seconds();
+    let period_s = Time(i64::from(scale) * tick.0).seconds();
     robot.record(Event::TimerAttached { timer: handle.unsigned_abs(), period_s });
     handle
 }
 
-/// `OSDetachTimer`
-pub fn detach_timer(robot: &mut Robot, handle: i32) -> i32 {
-    if !robot.timers.detach(handle) {
-        return robot.failed(Call::OSDetachTimer, 0);
+/// `OSDetachTimer`; false if there is none of this number.
+pub fn detach_timer(robot: &mut Robot, handle: i32) -> bool {
+    let is_found = robot.timers.detach(handle);
+    if is_found {
+        robot.record(Event::TimerDetached { timer: handle.unsigned_abs() });
     }
-    robot.record(Event::TimerDetached { timer: handle.unsigned_abs() });
-    1
+    is_found
 }

@@ -5,20 +5,10 @@ use robios_sys::robios6::{
     RadioIOParameters, RadioStatus, SpeedType, VEHICLE,
 };
 use robios_sys::{Callback, Out, OutBytes, Robios6, Robios6Call as Call, Stop};
+use sim_core::time::TICK;
 
-use super::caller::{Caller, Poll};
+use super::caller::Caller;
 use super::{audio, bump, compass, display, hdt, image, ir, irtv, key, latch, motor, os, psd, serial, servo, vw};
-
-impl Caller {
-    /// `OSWait`, `OSSleep`
-    fn wait_hundredths(&self, call: Call, n: i32) -> Result<i32, Stop> {
-        let mut end = None;
-        self.wait(call, |robot, _| {
-            let end = *end.get_or_insert(robot.now + os::span_of_hundredths(n));
-            os::wait_until(robot, end)
-        })
-    }
-}
 
 type Text<'a> = Option<&'a [u8]>;
 
@@ -41,15 +31,7 @@ impl Robios6 for Caller {
     }
 
     fn OSError(&self, message: Text<'_>, number: i32, dead: i32) -> Result<i32, Stop> {
-        let mut is_shown = false;
-        self.wait(Call::OSError, |robot, _| {
-            if !std::mem::replace(&mut is_shown, true) {
-                os::error(robot, message, number, dead != FALSE);
-            }
-            // A dead robot is stopped below.
-            if dead == FALSE { os::acknowledge(robot) } else { Poll::Ready(0) }
-        })?;
-        if dead == FALSE { Ok(0) } else { Err(Stop) }
+        self.show_error(Call::OSError, message, number, dead != FALSE)
     }
 
     fn OSPanic(&self, message: Text<'_>) -> Result<i32, Stop> {
@@ -72,16 +54,17 @@ impl Robios6 for Caller {
         fn OSShowTime() -> i32 = |robot, _| os::show_time(robot);
         fn OSGetCount() -> i32 = |robot, _| os::hundredths(robot.now);
         fn OSAttachTimer(scale: i32, callback: Option<Callback>) -> i32 =
-            |robot, _| os::attach_timer(robot, scale, callback);
-        fn OSDetachTimer(handle: i32) -> i32 = |robot, _| os::detach_timer(robot, handle);
+            |robot, _| os::attach_timer(robot, Call::OSAttachTimer, TICK, scale, callback);
+        fn OSDetachTimer(handle: i32) -> i32 =
+            |robot, _| if os::detach_timer(robot, handle) { 1 } else { robot.failed(Call::OSDetachTimer, 0) };
     }
 
     fn OSWait(&self, n: i32) -> Result<i32, Stop> {
-        self.wait_hundredths(Call::OSWait, n)
+        self.wait_span(Call::OSWait, os::span_of_hundredths(n))
     }
 
     fn OSSleep(&self, n: i32) -> Result<i32, Stop> {
-        self.wait_hundredths(Call::OSSleep, n)
+        self.wait_span(Call::OSSleep, os::span_of_hundredths(n))
     }
 
     // The display.
@@ -157,15 +140,17 @@ impl Robios6 for Caller {
     // Serial interfaces.
     act! {
         fn OSInitRS232(baud: i32, handshake: i32, interface: i32) -> i32 =
-            |robot, _| serial::init(robot, baud, handshake, interface);
+            |robot, _| serial::init_6(robot, baud, handshake, interface);
         fn OSSendCharRS232(c: u8, interface: i32) -> i32 =
-            |robot, _| serial::send(robot, Call::OSSendCharRS232, Some(&[c]), interface);
+            |robot, _| serial::send(robot, Call::OSSendCharRS232, -1, Some(&[c]), interface);
         fn OSSendRS232(s: Text<'_>, interface: i32) -> i32 =
-            |robot, _| serial::send(robot, Call::OSSendRS232, s, interface);
-        fn OSFlushInRS232(interface: i32) -> i32 = |robot, _| serial::check(robot, Call::OSFlushInRS232, interface);
-        fn OSFlushOutRS232(interface: i32) -> i32 = |robot, _| serial::check(robot, Call::OSFlushOutRS232, interface);
-        fn OSCheckInRS232(interface: i32) -> i32 = |robot, _| serial::check(robot, Call::OSCheckInRS232, interface);
-        fn OSCheckOutRS232(interface: i32) -> i32 = |robot, _| serial::check(robot, Call::OSCheckOutRS232, interface);
+            |robot, _| serial::send(robot, Call::OSSendRS232, -1, s, interface);
+        fn OSFlushInRS232(interface: i32) -> i32 = |robot, _| serial::flush(robot, Call::OSFlushInRS232, -1, interface);
+        fn OSFlushOutRS232(interface: i32) -> i32 =
+            |robot, _| serial::check_out(robot, Call::OSFlushOutRS232, interface);
+        fn OSCheckInRS232(interface: i32) -> i32 = |robot, _| serial::check_in(robot, interface);
+        fn OSCheckOutRS232(interface: i32) -> i32 =
+            |robot, _| serial::check_out(robot, Call::OSCheckOutRS232, interface);
         fn USRStart() -> i32 = |robot, _| robot.failed(Call::USRStart, -1);
         fn USRResident(_name: Text<'_>, _mode: i32) -> i32 = |robot, _| robot.failed(Call::USRResident, -1);
         fn OSDownload(_name: &mut Out<[u8; 16]>, _bytes: &mut Out<i32>, _baud: i32, _handshake: i32, _interface: i32)
@@ -173,21 +158,21 @@ impl Robios6 for Caller {
     }
     wait! {
         fn OSRecvRS232(buffer: &mut Out<u8>, interface: i32) -> i32 =
-            |robot, _| serial::receive(robot, buffer.is_null(), interface);
+            |robot, _| serial::receive_6(robot, buffer, interface);
     }
 
     // Sound.
     act! {
-        fn AUPlaySample(sample: Option<&[u8]>) -> i32 = |robot, _| audio::play_sample(robot, sample);
+        fn AUPlaySample(sample: Option<&[u8]>) -> i32 = |robot, _| audio::play_sample_6(robot, sample);
         fn AUCheckSample() -> i32 = |robot, _| robot.devices.audio.is_sample_done(robot.now).into();
         fn AUTone(frequency_hz: i32, span_ms: i32) -> i32 =
-            |robot, _| audio::play_tone(robot, frequency_hz, span_ms);
+            |robot, _| audio::play_tone(robot, Call::AUTone, -1, frequency_hz, span_ms);
         fn AUCheckTone() -> i32 = |robot, _| robot.devices.audio.is_tone_done(robot.now).into();
         fn AUBeep() -> i32 = |robot, _| audio::beep(robot);
         fn AURecordSample(buffer: &mut OutBytes, rate_hz: i64) -> i32 =
-            |robot, _| audio::record_sample(robot, buffer, rate_hz);
+            |robot, _| audio::record_6(robot, buffer, rate_hz);
         fn AUCheckRecord() -> i32 = |robot, _| robot.devices.audio.is_record_done(robot.now).into();
-        fn AUCaptureMic() -> i32 = |_, _| audio::SILENT_VALUE;
+        fn AUCaptureMic() -> i32 = |robot, _| audio::microphone_6(robot);
     }
 
     // PSD sensors.

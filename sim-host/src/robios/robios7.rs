@@ -2,11 +2,14 @@
 //!
 //! Units are converted in [`unit7`](super::unit7). A function that stands nowhere here answers as for a robot without that device.
 
-use robios_sys::{Out, OutInts, Robios7, Robios7Call as Call, Stop};
+use robios_sys::robios7::{Char, Color, Flag, Timer, VEHICLE};
+use robios_sys::{Callback, Out, OutBytes, OutInts, Robios7, Robios7Call as Call, Stop};
 
 use super::caller::Caller;
 use super::screen::canvas::{Canvas, Ink, rgb};
-use super::{display7 as display, key, lidar, motor7, psd7, servo7, truth, vw7};
+use super::{
+    audio, display7 as display, image7, irtv, key, lidar, motor7, os, os7, picture, port7, psd7, serial, servo7, truth, vw7,
+};
 
 type Text<'a> = Option<&'a [u8]>;
 type Bytes<'a> = Option<&'a [u8]>;
@@ -78,14 +81,113 @@ impl Robios7 for Caller {
     }
 
     // CAM.
+    fail! {
+        fn CAMInit(resolution: i32, width_px: i32, height_px: i32) -> i32 = 1;
+        fn CAMRelease() -> i32 = 1;
+        fn CAMGet(buf: &mut OutBytes) -> i32 = 1;
+        fn CAMGetGray(buf: &mut OutBytes) -> i32 = 1;
+    }
 
     // IP.
+    act! {
+        fn IPSetSize(resolution: i32) -> i32 = |robot, _| image7::set_size(robot, resolution);
+        fn IPReadFile(filename: Text<'_>, width_px: i32, height_px: i32, img: &mut OutBytes) -> i32 =
+            |robot, _| image7::read_file(robot, filename, [width_px, height_px], img);
+        fn IPWriteFile(filename: Text<'_>, width_px: i32, height_px: i32, img: Bytes<'_>) -> i32 =
+            |robot, _| image7::write_file(robot, Call::IPWriteFile, filename, [width_px, height_px], img);
+        fn IPWriteFileGray(filename: Text<'_>, width_px: i32, height_px: i32, gray: Bytes<'_>) -> i32 =
+            |robot, _| image7::write_file(robot, Call::IPWriteFileGray, filename, [width_px, height_px], gray);
+        fn IPLaplace(width_px: i32, height_px: i32, gray_in: Bytes<'_>, gray_out: &mut OutBytes) -> () = |robot, _| {
+            image7::filter(robot, Call::IPLaplace, [width_px, height_px], gray_in, gray_out, picture::laplace);
+        };
+        fn IPSobel(width_px: i32, height_px: i32, gray_in: Bytes<'_>, gray_out: &mut OutBytes) -> () = |robot, _| {
+            image7::filter(robot, Call::IPSobel, [width_px, height_px], gray_in, gray_out, picture::sobel);
+        };
+        fn IPCol2Gray(img_in: Bytes<'_>, gray_out: &mut OutBytes) -> () = |robot, _| {
+            image7::store(robot, Call::IPCol2Gray, [gray_out], img_in.map(|image| [picture::grey_of_colour(image)]));
+        };
+        fn IPGray2Col(gray_in: Bytes<'_>, col_out: &mut OutBytes) -> () = |robot, _| {
+            image7::store(robot, Call::IPGray2Col, [col_out], gray_in.map(|image| [picture::colour_of_grey(image)]));
+        };
+        fn IPRGB2Col(r: Bytes<'_>, g: Bytes<'_>, b: Bytes<'_>, img_out: &mut OutBytes) -> () = |robot, _| {
+            let image = image7::channels([r, g, b]).map(|channels| [picture::colour_of_channels(channels)]);
+            image7::store(robot, Call::IPRGB2Col, [img_out], image);
+        };
+        fn IPCol2HSI(img: Bytes<'_>, h: &mut OutBytes, s: &mut OutBytes, i: &mut OutBytes) -> () =
+            |robot, _| image7::store(robot, Call::IPCol2HSI, [h, s, i], img.map(picture::hsi_of_colour));
+        fn IPOverlay(c1: Bytes<'_>, c2: Bytes<'_>, c_out: &mut OutBytes) -> () = |robot, _| {
+            image7::store(robot, Call::IPOverlay, [c_out], c1.zip(c2).map(|(c1, c2)| [picture::overlay(c1, c2)]));
+        };
+        fn IPOverlayGray(g1: Bytes<'_>, g2: Bytes<'_>, col: Color, c_out: &mut OutBytes) -> () = |robot, _| {
+            image7::store(robot, Call::IPOverlayGray, [c_out], image7::overlay_grey(g1, g2, col));
+        };
+        fn IPPRGB2Col(r: u8, g: u8, b: u8) -> Color = |_, _| picture::number_of_rgb([r, g, b]);
+        fn IPPCol2RGB(col: Color, r: &mut Out<u8>, g: &mut Out<u8>, b: &mut Out<u8>) -> () =
+            |_, _| image7::put_channels([r, g, b], picture::rgb_of_number(col));
+        fn IPPCol2HSI(c: Color, h: &mut Out<u8>, s: &mut Out<u8>, i: &mut Out<u8>) -> () =
+            |_, _| image7::put_channels([h, s, i], picture::hsi(picture::rgb_of_number(c)));
+        fn IPPRGB2Hue(r: u8, g: u8, b: u8) -> u8 = |_, _| picture::hue([r, g, b]);
+        fn IPPRGB2HSI(r: u8, g: u8, b: u8, h: &mut Out<u8>, s: &mut Out<u8>, i: &mut Out<u8>) -> () =
+            |_, _| image7::put_channels([h, s, i], picture::hsi([r, g, b]));
+    }
 
     // OS.
+    act! {
+        fn OSExecute(command: Text<'_>, out: &mut OutBytes) -> i32 = |robot, _| os7::execute(robot, command, out);
+        fn OSVersion(buf: &mut OutBytes) -> i32 = |robot, _| os7::version(robot, Call::OSVersion, buf);
+        fn OSVersionIO(buf: &mut OutBytes) -> i32 = |robot, _| os7::version(robot, Call::OSVersionIO, buf);
+        fn OSMachineSpeed() -> i32 = |_, _| os7::MACHINE_SPEED;
+        fn OSMachineType() -> i32 = |_, _| VEHICLE;
+        fn OSMachineName(buf: &mut OutBytes) -> i32 = |robot, _| os7::machine_name(robot, buf);
+        fn OSMachineID() -> i32 = |robot, _| os7::machine_id(robot);
+        fn OSAttachTimer(scale: i32, fct: Option<Callback>) -> Timer = |robot, _| os7::attach_timer(robot, scale, fct);
+        fn OSDetachTimer(t: Timer) -> i32 = |robot, _| os7::detach_timer(robot, t);
+        fn OSSetTime(hrs: i32, mins: i32, secs: i32) -> i32 = |robot, _| os7::set_time(robot, [hrs, mins, secs]);
+        fn OSGetTime(hrs: &mut Out<i32>, mins: &mut Out<i32>, secs: &mut Out<i32>, ticks: &mut Out<i32>) -> i32 =
+            |robot, _| os7::time(robot, [hrs, mins, secs, ticks]);
+        fn OSShowTime() -> i32 = |robot, _| os::show_time(robot);
+        fn OSGetCount() -> i32 = |robot, _| os7::milliseconds(robot.now);
+    }
+
+    fn OSWait(&self, n: i32) -> Result<i32, Stop> {
+        self.wait_span(Call::OSWait, os7::span_of_milliseconds(n))
+    }
+
+    fn OSError(&self, message: Text<'_>, number: i32, dead: i32) -> Result<i32, Stop> {
+        self.show_error(Call::OSError, message, number, dead != 0)
+    }
 
     // SER.
+    act! {
+        fn SERInit(interface: i32, baud: i32, handshake: i32) -> i32 =
+            |robot, _| serial::init_7(robot, interface, baud, handshake);
+        fn SERSendChar(interface: i32, ch: Char) -> i32 =
+            |robot, _| serial::send(robot, Call::SERSendChar, 1, Some(&[ch]), interface);
+        fn SERSend(interface: i32, buf: Bytes<'_>) -> i32 =
+            |robot, _| serial::send(robot, Call::SERSend, 1, buf, interface);
+        fn SERReceive(interface: i32, buf: &mut OutBytes) -> i32 =
+            |robot, _| serial::receive_all(robot, interface, buf);
+        fn SERCheck(interface: i32) -> Flag = |robot, _| serial::has_input(robot, interface);
+        fn SERFlush(interface: i32) -> i32 = |robot, _| serial::flush(robot, Call::SERFlush, 1, interface);
+        fn SERClose(interface: i32) -> i32 = |robot, _| serial::close(robot, interface);
+    }
+    wait! {
+        fn SERReceiveChar(interface: i32) -> Char = |robot, _| serial::receive_char(robot, interface);
+    }
 
     // AU.
+    act! {
+        fn AUBeep() -> i32 = |robot, _| audio::beep(robot);
+        fn AUPlay(sample: Bytes<'_>) -> i32 = |robot, _| audio::play_sample_7(robot, sample);
+        fn AUDone() -> i32 = |robot, _| robot.devices.audio.is_silent(robot.now).into();
+        fn AUMicrophone() -> i32 = |robot, _| audio::microphone_7(robot);
+        fn AUTone(freq_hz: i32, time_ms: i32) -> i32 =
+            |robot, _| audio::play_tone(robot, Call::AUTone, 1, freq_hz, time_ms);
+        fn AUCheckTone() -> i32 = |robot, _| robot.devices.audio.is_tone_done(robot.now).into();
+        fn AUCheckPlay() -> i32 = |robot, _| robot.devices.audio.is_sample_done(robot.now).into();
+        fn AURecord(buf: &mut OutBytes, freq_hz: i64) -> i32 = |robot, _| audio::record_7(robot, buf, freq_hz);
+        fn AUCheckRecord() -> i32 = |robot, _| robot.devices.audio.is_record_done(robot.now).into();
+    }
 
     // PSD.
     act! {
@@ -144,12 +246,43 @@ impl Robios7 for Caller {
     }
 
     // DIGITAL.
+    act! {
+        fn DIGITALSetup(io: i32, direction: Char) -> i32 = |robot, _| port7::set_up(robot, io, direction);
+        fn DIGITALRead(io: i32) -> i32 = |robot, _| port7::read(robot, io);
+        fn DIGITALReadAll() -> i32 = |robot, _| port7::read_all(robot);
+        fn DIGITALWrite(io: i32, state: i32) -> i32 = |robot, _| port7::write(robot, io, state);
+    }
 
     // ANALOG.
+    act! {
+        fn ANALOGRead(channel: i32) -> i32 = |robot, _| port7::read_analog(robot, channel);
+        fn ANALOGVoltage() -> i32 = |robot, _| port7::read_voltage(robot);
+        fn ANALOGRecord(channel: i32, iterations: i32) -> i32 = |robot, _| port7::record(robot, channel, iterations);
+        fn ANALOGTransfer(buffer: &mut OutBytes) -> i32 = |robot, _| port7::transfer(robot, buffer);
+    }
 
-    // IRTV.
+    // IRTV: the receiver is always on.
+    act! {
+        fn IRTVRead() -> i32 = |_, _| 0;
+        fn IRTVFlush() -> i32 = |_, _| 0;
+        fn IRTVGetStatus() -> i32 = |_, _| 1;
+    }
+    wait! {
+        fn IRTVGet() -> i32 = |_, _| irtv::no_key();
+    }
 
     // RADIO.
+    act! {
+        fn RADIOGetID() -> i32 = |robot, _| os7::machine_id(robot);
+    }
+    fail! {
+        fn RADIOInit() -> i32 = 1;
+        fn RADIOSend(id: i32, buf: Text<'_>) -> i32 = 1;
+        fn RADIOReceive(id: &mut Out<i32>, buf: &mut OutBytes) -> i32 = 1;
+        fn RADIOCheck() -> i32 = 0;
+        fn RADIOStatus(id_list: &mut OutInts) -> i32 = 0;
+        fn RADIORelease() -> i32 = 1;
+    }
 
     // SIM.
     act! {

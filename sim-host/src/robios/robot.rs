@@ -11,9 +11,10 @@ use sim_core::time::Time;
 use sim_core::world::{Contact, World};
 
 use super::Devices;
-use super::caller::{Call, Timers};
+use super::caller::Call;
 use super::support::Generators;
 use super::truth::Placement;
+use super::timer::Timers;
 use crate::executive::fault::Broken;
 use crate::executive::standing::Standing;
 use crate::record::{Event, Journal, Obstacle};

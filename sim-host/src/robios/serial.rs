@@ -1,82 +1,368 @@
-//! Serial interfaces: what is sent is recorded and goes nowhere, and nothing is ever received.
+//! Serial interfaces: what is sent is recorded; what is received comes from what the robi's companion connects.
 //!
-//! Source: RoBIOS 6 library, RS-232; that nothing is connected is our choice.
+//! A byte takes 10 bits at the baud rate. A loop-back gives back what is sent; the device of a file sends it from the moment
+//! that the interface is opened. Where nothing is connected, nothing is ever received. Sources: RoBIOS 6 library, RS-232;
+//! RoBIOS-7 library, serial communication; the time that bytes take is our choice.
 
-use robios_sys::Robios6Call as Call;
-use robios_sys::robios6::{
-    NONE, RTSCTS, SER4800, SER9600, SER19200, SER38400, SER57600, SER115200, SERIAL1, SERIAL2, SERIAL3,
-};
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+
+use robios_sys::robios6::{NONE, RTSCTS, SER4800, SER9600, SER19200, SER38400, SER57600, SER115200};
+use robios_sys::robios7::{Char, Flag, MAX_SERIAL};
+use robios_sys::{Out, OutBytes, Robios6Call, Robios7Call};
+use sim_core::format::{SerialLine, SerialSpec};
 use sim_core::time::Time;
 
-use super::caller::Poll;
+use super::caller::{Call, Poll};
 use super::robot::{Robot, Waits};
 use crate::record::Event;
 
-/// The interfaces: their names and numbers.
-const PORTS: [(&str, i32); 3] = [("SERIAL1", SERIAL1), ("SERIAL2", SERIAL2), ("SERIAL3", SERIAL3)];
+/// Names of the interfaces from 1 on, as they are recorded.
+const NAMES: [&str; 16] = [
+    "SERIAL1", "SERIAL2", "SERIAL3", "SERIAL4", "SERIAL5", "SERIAL6", "SERIAL7", "SERIAL8", "SERIAL9", "SERIAL10",
+    "SERIAL11", "SERIAL12", "SERIAL13", "SERIAL14", "SERIAL15", "SERIAL16",
+];
 
-/// Rates that an interface can be set to.
-const RATES: [i32; 6] = [SER4800, SER9600, SER19200, SER38400, SER57600, SER115200];
+/// Interfaces of RoBIOS 6: `SERIAL1` to `SERIAL3`.
+const PORTS_OF_6: i32 = 3;
+
+/// Rates that RoBIOS 6 knows.
+const RATES_OF_6: [i32; 6] = [SER4800, SER9600, SER19200, SER38400, SER57600, SER115200];
+
+/// Greatest rate of RoBIOS-7; our choice.
+const MAX_BAUD: i32 = 4_000_000;
+
+/// Microseconds of the bits of a byte, times the baud rate.
+const BYTE: i64 = 10_000_000;
+
+/// What a loop-back keeps: further bytes are lost; our choice.
+const MAX_KEPT: usize = 1 << 16;
 
 /// The interfaces of a robot.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Serial {
-    is_open: [bool; PORTS.len()],
+    lines: BTreeMap<i32, Line>,
+    open: BTreeMap<i32, Port>,
+}
+
+/// What is at the other end.
+#[derive(Clone, Debug)]
+enum Line {
+    Loopback,
+    /// The device's bytes, and how many of them have been sent before the interface was opened.
+    Device {
+        bytes: Arc<[u8]>,
+        sent: usize,
+    },
+}
+
+/// An interface that is open.
+#[derive(Clone, Debug)]
+struct Port {
+    baud: i64,
+    /// When it was opened.
+    since: Time,
+    /// Bytes on their way, with the times at which they arrive.
+    incoming: VecDeque<(Time, u8)>,
+    /// Bytes of the device that were taken since the interface was opened.
+    taken: usize,
 }
 
 impl Serial {
-    /// Opens the interface of this number; false if there is none.
-    pub fn open(&mut self, number: i32) -> bool {
-        let port = PORTS.iter().position(|(_, port)| *port == number);
-        port.inspect(|port| self.is_open[*port] = true).is_some()
+    /// The interfaces of a robot to which this is connected.
+    pub fn new(specs: &[SerialSpec]) -> Self {
+        let line = |line: &SerialLine| match line {
+            SerialLine::Loopback => Line::Loopback,
+            SerialLine::File { bytes, .. } => Line::Device { bytes: Arc::clone(bytes), sent: 0 },
+        };
+        let lines = specs.iter().map(|spec| (spec.interface.into(), line(&spec.line))).collect();
+        Self { lines, open: BTreeMap::new() }
     }
 
-    /// Name of an interface that was opened.
+    /// Opens an interface, or opens it again with another rate; what has come in is forgotten.
+    pub fn open(&mut self, number: i32, baud: i32, now: Time) {
+        self.close(number, now);
+        let port = Port { baud: baud.into(), since: now, incoming: VecDeque::new(), taken: 0 };
+        self.open.insert(number, port);
+    }
+
+    /// Closes an interface; false if it is not open.
+    pub fn close(&mut self, number: i32, now: Time) -> bool {
+        let Some(port) = self.open.remove(&number) else { return false };
+        if let Some(Line::Device { bytes, sent }) = self.lines.get_mut(&number) {
+            *sent += port.arrived(now, bytes.len() - *sent);
+        }
+        true
+    }
+
+    /// Name of an interface that is open.
     pub fn opened(&self, number: i32) -> Option<&'static str> {
-        let ports = PORTS.iter().zip(self.is_open);
-        ports.filter(|(_, is_open)| *is_open).find(|((_, port), _)| *port == number).map(|((name, _), _)| *name)
+        let index = usize::try_from(number).ok()?.checked_sub(1)?;
+        self.open.contains_key(&number).then(|| NAMES.get(index).copied())?
+    }
+
+    /// Sends bytes through an open interface.
+    fn send(&mut self, number: i32, now: Time, bytes: &[u8]) {
+        if let (Some(port), Some(Line::Loopback)) = (self.open.get_mut(&number), self.lines.get(&number)) {
+            let mut at = port.incoming.back().map_or(now, |(last, _)| now.max(*last));
+            for byte in bytes.iter().take(MAX_KEPT - port.incoming.len()) {
+                at += Time(BYTE.div_euclid(port.baud).max(1));
+                port.incoming.push_back((at, *byte));
+            }
+        }
+    }
+
+    /// The bytes of an open interface's device that have not been taken.
+    fn device(&self, number: i32) -> Option<(&Port, &[u8])> {
+        let (port, line) = (self.open.get(&number)?, self.lines.get(&number)?);
+        let Line::Device { bytes, sent } = line else { return None };
+        Some((port, &bytes[*sent..]))
+    }
+
+    /// How many bytes have come in by `now`.
+    pub fn waiting(&self, number: i32, now: Time) -> usize {
+        if let Some((port, bytes)) = self.device(number) {
+            return port.arrived(now, bytes.len()) - port.taken;
+        }
+        self.open.get(&number).map_or(0, |port| port.incoming.partition_point(|(at, _)| *at <= now))
+    }
+
+    /// Takes the first `most` of the bytes that have come in by `now`.
+    fn take(&mut self, number: i32, now: Time, most: usize) -> Vec<u8> {
+        let count = self.waiting(number, now).min(most);
+        let from_device = self.device(number).map(|(port, bytes)| bytes[port.taken..port.taken + count].to_vec());
+        let Some(port) = self.open.get_mut(&number) else { return Vec::new() };
+        match from_device {
+            Some(bytes) => {
+                port.taken += count;
+                bytes
+            }
+            None => port.incoming.drain(..count).map(|(_, byte)| byte).collect(),
+        }
+    }
+
+    /// When the next byte comes in that has not been taken; [`Time::NEVER`] if none is on its way.
+    fn next_arrival(&self, number: i32) -> Time {
+        match self.device(number) {
+            Some((port, bytes)) if port.taken < bytes.len() => port.arrival(port.taken),
+            Some(_) => Time::NEVER,
+            None => self.open.get(&number).and_then(|port| port.incoming.front()).map_or(Time::NEVER, |(at, _)| *at),
+        }
+    }
+}
+
+impl Port {
+    /// When byte `index` of a device has come in, counted from the opening.
+    fn arrival(&self, index: usize) -> Time {
+        let bits = i128::from(BYTE) * (index as i128 + 1);
+        self.since + Time((bits + i128::from(self.baud) - 1).div_euclid(i128::from(self.baud)) as i64)
+    }
+
+    /// How many of `count` bytes of a device have come in by `now`.
+    fn arrived(&self, now: Time, count: usize) -> usize {
+        let bits = i128::from((now - self.since).0) * i128::from(self.baud);
+        usize::try_from(bits.div_euclid(i128::from(BYTE))).unwrap_or_default().min(count)
     }
 }
 
 /// `OSInitRS232`
-pub fn init(robot: &mut Robot, baud: i32, handshake: i32, number: i32) -> i32 {
-    let is_setting = RATES.contains(&baud) && [NONE, RTSCTS].contains(&handshake);
-    if is_setting && robot.devices.serial.open(number) { 0 } else { robot.failed(Call::OSInitRS232, -1) }
+pub fn init_6(robot: &mut Robot, baud: i32, handshake: i32, number: i32) -> i32 {
+    let is_setting = RATES_OF_6.contains(&baud) && [NONE, RTSCTS].contains(&handshake);
+    if !is_setting || !(1..=PORTS_OF_6).contains(&number) {
+        return robot.failed(Robios6Call::OSInitRS232, -1);
+    }
+    robot.devices.serial.open(number, baud, robot.now);
+    0
 }
 
-/// `OSSendCharRS232`, `OSSendRS232`
-pub fn send(robot: &mut Robot, call: Call, data: Option<&[u8]>, number: i32) -> i32 {
-    let (Some(data), Some(port)) = (data, robot.devices.serial.opened(number)) else { return robot.failed(call, -1) };
+/// `SERInit`
+pub fn init_7(robot: &mut Robot, number: i32, baud: i32, handshake: i32) -> i32 {
+    let is_setting = (1..=MAX_BAUD).contains(&baud) && [NONE, RTSCTS].contains(&handshake);
+    if !is_setting || !(1..=NAMES.len() as i32).contains(&number) {
+        return robot.refused(Robios7Call::SERInit, 1, |_| {
+            format!(
+                "interface {number}, {baud} baud, handshake {handshake}: expected 1 to {}, 1 to {MAX_BAUD}, 0 or 1",
+                NAMES.len()
+            )
+        });
+    }
+    robot.devices.serial.open(number, baud, robot.now);
+    0
+}
+
+/// `OSSendCharRS232`, `OSSendRS232`, `SERSendChar`, `SERSend`
+pub fn send(robot: &mut Robot, call: impl Into<Call>, failure: i32, data: Option<&[u8]>, number: i32) -> i32 {
+    let (Some(data), Some(port)) = (data, robot.devices.serial.opened(number)) else {
+        return robot.failed(call, failure);
+    };
+    robot.devices.serial.send(number, robot.now, data);
     robot.record(Event::SerialSent { port, data });
     0
 }
 
-/// `OSRecvRS232`: waits, for ever.
-pub fn receive(robot: &mut Robot, is_null: bool, number: i32) -> Poll<i32> {
-    match robot.devices.serial.opened(number) {
-        Some(port) if !is_null => {
-            let waits_for = Waits::Input(format!("a byte on {port}, to which nothing is connected"));
-            Poll::Until { at: Time::NEVER, waits_for }
-        }
-        _ => Poll::Ready(robot.failed(Call::OSRecvRS232, -1)),
+/// `OSRecvRS232`
+pub fn receive_6(robot: &mut Robot, buffer: &mut Out<u8>, number: i32) -> Poll<i32> {
+    if buffer.is_null() || robot.devices.serial.opened(number).is_none() {
+        return Poll::Ready(robot.failed(Robios6Call::OSRecvRS232, -1));
     }
+    receive(robot, number).map(|byte| {
+        buffer.set(byte);
+        0
+    })
 }
 
-/// `OSFlushInRS232`, `OSFlushOutRS232`, `OSCheckInRS232`, `OSCheckOutRS232`: buffers are always empty.
-pub fn check(robot: &mut Robot, call: Call, number: i32) -> i32 {
+/// `SERReceiveChar`
+pub fn receive_char(robot: &mut Robot, number: i32) -> Poll<Char> {
+    if robot.devices.serial.opened(number).is_none() {
+        robot.failed(Robios7Call::SERReceiveChar, 0);
+        return Poll::Ready(0);
+    }
+    receive(robot, number)
+}
+
+/// Waits for a byte from an interface that is open.
+fn receive(robot: &mut Robot, number: i32) -> Poll<u8> {
+    if let [byte] = take(robot, number, 1)[..] {
+        return Poll::Ready(byte);
+    }
+    let serial = &robot.devices.serial;
+    let (name, at) = (serial.opened(number).unwrap_or_default(), serial.next_arrival(number));
+    let what = match serial.lines.get(&number) {
+        None => "to which nothing is connected",
+        Some(Line::Loopback) => "which gives back what is sent",
+        Some(Line::Device { .. }) => "whose file is at its end",
+    };
+    Poll::Until { at, waits_for: Waits::Input(format!("a byte on {name}, {what}")) }
+}
+
+/// Takes what has come in, and records it.
+fn take(robot: &mut Robot, number: i32, most: usize) -> Vec<u8> {
+    let now = robot.now;
+    let data = robot.devices.serial.take(number, now, most);
+    if let (false, Some(port)) = (data.is_empty(), robot.devices.serial.opened(number)) {
+        robot.record(Event::SerialReceived { port, data: &data });
+    }
+    data
+}
+
+/// `SERReceive`: what has come in, and a final 0.
+pub fn receive_all(robot: &mut Robot, number: i32, buffer: &mut OutBytes) -> i32 {
+    if buffer.is_null() || robot.devices.serial.opened(number).is_none() {
+        return robot.failed(Robios7Call::SERReceive, 0);
+    }
+    let mut data = take(robot, number, buffer.capacity().min(MAX_SERIAL).saturating_sub(1));
+    let count = data.len();
+    data.push(0);
+    buffer.set(&data);
+    count as i32
+}
+
+/// `OSCheckInRS232`: how many bytes have come in.
+pub fn check_in(robot: &mut Robot, number: i32) -> i32 {
+    if robot.devices.serial.opened(number).is_none() {
+        return robot.failed(Robios6Call::OSCheckInRS232, -1);
+    }
+    robot.devices.serial.waiting(number, robot.now) as i32
+}
+
+/// `SERCheck`
+pub fn has_input(robot: &mut Robot, number: i32) -> Flag {
+    if robot.devices.serial.opened(number).is_none() {
+        robot.failed(Robios7Call::SERCheck, 0);
+    }
+    (robot.devices.serial.waiting(number, robot.now) > 0).into()
+}
+
+/// `OSFlushInRS232`, `SERFlush`: forgets what has come in.
+pub fn flush(robot: &mut Robot, call: impl Into<Call>, failure: i32, number: i32) -> i32 {
+    if robot.devices.serial.opened(number).is_none() {
+        return robot.failed(call, failure);
+    }
+    robot.devices.serial.take(number, robot.now, usize::MAX);
+    0
+}
+
+/// `OSFlushOutRS232`, `OSCheckOutRS232`: the buffers for output are always empty.
+pub fn check_out(robot: &mut Robot, call: Robios6Call, number: i32) -> i32 {
     if robot.devices.serial.opened(number).is_some() { 0 } else { robot.failed(call, -1) }
+}
+
+/// `SERClose`
+pub fn close(robot: &mut Robot, number: i32) -> i32 {
+    let now = robot.now;
+    if robot.devices.serial.close(number, now) { 0 } else { robot.failed(Robios7Call::SERClose, 1) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn serial(line: SerialLine) -> Serial {
+        Serial::new(&[SerialSpec { interface: 2, line }])
+    }
+
+    fn device(bytes: &[u8]) -> Serial {
+        let path = sim_core::format::PathRef { text: String::new(), span: sim_core::format::Span::default() };
+        serial(SerialLine::File { path, bytes: bytes.into() })
+    }
+
     #[test]
     fn interfaces_are_used_after_they_are_opened() {
         let mut serial = Serial::default();
-        assert_eq!(serial.opened(SERIAL2), None);
-        assert!(serial.open(SERIAL2) && !serial.open(0) && !serial.open(4));
-        assert_eq!(serial.opened(SERIAL2), Some("SERIAL2"));
-        assert_eq!([serial.opened(SERIAL1), serial.opened(0), serial.opened(-1)], [None; 3]);
+        assert_eq!(serial.opened(2), None);
+        serial.open(2, 9_600, Time(0));
+        assert_eq!(serial.opened(2), Some("SERIAL2"));
+        assert_eq!([serial.opened(1), serial.opened(0), serial.opened(-1)], [None; 3]);
+        assert_eq!(
+            (serial.waiting(2, Time(1_000_000)), serial.next_arrival(2)),
+            (0, Time::NEVER),
+            "nothing is connected"
+        );
+        assert!(serial.close(2, Time(0)) && !serial.close(2, Time(0)));
+    }
+
+    #[test]
+    fn a_loop_back_gives_back_each_byte_after_its_ten_bits() {
+        let mut serial = serial(SerialLine::Loopback);
+        serial.send(2, Time(0), b"lost, as it is not open");
+        // 10 bits at 10,000 baud: 1 ms.
+        serial.open(2, 10_000, Time(0));
+        serial.send(2, Time(500), b"abc");
+        assert_eq!(serial.next_arrival(2), Time(1_500));
+        assert_eq!([0, 1_499, 1_500, 2_499, 2_500, 9_000].map(|now| serial.waiting(2, Time(now))), [0, 0, 1, 1, 2, 3]);
+        assert_eq!(serial.take(2, Time(2_500), 9), b"ab");
+        assert_eq!(serial.take(2, Time(9_000), 9), b"c");
+        serial.send(2, Time(9_000), &vec![7; 2 * MAX_KEPT]);
+        assert_eq!(serial.waiting(2, Time(1_000_000_000)), MAX_KEPT);
+    }
+
+    #[test]
+    fn a_device_sends_its_file_while_the_interface_is_open() {
+        let mut serial = device(b"abcdef");
+        serial.open(2, 10_000, Time(5_000));
+        assert_eq!(serial.next_arrival(2), Time(6_000));
+        assert_eq!(serial.take(2, Time(7_500), 1), b"a");
+        assert_eq!((serial.waiting(2, Time(7_999)), serial.waiting(2, Time(8_000))), (1, 2));
+        // Opened again after 3 bytes: the other two that had come in are forgotten.
+        serial.open(2, 5_000, Time(8_500));
+        assert_eq!(serial.next_arrival(2), Time(10_500));
+        assert_eq!(serial.take(2, Time(1_000_000), 99), b"def");
+        assert_eq!(serial.next_arrival(2), Time::NEVER);
+    }
+
+    #[test]
+    fn times_of_arrival_and_numbers_of_bytes_agree() {
+        for baud in [300, 9_600, 115_200, MAX_BAUD] {
+            let mut serial = device(&[0; 500]);
+            serial.open(2, baud, Time(17));
+            for index in 0..500 {
+                let at = serial.next_arrival(2);
+                assert!(
+                    serial.waiting(2, at - Time(1)) == 0 && serial.waiting(2, at) > 0,
+                    "byte {index} at {baud} baud"
+                );
+                assert_eq!(serial.take(2, at, 1).len(), 1);
+            }
+        }
     }
 }

@@ -451,26 +451,30 @@ fn the_machine() {
 fn what_nobody_sends_is_waited_for_in_vain() {
     let mut bench = Bench::rover();
     let robot = &mut bench.robot;
-    assert_eq!(ready(serial::receive(robot, false, SERIAL1)), -1, "not open");
+    assert_eq!(ready(serial::receive_6(robot, &mut Out::wanted(), SERIAL1)), -1, "not open");
     assert_eq!(
-        [serial::init(robot, SER9600, 0, 4), serial::init(robot, 1, 0, 1), serial::init(robot, SER9600, 0, 1)],
+        [serial::init_6(robot, SER9600, 0, 4), serial::init_6(robot, 1, 0, 1), serial::init_6(robot, SER9600, 0, 1)],
         [-1, -1, 0]
     );
-    assert_eq!(wait_of(serial::receive(robot, false, SERIAL1)).0, Time::NEVER);
-    assert_eq!(ready(serial::receive(robot, true, SERIAL1)), -1);
-    assert_eq!(serial::send(robot, Call::OSSendRS232, Some(b"hello"), SERIAL1), 0);
-    assert_eq!(serial::send(robot, Call::OSSendRS232, None, SERIAL1), -1);
+    assert_eq!(wait_of(serial::receive_6(robot, &mut Out::wanted(), SERIAL1)).0, Time::NEVER);
+    assert_eq!(ready(serial::receive_6(robot, &mut Out::null(), SERIAL1)), -1);
+    assert_eq!(serial::send(robot, Call::OSSendRS232, -1, Some(b"hello"), SERIAL1), 0);
+    assert_eq!(serial::send(robot, Call::OSSendRS232, -1, None, SERIAL1), -1);
     assert_eq!(ready(irtv::get(robot)), 0, "off");
     assert_eq!([irtv::init_standard(robot, COMPASS), irtv::init_standard(robot, IRTV)], [-1, 0]);
     assert_eq!(wait_of(irtv::get(robot)).0, Time::NEVER);
     assert_eq!(
-        [audio::play_tone(robot, 64, 100), audio::play_tone(robot, 440, -1), audio::play_tone(robot, 440, 100)],
+        [
+            audio::play_tone(robot, Call::AUTone, -1, 64, 100),
+            audio::play_tone(robot, Call::AUTone, -1, 440, -1),
+            audio::play_tone(robot, Call::AUTone, -1, 440, 100)
+        ],
         [-1, -1, 0]
     );
     assert_eq!(i32::from(robot.devices.audio.is_tone_done(robot.now)), FALSE);
     let mut buffer = OutBytes::with_capacity(4);
-    assert_eq!((audio::record_sample(robot, &mut buffer, 8_000), buffer.bytes()), (8_000, [128; 4].as_slice()));
-    assert_eq!(audio::record_sample(robot, &mut OutBytes::null(), 8_000), 0);
+    assert_eq!((audio::record_6(robot, &mut buffer, 8_000), buffer.bytes()), (8_000, [128; 4].as_slice()));
+    assert_eq!(audio::record_6(robot, &mut OutBytes::null(), 8_000), 0);
     assert_eq!(robot.devices.table.name(HDT_MOTOR, 7), "");
 }
 
@@ -561,9 +565,9 @@ fn no_argument_does_harm() {
             47 => _ = os::set_variable(robot, a, b),
             48 => _ = latch::write_output(robot, a, b as u8, c as u8),
             49 => _ = latch::read_analog(robot, a),
-            50 => _ = serial::init(robot, a, b, c),
-            51 => _ = audio::play_tone(robot, a, b),
-            52 => _ = audio::play_sample(robot, storm.text()),
+            50 => _ = serial::init_6(robot, a, b, c),
+            51 => _ = audio::play_tone(robot, Call::AUTone, -1, a, b),
+            52 => _ = audio::play_sample_6(robot, storm.text()),
             _ => _ = hdt::find_nth(robot, a, b, &mut Out::wanted()),
         }
         let pose = robot.motion.pose(robot.now);

@@ -82,6 +82,7 @@ fn differences(a: &RobiSpec, b: &RobiSpec) -> Vec<String> {
         (a.servos != b.servos, "the servos"),
         (a.compass != b.compass, "the compass"),
         (a.lcd != b.lcd, "the display"),
+        (a.serials != b.serials, "the serial interfaces"),
         ((a.inputs, a.hdt) != (b.inputs, b.hdt), "the inputs and numbers of devices"),
     ];
     points.into_iter().filter(|(differs, _)| *differs).map(|(_, what)| format!("{what} of the robot type")).collect()

@@ -14,12 +14,13 @@ use crate::format::scene::default_wheelbase;
 use crate::format::scene::form::{
     ArcForm, AxisForm, BodyForm, CameraForm, ColliderForm, CompassForm, CostsForm, DriveForm, DriveKindForm,
     GenerationsForm, InputForm, JointForm, LayoutForm, LcdForm, LetterForm, LidarForm, MarkerForm, ModelForm,
-    MotorForm, ObjectForm, ObjectTypeForm, PsdForm, RobotForm, RobotTypeForm, RunForm, SceneForm, ServoForm,
-    SettingsForm, StartForm, WallForm, WheelForm, WorldForm, WorldKindForm,
+    MotorForm, ObjectForm, ObjectTypeForm, PsdForm, RobotForm, RobotTypeForm, RunForm, SceneForm, SerialForm,
+    SerialWord, ServoForm, SettingsForm, StartForm, WallForm, WheelForm, WorldForm, WorldKindForm,
 };
 use crate::format::spec::{
-    Axis, CameraSpec, Collider, CostEntry, CostsRef, DEFAULT_WALL_HEIGHT, InputSpec, JointSpec, Layout, LcdSpec,
-    ModelSpec, ObjectLine, ObjectType, RobiSpec, RobotLine, RunSpec, SimSpec, StartRef, WorldKind, WorldSpec,
+    Axis, CameraSpec, Collider, CostEntry, CostsRef, DEFAULT_MICROPHONE, DEFAULT_VOLTAGE, DEFAULT_WALL_HEIGHT,
+    InputSpec, JointSpec, Layout, LcdSpec, ModelSpec, ObjectLine, ObjectType, RobiSpec, RobotLine, RunSpec, SerialLine,
+    SimSpec, StartRef, WorldKind, WorldSpec,
 };
 
 /// The text of a scene. All that a spec can say has its place in it.
@@ -313,6 +314,7 @@ pub(crate) fn robot_type_form(robi: &RobiSpec) -> RobotTypeForm {
         lcd: unless(robi.lcd, LcdSpec::default())
             .map(|lcd| LcdForm { width_px: Some(lcd.width), height_px: Some(lcd.height) }),
         input: input_form(&robi.inputs),
+        serial: robi.serials.iter().map(|serial| (serial.interface.to_string(), serial_form(&serial.line))).collect(),
         hdt: robi.hdt.iter().cloned().collect(),
     }
 }
@@ -369,9 +371,19 @@ fn input_form(input: &InputSpec) -> Option<InputForm> {
     (*input != InputSpec::default()).then(|| InputForm {
         analog: input.analog.iter().map(|(channel, value)| (channel.to_string(), *value)).collect(),
         latch: input.latches.iter().map(|(number, value)| (number.to_string(), *value)).collect(),
+        digital: input.digital.iter().map(|(number, value)| (number.to_string(), *value)).collect(),
+        voltage_v: unless(input.voltage, DEFAULT_VOLTAGE),
+        microphone: unless(input.microphone, DEFAULT_MICROPHONE),
         parallel_data: unless(input.parallel_data, 0),
         parallel_status: unless(input.parallel_status, 0),
     })
+}
+
+fn serial_form(line: &SerialLine) -> SerialForm {
+    match line {
+        SerialLine::Loopback => SerialForm::Word(SerialWord::Loopback),
+        SerialLine::File { path, .. } => SerialForm::File { file: path.text.clone() },
+    }
 }
 
 /// An object type in place.

@@ -389,6 +389,9 @@ pub(crate) struct RobotTypeForm {
     /// What inputs read that nothing simulated drives.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) input: Option<InputForm>,
+    /// What is connected to serial interfaces 1 to 16.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub(crate) serial: BTreeMap<String, SerialForm>,
     /// Numbers under which programs ask for devices.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub(crate) hdt: BTreeMap<String, i32>,
@@ -639,12 +642,42 @@ pub(crate) struct InputForm {
     /// Input latches: values 0 to 255 by numbers.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub(crate) latch: BTreeMap<String, u8>,
+    /// Digital lines: 0 or 1 by numbers 1 to 16.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub(crate) digital: BTreeMap<String, u8>,
+    /// Voltage of the battery; 7.2 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) voltage_v: Option<Number>,
+    /// What the microphone reads; 128 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) microphone: Option<u8>,
     /// Data register of the parallel port; 0 if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) parallel_data: Option<u8>,
     /// Status register of the parallel port; 0 if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) parallel_status: Option<u8>,
+}
+
+/// What is at the other end of a serial line.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum SerialForm {
+    /// A word.
+    Word(SerialWord),
+    /// A device that sends the bytes of a file.
+    File {
+        /// The file.
+        file: String,
+    },
+}
+
+/// What needs no file.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum SerialWord {
+    /// Everything that is sent comes back.
+    Loopback,
 }
 
 /// A mesh file and how it is put into the body's frame.

@@ -82,7 +82,11 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (Code::SimObjectArity, "a.sim", "object 1 2 3 can.ms3d\n"),
     (Code::SimRobiArity, "a.sim", "robi a.robi a.so 1 2\n"),
     (Code::SimWorldTwice, "a.sim", "world a.wld\nmaze b.maz\n"),
-    (Code::TomlKey, "a.toml", "[drive]\nwheelbase = 1\n[psd]\nPSD_FRNT = {}\n[input]\nanalog = { 16 = 1 }\n[sonar]\n"),
+    (
+        Code::TomlKey,
+        "a.toml",
+        "[drive]\nwheelbase = 1\n[psd]\nPSD_FRNT = {}\n[input]\nanalog = { 16 = 1 }\ndigital = { 0 = 1 }\n[serial]\n17 = \"loopback\"\n[sonar]\n",
+    ),
     (Code::TomlMissing, "a.toml", "[[bumper]]\nid = 3\nfrom_deg = 1\n"),
     (Code::TomlSyntax, "a.toml", "[drive\nwheelbase_mm = = 3\n"),
     (Code::TomlType, "a.toml", "psd = 3\n[drive]\nwheel_lag_ms = \"fast\"\n[hdt]\nMOTOR_LEFT = 1.5\n"),

@@ -186,6 +186,12 @@ north_deg = 90
 parallel_data = 0xff
 analog = { 3 = 512, 0 = 1 }
 latch.1 = 8
+digital = { 16 = 1, 2 = 0 }
+voltage_v = 6.9
+microphone = 200
+[serial]
+16 = { file = "gps.txt" }
+1 = "loopback"
 [hdt]
 MOTOR_LEFT = 12
 "#;
@@ -203,7 +209,28 @@ fn a_companion_says_more() {
     assert_eq!((robi.servos[0].from, robi.servos[0].to), (PI / 4.0, -PI / 4.0));
     assert_eq!(robi.compass.map(|compass| compass.north), Some(FRAC_PI_2));
     assert_eq!((robi.inputs.analog, robi.inputs.latches), (vec![(0, 1), (3, 512)], vec![(1, 8)]));
+    assert_eq!(robi.inputs.digital, [(2, 0), (16, 1)]);
+    assert_eq!((robi.inputs.voltage, robi.inputs.microphone), (6.9, 200));
+    assert_eq!((robi.serials[0].interface, &robi.serials[0].line), (1, &SerialLine::Loopback));
+    let SerialLine::File { path, bytes } = &robi.serials[1].line else { panic!("{:?}", robi.serials) };
+    assert_eq!((robi.serials[1].interface, path.text.as_str(), bytes.len()), (16, "gps.txt", 0));
     assert_eq!((robi.inputs.parallel_data, robi.hdt), (0xff, vec![("MOTOR_LEFT".to_owned(), 12)]));
+}
+
+#[test]
+fn files_of_serial_devices_are_inputs() {
+    let files = Memory::new(&[
+        ("robis/S4.robi", S4),
+        ("robis/S4.toml", "[serial]\n3 = { file = \"gps.txt\" }\n4 = { file = \"none.txt\" }\n"),
+        ("robis/gps.txt", "$GPGGA\n"),
+    ]);
+    let (robi, loaded) = load_robi("robis/S4.robi", &files);
+    let [gps, none] = &robi.unwrap().serials[..] else { panic!("two interfaces") };
+    assert!(matches!(&gps.line, SerialLine::File { bytes, .. } if **bytes == *b"$GPGGA\n"));
+    assert!(matches!(&none.line, SerialLine::File { bytes, .. } if bytes.is_empty()));
+    assert!(loaded.inputs.iter().any(|input| input.path == "robis/gps.txt"));
+    let codes: Vec<Code> = loaded.diagnostics.iter().map(|diagnostic| diagnostic.code).collect();
+    assert_eq!(codes, [Code::FileMissing]);
 }
 
 #[test]

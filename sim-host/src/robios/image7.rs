@@ -1,0 +1,100 @@
+//! The image processing of RoBIOS-7: images of the size that a call brings, from and to buffers and files.
+
+use robios_sys::{Out, OutBytes, Robios7Call as Call};
+
+use super::picture::{self, Size};
+use super::pnm;
+use super::robot::Robot;
+
+/// Resolutions that `IPSetSize` and `CAMInit` know: `QQVGA` to `CAM5MP`, and `CUSTOM`.
+pub fn is_resolution(number: i32) -> bool {
+    (0..=5).contains(&number) || number == 10
+}
+
+/// `IPSetSize`; the size itself is kept on the program's side.
+pub fn set_size(robot: &mut Robot, resolution: i32) -> i32 {
+    if is_resolution(resolution) { 0 } else { robot.failed(Call::IPSetSize, 1) }
+}
+
+/// `IPReadFile`
+pub fn read_file(robot: &mut Robot, name: Option<&[u8]>, [width, height]: [i32; 2], image: &mut OutBytes) -> i32 {
+    let read = || {
+        let size = Size::new(width, height).filter(|_| !image.is_null()).ok_or("there is no room for an image")?;
+        let file = robot.devices.storage.read(name.ok_or("it has no name")?).map_err(|error| error.to_string())?;
+        pnm::read(&file, size).map_err(|error| error.to_string())
+    };
+    match read() {
+        Ok(picture) => {
+            image.set(&picture.pixels);
+            picture.kind.into()
+        }
+        Err(reason) => file_failed(robot, Call::IPReadFile, -1, name, &reason),
+    }
+}
+
+/// `IPWriteFile`, `IPWriteFileGray`: of 3 bytes a pixel, or 1.
+pub fn write_file(
+    robot: &mut Robot,
+    call: Call,
+    name: Option<&[u8]>,
+    [width, height]: [i32; 2],
+    image: Option<&[u8]>,
+) -> i32 {
+    let (depth, encode): (_, fn(Size, &[u8]) -> Vec<u8>) =
+        if call == Call::IPWriteFile { (3, pnm::write_colour) } else { (1, pnm::write_grey) };
+    let mut write = || -> Result<(), String> {
+        let size = Size::new(width, height).ok_or("there is no image")?;
+        let image = image.and_then(|image| image.get(..size.pixels() * depth)).ok_or("there is no image")?;
+        let now = robot.now;
+        let name = name.ok_or("it has no name")?;
+        robot.devices.storage.write(now, name, encode(size, image)).map_err(|error| error.to_string())
+    };
+    match write() {
+        Ok(()) => 0,
+        Err(reason) => file_failed(robot, call, 1, name, &reason),
+    }
+}
+
+fn file_failed(robot: &mut Robot, call: Call, answer: i32, name: Option<&[u8]>, reason: &str) -> i32 {
+    let name = super::text(name.unwrap_or_default()).into_owned();
+    robot.refused(call, answer, |_| format!("`{name}`: {reason}"))
+}
+
+/// `IPLaplace`, `IPSobel`: what `operator` makes of a grey image of this size.
+pub fn filter(
+    robot: &mut Robot,
+    call: Call,
+    [width, height]: [i32; 2],
+    source: Option<&[u8]>,
+    result: &mut OutBytes,
+    operator: fn(Size, &[u8]) -> Vec<u8>,
+) {
+    let size = Size::new(width, height);
+    let source = size.zip(source).and_then(|(size, source)| Some((size, source.get(..size.pixels())?)));
+    store(robot, call, [result], source.map(|(size, source)| [operator(size, source)]));
+}
+
+/// `IPCol2Gray` and the others that work pixel by pixel: stores the images that `operator` makes, nothing for a null pointer.
+pub fn store<const N: usize>(robot: &mut Robot, call: Call, results: [&mut OutBytes; N], images: Option<[Vec<u8>; N]>) {
+    let is_null = results.iter().any(|result| result.is_null());
+    match images {
+        Some(images) if !is_null => results.into_iter().zip(&images).for_each(|(result, image)| _ = result.set(image)),
+        _ => robot.rejected(call, |_| "a null pointer, or an image shorter than its size".to_owned()),
+    }
+}
+
+/// `IPPCol2RGB`, `IPPCol2HSI`, `IPPRGB2HSI`
+pub fn put_channels(out: [&mut Out<u8>; 3], channels: [u8; 3]) {
+    out.into_iter().zip(channels).for_each(|(out, channel)| out.set(channel));
+}
+
+/// The colour of three channels; none if one of them is null.
+pub fn channels<'a>(channels: [Option<&'a [u8]>; 3]) -> Option<[&'a [u8]; 3]> {
+    let [red, green, blue] = channels;
+    Some([red?, green?, blue?])
+}
+
+/// `IPOverlayGray`
+pub fn overlay_grey(under: Option<&[u8]>, over: Option<&[u8]>, colour: i32) -> Option<[Vec<u8>; 1]> {
+    Some([picture::overlay_grey(under?, over?, picture::rgb_of_number(colour))])
+}

@@ -1,0 +1,106 @@
+//! The machine as RoBIOS-7 shows it; what both generations have in common is in [`os`].
+//!
+//! Source: RoBIOS-7 library, system functions and timer; versions and clock rate are those of EyeSim VR.
+
+use std::ffi::OsStr;
+use std::os::unix::ffi::OsStrExt;
+use std::process::{Command, Stdio};
+
+use robios_sys::robios7::{MAX_NAME, MAX_OUTPUT};
+use robios_sys::{Callback, Out, OutBytes, Robios7Call as Call};
+use sim_core::time::Time;
+
+use super::os;
+use super::robot::Robot;
+use super::timer::MILLISECOND;
+
+/// Version of RoBIOS, and of the input and output board.
+const VERSION: &str = "1.0";
+
+/// Clock rate of the processor in Hz.
+pub const MACHINE_SPEED: i32 = 700_000_000;
+
+/// Whole milliseconds, in the 32 bits of a counter that wraps after 49 days.
+pub fn milliseconds(time: Time) -> i32 {
+    (time.0 / MILLISECOND.0) as i32
+}
+
+/// The span of `n` milliseconds; nothing if negative.
+pub fn span_of_milliseconds(n: i32) -> Time {
+    Time::from_millis(n.max(0).into())
+}
+
+/// `OSVersion`, `OSVersionIO`
+pub fn version(robot: &mut Robot, call: Call, text: &mut OutBytes) -> i32 {
+    put_name(robot, call, text, VERSION)
+}
+
+/// `OSMachineName`: that of the robi.
+pub fn machine_name(robot: &mut Robot, text: &mut OutBytes) -> i32 {
+    let spec = robot.spec.clone();
+    put_name(robot, Call::OSMachineName, text, &spec.name)
+}
+
+/// Stores a text that ends in 0, cut to what there is room for.
+fn put_name(robot: &mut Robot, call: Call, text: &mut OutBytes, name: &str) -> i32 {
+    let room = text.capacity().min(MAX_NAME);
+    if text.is_null() || room == 0 {
+        return robot.failed(call, 1);
+    }
+    text.set(&terminated(name.as_bytes(), room));
+    0
+}
+
+/// As much of a text as fits with a final 0.
+fn terminated(text: &[u8], room: usize) -> Vec<u8> {
+    let mut bytes = text[..text.len().min(room.saturating_sub(1))].to_vec();
+    bytes.push(0);
+    bytes
+}
+
+/// `OSMachineID`
+pub fn machine_id(robot: &Robot) -> i32 {
+    i32::try_from(robot.id.0).unwrap_or(i32::MAX)
+}
+
+/// `OSAttachTimer`
+pub fn attach_timer(robot: &mut Robot, scale: i32, callback: Option<Callback>) -> i32 {
+    os::attach_timer(robot, Call::OSAttachTimer, MILLISECOND, scale, callback)
+}
+
+/// `OSDetachTimer`
+pub fn detach_timer(robot: &mut Robot, timer: i32) -> i32 {
+    if os::detach_timer(robot, timer) { 0 } else { robot.failed(Call::OSDetachTimer, 1) }
+}
+
+/// `OSSetTime`
+pub fn set_time(robot: &mut Robot, time: [i32; 3]) -> i32 {
+    if os::set_clock(robot, time) { 0 } else { robot.failed(Call::OSSetTime, 1) }
+}
+
+/// `OSGetTime`
+pub fn time(robot: &Robot, out: [&mut Out<i32>; 4]) -> i32 {
+    out.into_iter().zip(os::clock(robot, MILLISECOND)).for_each(|(out, value)| out.set(value));
+    0
+}
+
+/// `OSExecute`: runs a command where the user has allowed it, and waits in real time for its end.
+pub fn execute(robot: &mut Robot, command: Option<&[u8]>, out: &mut OutBytes) -> i32 {
+    let Some(command) = command else { return robot.failed(Call::OSExecute, 1) };
+    if !robot.devices.os.may_execute {
+        return robot.refused(Call::OSExecute, 1, |_| {
+            format!("`{}` is not run: `--allow-execute` on the command line allows it", super::text(command))
+        });
+    }
+    let shell = Command::new("sh").arg("-c").arg(OsStr::from_bytes(command)).stdin(Stdio::null()).output();
+    match shell {
+        Ok(output) => {
+            let room = out.capacity().min(MAX_OUTPUT);
+            if room > 0 {
+                out.set(&terminated(&output.stdout, room));
+            }
+            if output.status.success() { 0 } else { robot.failed(Call::OSExecute, 1) }
+        }
+        Err(error) => robot.refused(Call::OSExecute, 1, |_| format!("there is no shell: {error}")),
+    }
+}

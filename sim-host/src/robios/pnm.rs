@@ -1,0 +1,168 @@
+//! Images in PNM files: PBM, PGM and PPM, plain and binary.
+//!
+//! Source: Netpbm's formats P1 to P6.
+
+use std::io::Cursor;
+
+use image::codecs::pnm::{PnmDecoder, PnmSubtype, SampleEncoding};
+use image::{DynamicImage, ImageDecoder};
+
+use super::picture::Size;
+
+/// An image from a file, of the size that was asked for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// The digit of `P1` to `P6`.
+    pub kind: u8,
+    /// 1 byte a pixel of kinds 1, 2, 4 and 5, else 3.
+    pub pixels: Vec<u8>,
+}
+
+/// Why a file is no image.
+#[derive(Debug, thiserror::Error)]
+pub enum PnmError {
+    /// Head or pixels cannot be read.
+    #[error("{0}")]
+    Damaged(#[from] image::ImageError),
+    /// Another format of the same family.
+    #[error("it is a PAM file (P7), expected P1 to P6")]
+    Pam,
+    /// The head promises more pixels than there are bytes for.
+    #[error("it ends before the {0} pixels of its head")]
+    Short(u64),
+}
+
+/// Reads the image in `file` to `size`: what lies beyond to the right and below is cut, what is missing there is black.
+///
+/// Values are scaled to 0..=255; the black of a PBM file is 0.
+///
+/// # Errors
+/// [`PnmError`] when it is no PNM file, or a damaged one.
+pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
+    let decoder = PnmDecoder::new(Cursor::new(file))?;
+    let kind = match decoder.subtype() {
+        PnmSubtype::Bitmap(encoding) => 1 + offset(encoding),
+        PnmSubtype::Graymap(encoding) => 2 + offset(encoding),
+        PnmSubtype::Pixmap(encoding) => 3 + offset(encoding),
+        PnmSubtype::ArbitraryMap => return Err(PnmError::Pam),
+    };
+    let (width, height) = decoder.dimensions();
+    // A byte holds 8 pixels at most: no room is made for what cannot be there.
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels > 8 * file.len() as u64 {
+        return Err(PnmError::Short(pixels));
+    }
+    let image = DynamicImage::from_decoder(decoder)?;
+    let (bytes, depth) = match kind {
+        3 | 6 => (image.into_rgb8().into_raw(), 3),
+        _ => (image.into_luma8().into_raw(), 1),
+    };
+    Ok(Picture { kind, pixels: fitted(&bytes, width as usize * depth, size.width * depth, size.height) })
+}
+
+fn offset(encoding: SampleEncoding) -> u8 {
+    match encoding {
+        SampleEncoding::Ascii => 0,
+        SampleEncoding::Binary => 3,
+    }
+}
+
+/// Rows of `from_width` bytes as `height` rows of `width` bytes.
+fn fitted(bytes: &[u8], from_width: usize, width: usize, height: usize) -> Vec<u8> {
+    let mut result = vec![0; width * height];
+    let common = width.min(from_width);
+    for (to, from) in result.chunks_exact_mut(width).zip(bytes.chunks_exact(from_width.max(1))) {
+        to[..common].copy_from_slice(&from[..common]);
+    }
+    result
+}
+
+/// A binary PPM file of a colour image.
+pub fn write_colour(size: Size, pixels: &[u8]) -> Vec<u8> {
+    write("P6", size, pixels)
+}
+
+/// A binary PGM file of a grey image.
+pub fn write_grey(size: Size, pixels: &[u8]) -> Vec<u8> {
+    write("P5", size, pixels)
+}
+
+fn write(kind: &str, size: Size, pixels: &[u8]) -> Vec<u8> {
+    let mut file = format!("{kind}\n{} {}\n255\n", size.width, size.height).into_bytes();
+    file.extend_from_slice(pixels);
+    file
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TWO_BY_TWO: Size = Size { width: 2, height: 2 };
+
+    fn pixels(file: &[u8]) -> (u8, Vec<u8>) {
+        let picture = read(file, TWO_BY_TWO).unwrap();
+        (picture.kind, picture.pixels)
+    }
+
+    #[test]
+    fn all_six_kinds() {
+        assert_eq!(pixels(b"P1\n2 2\n1 0\n01\n"), (1, vec![0, 255, 255, 0]));
+        assert_eq!(pixels(b"P2 2 2 255 1 2 3 4"), (2, vec![1, 2, 3, 4]));
+        assert_eq!(pixels(b"P3 2 2 255 1 2 3 4 5 6 7 8 9 10 11 12"), (3, (1..=12).collect()));
+        assert_eq!(pixels(b"P4 2 2\n\x80\x40"), (4, vec![0, 255, 255, 0]));
+        assert_eq!(pixels(b"P5 2 2 255\n\x01\x02\x03\x04"), (5, vec![1, 2, 3, 4]));
+        assert_eq!(pixels(b"P6 2 2 255\n\x01\x02\x03\x04\x05\x06\x07\x08\x09\x0a\x0b\x0c"), (6, (1..=12).collect()));
+    }
+
+    #[test]
+    fn comments_and_other_ranges() {
+        let head = b"P2\n# by hand\n2 # columns\n2\n# rows\n15\n";
+        assert_eq!(pixels(&[head.as_slice(), b"0 5 10 15"].concat()), (2, vec![0, 85, 170, 255]));
+        assert_eq!(pixels(b"P5 2 2 65535\n\x00\x00\x80\x80\xff\xff\x01\x01"), (5, vec![0, 128, 255, 1]));
+        assert_eq!(pixels(b"P5 2 2 1000\n\x00\x00\x01\xf4\x03\xe8\x00\x04"), (5, vec![0, 128, 255, 1]));
+    }
+
+    #[test]
+    fn other_sizes_are_cut_and_filled() {
+        assert_eq!(pixels(b"P2 3 1 255 1 2 3"), (2, vec![1, 2, 0, 0]));
+        assert_eq!(pixels(b"P2 1 3 255 1 2 3"), (2, vec![1, 0, 2, 0]));
+        assert_eq!(pixels(b"P3 1 1 255 1 2 3"), (3, [&[1, 2, 3], [0; 9].as_slice()].concat()));
+    }
+
+    #[test]
+    fn damaged_files_are_told_of() {
+        let file = b"P6 2 2 255\n\x01\x02\x03\x04\x05\x06\x07\x08\x09\x0a\x0b\x0c";
+        for length in 0..file.len() {
+            assert!(read(&file[..length], TWO_BY_TWO).is_err(), "cut after {length} bytes");
+        }
+        for file in [
+            "",
+            "P",
+            "P8 1 1 255 1",
+            "P2 1 1 0 0",
+            "P2 1 1 70000 1",
+            "P2 -1 1 255 1",
+            "P2 1 1 255 x",
+            "P1 1 1 2",
+            "P5 4000000000 4000000000 255\n",
+            "P4 99999 99999\n",
+            "P7\nWIDTH 1\nHEIGHT 1\nDEPTH 1\nMAXVAL 255\nENDHDR\n0",
+            "P2 1 1 99999999999 1",
+        ] {
+            assert!(read(file.as_bytes(), TWO_BY_TWO).is_err(), "{file}");
+        }
+        assert_eq!(
+            read(b"P4 99999 99999\n", TWO_BY_TWO).unwrap_err().to_string(),
+            "it ends before the 9999800001 pixels of its head"
+        );
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let size = Size { width: 3, height: 2 };
+        let (grey, colour): (Vec<u8>, Vec<u8>) = ((0..6).collect(), (0..18).collect());
+        assert_eq!(read(&write_grey(size, &grey), size).unwrap(), Picture { kind: 5, pixels: grey });
+        assert_eq!(read(&write_colour(size, &colour), size).unwrap(), Picture { kind: 6, pixels: colour });
+        assert_eq!(write_grey(size, b"abcdef"), b"P5\n3 2\n255\nabcdef");
+    }
+}

@@ -1,0 +1,128 @@
+//! The timers that a program attaches: callbacks on the global grid of its generation's tick.
+
+use robios_sys::Callback;
+use sim_core::time::Time;
+
+/// The tick of RoBIOS-7: timers run at 1 kHz.
+pub const MILLISECOND: Time = Time::from_millis(1);
+
+/// How many timers a robot may have; our choice.
+const MAX_TIMERS: usize = 32;
+
+/// The timers that a program has attached.
+#[derive(Default)]
+pub struct Timers {
+    list: Vec<Timer>,
+    next_handle: i32,
+    /// True while a callback runs: callbacks are never nested, and may not wait.
+    pub in_callback: bool,
+    /// True between `OSDisable` and `OSEnable`: what falls due meanwhile is made up for once, at `OSEnable`.
+    pub are_held: bool,
+}
+
+struct Timer {
+    handle: i32,
+    period: Time,
+    next: Time,
+    callback: Callback,
+}
+
+impl Timers {
+    /// Attaches `callback` to every `scale`-th point of the global grid of `tick` after `now`; the handle, or 0 when the list is
+    /// full or `scale` is not positive.
+    pub fn attach(&mut self, now: Time, tick: Time, scale: i32, callback: Callback) -> i32 {
+        if self.list.len() >= MAX_TIMERS || scale <= 0 {
+            return 0;
+        }
+        let period = Time(tick.0 * i64::from(scale));
+        self.next_handle += 1;
+        self.list.push(Timer { handle: self.next_handle, period, next: now.floor_to(tick) + period, callback });
+        self.next_handle
+    }
+
+    /// Removes the timer; false when there is none of that handle.
+    pub fn detach(&mut self, handle: i32) -> bool {
+        let before = self.list.len();
+        self.list.retain(|timer| timer.handle != handle);
+        self.list.len() < before
+    }
+
+    /// When the next callback is due; [`Time::NEVER`] without timers and inside a callback.
+    pub fn next_due(&self) -> Time {
+        if self.in_callback || self.are_held {
+            return Time::NEVER;
+        }
+        self.list.iter().map(|timer| timer.next).min().unwrap_or(Time::NEVER)
+    }
+
+    /// The callbacks due at `now`, in order of attachment; missed ticks are coalesced into one.
+    pub fn take_due(&mut self, now: Time) -> Vec<Callback> {
+        let mut due = Vec::new();
+        for timer in &mut self.list {
+            if timer.next <= now {
+                due.push(timer.callback);
+                timer.go_on(now);
+            }
+        }
+        due
+    }
+
+    /// The callbacks that ran are over at `now`: what fell due while they ran is left out, so that the program itself goes on,
+    /// however long its callbacks take.
+    pub fn end_callbacks(&mut self, now: Time) {
+        self.in_callback = false;
+        self.list.iter_mut().for_each(|timer| timer.go_on(now));
+    }
+}
+
+impl Timer {
+    /// The next time is after `now`.
+    fn go_on(&mut self, now: Time) {
+        if self.next <= now {
+            let missed = (now - self.next).0 / self.period.0;
+            self.next += Time((missed + 1) * self.period.0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn callbacks_come_on_the_global_grid() {
+        let mut timers = Timers::default();
+        assert_eq!(timers.attach(Time(2_300), MILLISECOND, 5, Callback::NONE), 1);
+        assert_eq!(timers.attach(Time(2_300), MILLISECOND, 0, Callback::NONE), 0);
+        assert_eq!(timers.next_due(), Time(7_000));
+        assert_eq!(timers.take_due(Time(6_999)).len(), 0);
+        assert_eq!(timers.take_due(Time(7_000)).len(), 1);
+        assert_eq!(timers.next_due(), Time(12_000));
+        assert!(timers.detach(1) && !timers.detach(1));
+    }
+
+    #[test]
+    fn ticks_that_pass_while_callbacks_run_are_left_out() {
+        let mut timers = Timers::default();
+        timers.attach(Time(0), MILLISECOND, 1, Callback::NONE);
+        timers.attach(Time(0), MILLISECOND, 2, Callback::NONE);
+        assert_eq!(timers.take_due(Time(1_000)).len(), 1);
+        timers.in_callback = true;
+        assert_eq!(timers.next_due(), Time::NEVER, "never nested");
+        timers.end_callbacks(Time(4_000));
+        assert_eq!(timers.next_due(), Time(5_000));
+        assert_eq!(timers.take_due(Time(5_000)).len(), 1);
+    }
+
+    #[test]
+    fn what_is_held_is_made_up_for_once() {
+        let mut timers = Timers::default();
+        timers.attach(Time(0), MILLISECOND, 1, Callback::NONE);
+        timers.are_held = true;
+        assert_eq!(timers.next_due(), Time::NEVER);
+        timers.are_held = false;
+        assert_eq!(timers.next_due(), Time(1_000));
+        assert_eq!(timers.take_due(Time(9_500)).len(), 1);
+        assert_eq!(timers.next_due(), Time(10_000));
+    }
+}
