@@ -20,10 +20,11 @@ use crate::program::find::{Found, SearchPath, find_program};
 use crate::program::load::{LoadError, Loader, OpenError, check_mappings};
 use crate::program::prepare::{Prepared, prepare};
 use crate::robios::Devices;
+use crate::robios::irtv::Remote;
 use crate::robios::key::{Keys, Press};
 use crate::robios::robot::{Robot, RobotParts};
-use crate::robios::truth::{Census, Counted};
 use crate::robios::storage::Storage;
+use crate::robios::truth::{Census, Counted};
 
 /// Memory mappings of a robot's flow: its stack, the guard below it, its alternate stack and the kernel's neighbours.
 const MAPPINGS_PER_FLOW: usize = 4;
@@ -215,8 +216,11 @@ pub fn build_world(
         let presses = options.keys.iter().filter(|press| press.robot.is_none_or(|robot| robot == spec.id));
         let generation = program.as_ref().and_then(|program| program.image.description()).map(|it| it.generation);
         let new_devices = if generation == Some(7) { Devices::of_robios7 } else { Devices::new };
-        let keys = Keys::scripted(presses.map(|press| (press.at, press.touch)));
+        let (remote, keys): (Vec<&Press>, Vec<_>) = presses.partition(|press| press.touch.remote_key().is_some());
+        let keys = Keys::scripted(keys.iter().map(|press| (press.at, press.touch)));
         let mut devices = new_devices(&spec.robi, keys).among(Arc::clone(&census));
+        devices.remote =
+            Remote::scripted(remote.iter().filter_map(|press| Some((press.at, press.touch.remote_key()?))));
         devices.storage = Storage::new(Path::new(&scene.folder));
         devices.os.may_execute = options.may_execute;
         let mut robot = Robot::new(RobotParts {

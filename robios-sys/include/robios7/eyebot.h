@@ -312,7 +312,7 @@ int CAMGetGray(BYTE *buf);
 int IPSetSize(int resolution);
 
 /* Reads a PNM file: P1 to P6; a size other than the images' is cut, or filled up with black. Grey files become grey
- * images, colour files colour images. Returns 0, 1 if it cannot be read.
+ * images, colour files colour images. Returns the digit of P1 to P6, -1 if it cannot be read.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, image processing. */
 int IPReadFile(const char *filename, BYTE *img);

@@ -1,14 +1,76 @@
-//! The receiver for a TV remote control: every robot has one, but nobody presses a key of a remote control yet.
+//! The receiver for a TV remote control: every robot has one. A script presses the keys that RoBIOS-7 knows; programs of RoBIOS
+//! 6, where codes depend on the make of the remote control, receive nothing.
 //!
-//! Source: RoBIOS 6 library, infrared remote control.
+//! Sources: RoBIOS 6 library, infrared remote control; RoBIOS-7 library, IR remote control.
+
+use std::collections::VecDeque;
 
 use robios_sys::robios6::hdt_type::HDT_IRTV;
 use robios_sys::robios6::{DEFAULT_MODE, RAW_CODE, REPCODE_MODE, SLOPPY_MODE, SPACE_CODE};
+use robios_sys::robios7::{
+    IRTV_0, IRTV_1, IRTV_2, IRTV_3, IRTV_4, IRTV_5, IRTV_6, IRTV_7, IRTV_8, IRTV_9, IRTV_BLUE, IRTV_DOWN, IRTV_GREEN,
+    IRTV_LEFT, IRTV_OK, IRTV_POWER, IRTV_RED, IRTV_RIGHT, IRTV_UP, IRTV_YELLOW,
+};
 use robios_sys::{Out, Robios6Call as Call};
 use sim_core::time::Time;
 
 use super::caller::Poll;
 use super::robot::{Robot, Waits};
+use crate::record::Event;
+
+/// Keys of a remote control: their names and codes.
+const KEYS: [(&str, i32); 20] = [
+    ("IRTV_0", IRTV_0),
+    ("IRTV_1", IRTV_1),
+    ("IRTV_2", IRTV_2),
+    ("IRTV_3", IRTV_3),
+    ("IRTV_4", IRTV_4),
+    ("IRTV_5", IRTV_5),
+    ("IRTV_6", IRTV_6),
+    ("IRTV_7", IRTV_7),
+    ("IRTV_8", IRTV_8),
+    ("IRTV_9", IRTV_9),
+    ("IRTV_RED", IRTV_RED),
+    ("IRTV_GREEN", IRTV_GREEN),
+    ("IRTV_YELLOW", IRTV_YELLOW),
+    ("IRTV_BLUE", IRTV_BLUE),
+    ("IRTV_LEFT", IRTV_LEFT),
+    ("IRTV_RIGHT", IRTV_RIGHT),
+    ("IRTV_UP", IRTV_UP),
+    ("IRTV_DOWN", IRTV_DOWN),
+    ("IRTV_OK", IRTV_OK),
+    ("IRTV_POWER", IRTV_POWER),
+];
+
+/// Name of a key; of no key, nothing.
+pub fn name(code: i32) -> &'static str {
+    KEYS.iter().find(|(_, key)| *key == code).map_or("", |(name, _)| name)
+}
+
+/// Code of the key of this name.
+pub fn code(name: &str) -> Option<i32> {
+    KEYS.iter().find(|(key, _)| key.eq_ignore_ascii_case(name)).map(|(_, code)| *code)
+}
+
+/// Presses of a remote control's keys, in order of time: those to come and those not yet read.
+#[derive(Clone, Debug, Default)]
+pub struct Remote {
+    presses: VecDeque<(Time, i32)>,
+}
+
+impl Remote {
+    /// Keys that are pressed at these times.
+    pub fn scripted(presses: impl IntoIterator<Item = (Time, i32)>) -> Self {
+        let mut presses: Vec<_> = presses.into_iter().collect();
+        presses.sort_by_key(|(at, _)| *at);
+        Self { presses: presses.into() }
+    }
+
+    /// Takes the earliest press that has happened by `now`.
+    fn take(&mut self, now: Time) -> Option<i32> {
+        self.presses.pop_front_if(|(at, _)| *at <= now).map(|(_, code)| code)
+    }
+}
 
 /// Settings of the receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,13 +130,35 @@ pub fn get(robot: &mut Robot) -> Poll<i32> {
     if robot.devices.irtv.is_none() {
         return Poll::Ready(robot.failed(Call::IRTVGet, 0));
     }
-    no_key()
+    no_key(Time::NEVER)
 }
 
 /// The wait for a key of a remote control.
-pub fn no_key() -> Poll<i32> {
-    let waits_for = Waits::Input("a key of a TV remote control, which nobody has".to_owned());
-    Poll::Until { at: Time::NEVER, waits_for }
+fn no_key(at: Time) -> Poll<i32> {
+    Poll::Until { at, waits_for: Waits::Input("a key of a TV remote control, which nobody presses".to_owned()) }
+}
+
+/// `IRTVGet` of RoBIOS-7
+pub fn get_7(robot: &mut Robot) -> Poll<i32> {
+    match read_7(robot) {
+        0 => no_key(robot.devices.remote.presses.front().map_or(Time::NEVER, |(at, _)| *at)),
+        code => Poll::Ready(code),
+    }
+}
+
+/// `IRTVRead` of RoBIOS-7
+pub fn read_7(robot: &mut Robot) -> i32 {
+    let code = robot.devices.remote.take(robot.now).unwrap_or(0);
+    if code != 0 {
+        robot.record(Event::Key { key: name(code) });
+    }
+    code
+}
+
+/// `IRTVFlush` of RoBIOS-7
+pub fn flush_7(robot: &mut Robot) -> i32 {
+    while robot.devices.remote.take(robot.now).is_some() {}
+    0
 }
 
 /// `IRTVGetStatus`: all 0 while the receiver is off.

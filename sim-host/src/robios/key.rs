@@ -11,10 +11,10 @@ use robios_sys::{Out, Robios6Call as Call, Robios7Call};
 use sim_core::RobotId;
 use sim_core::time::Time;
 
-use super::Devices;
 use super::caller::Poll;
 use super::robot::{Robot, Waits};
 use super::screen::Screen;
+use super::{Devices, irtv};
 use crate::record::Event;
 
 /// The keys from left to right: their names and codes, one bit each.
@@ -33,6 +33,8 @@ pub enum Touch {
     Key(i32),
     /// It touches the display at this pixel: x, y.
     Place([i32; 2]),
+    /// It presses the key of this code on a TV remote control.
+    Remote(i32),
 }
 
 impl Touch {
@@ -40,7 +42,15 @@ impl Touch {
     pub fn key(self) -> i32 {
         match self {
             Self::Key(code) => code,
-            Self::Place(_) => 0,
+            Self::Place(_) | Self::Remote(_) => 0,
+        }
+    }
+
+    /// The code of the key of a remote control.
+    pub fn remote_key(self) -> Option<i32> {
+        match self {
+            Self::Remote(code) => Some(code),
+            Self::Key(_) | Self::Place(_) => None,
         }
     }
 }
@@ -51,6 +61,7 @@ impl std::fmt::Display for Touch {
         match self {
             Self::Key(code) => f.write_str(&name(*code)),
             Self::Place([x, y]) => write!(f, "TOUCH({x},{y})"),
+            Self::Remote(code) => f.write_str(irtv::name(*code)),
         }
     }
 }
@@ -145,7 +156,9 @@ pub enum ScriptError {
     #[error("`{0}` is no key press: expected `TIME:KEY` or `ROBOT:TIME:KEY`, such as `2.5:KEY1` or `r2:2.5:KEY1`")]
     Form(String),
     /// Not a key.
-    #[error("`{0}` is no key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4` or `TOUCH(X,Y)` with a pixel of the display")]
+    #[error(
+        "`{0}` is no key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4`, `TOUCH(X,Y)` with a pixel of the display, or a key of a remote control such as `IRTV_OK`"
+    )]
     Key(String),
     /// Not a time.
     #[error("`{0}` is no time: expected seconds from 0 to 1e9, such as `2.5`")]
@@ -156,7 +169,7 @@ pub enum ScriptError {
 }
 
 /// Reads a script: presses `TIME:KEY` or `ROBOT:TIME:KEY` separated by commas, times in seconds of virtual time; in place of
-/// a key `TOUCH(X,Y)`.
+/// a key `TOUCH(X,Y)`, or a key of a remote control.
 ///
 /// # Errors
 /// The first [`ScriptError`].
@@ -192,7 +205,8 @@ fn parse_time(seconds: &str) -> Result<Time, ScriptError> {
 
 fn parse_touch(key: &str) -> Result<Touch, ScriptError> {
     let found = KEYS.iter().find(|(name, _)| name.eq_ignore_ascii_case(key)).map(|(_, code)| Touch::Key(*code));
-    found.or_else(|| parse_place(key).map(Touch::Place)).ok_or_else(|| ScriptError::Key(key.to_owned()))
+    let remote = || irtv::code(key).map(Touch::Remote);
+    found.or_else(|| parse_place(key).map(Touch::Place)).or_else(remote).ok_or_else(|| ScriptError::Key(key.to_owned()))
 }
 
 /// The place of `TOUCH(120,40)`.
@@ -280,6 +294,7 @@ fn take_place(robot: &mut Robot) -> Option<[i32; 2]> {
                 robot.screen().middle_of_key(index)
             }
             Touch::Place(place) => place,
+            Touch::Remote(_) => continue,
         };
         if place.iter().zip(size).all(|(pixel, end)| (0..end).contains(pixel)) {
             robot.record(Event::Key { key: &touch.to_string() });
@@ -376,7 +391,8 @@ mod tests {
     fn mistakes_in_scripts() {
         let no_key = |word: &str| {
             format!(
-                "`{word}` is no key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4` or `TOUCH(X,Y)` with a pixel of the display"
+                "`{word}` is no key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4`, `TOUCH(X,Y)` with a pixel of the display, \
+                 or a key of a remote control such as `IRTV_OK`"
             )
         };
         for (script, message) in [

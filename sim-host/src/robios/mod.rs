@@ -48,8 +48,8 @@ pub mod support;
 pub mod table;
 #[cfg(test)]
 mod tests;
-pub mod truth;
 pub mod timer;
+pub mod truth;
 mod unit7;
 pub mod vw;
 mod vw7;
@@ -117,6 +117,8 @@ pub struct Devices {
     pub irtv: Option<irtv::Settings>,
     /// Which robots and objects there are.
     pub census: Arc<truth::Census>,
+    /// Keys of a remote control.
+    pub remote: irtv::Remote,
     /// Hints that the program was given.
     pub hints: hint::Hints,
 }

@@ -30,6 +30,8 @@ pub struct Os {
     clock_start: Time,
     /// Whether programs may run commands of the machine that simulates.
     pub may_execute: bool,
+    /// Whether one has.
+    pub has_executed: bool,
 }
 
 impl Caller {

@@ -92,6 +92,9 @@ pub fn execute(robot: &mut Robot, command: Option<&[u8]>, out: &mut OutBytes) ->
             format!("`{}` is not run: `--allow-execute` on the command line allows it", super::text(command))
         });
     }
+    if !std::mem::replace(&mut robot.devices.os.has_executed, true) {
+        robot.hint("`OSExecute` runs commands, which are outside of the simulation: a run with them need not repeat");
+    }
     let shell = Command::new("sh").arg("-c").arg(OsStr::from_bytes(command)).stdin(Stdio::null()).output();
     match shell {
         Ok(output) => {

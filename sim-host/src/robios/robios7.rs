@@ -8,7 +8,8 @@ use robios_sys::{Callback, Out, OutBytes, OutInts, Robios7, Robios7Call as Call,
 use super::caller::Caller;
 use super::screen::canvas::{Canvas, Ink, rgb};
 use super::{
-    audio, display7 as display, image7, irtv, key, lidar, motor7, os, os7, picture, port7, psd7, serial, servo7, truth, vw7,
+    audio, display7 as display, image7, irtv, key, lidar, motor7, os, os7, picture, port7, psd7, serial, servo7, truth,
+    vw7,
 };
 
 type Text<'a> = Option<&'a [u8]>;
@@ -263,12 +264,12 @@ impl Robios7 for Caller {
 
     // IRTV: the receiver is always on.
     act! {
-        fn IRTVRead() -> i32 = |_, _| 0;
-        fn IRTVFlush() -> i32 = |_, _| 0;
+        fn IRTVRead() -> i32 = |robot, _| irtv::read_7(robot);
+        fn IRTVFlush() -> i32 = |robot, _| irtv::flush_7(robot);
         fn IRTVGetStatus() -> i32 = |_, _| 1;
     }
     wait! {
-        fn IRTVGet() -> i32 = |_, _| irtv::no_key();
+        fn IRTVGet() -> i32 = |robot, _| irtv::get_7(robot);
     }
 
     // RADIO.

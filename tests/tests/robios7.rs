@@ -1,0 +1,336 @@
+//! RoBIOS-7 as programs see it: every function of its header, what older headers had, images, files, serial lines, timers.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::process::Command;
+
+use robios_sys::Robios7Call;
+use tests::{Scratch, root};
+
+const ROOM: &str = "floor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n";
+/// No more than a format demands: a drive.
+const BARE: &str = "name Bare\ndiameter 180\nspeed 600\nturn 300\nwheel 54 3600 1100 90\n\
+                    drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
+
+fn fixture(name: &str) -> PathBuf {
+    root().join("tests/fixtures").join(name)
+}
+
+fn text_of(name: &str) -> String {
+    std::fs::read_to_string(fixture(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// A scene with one robot without sensors that runs `program`, written as `name`, and a can.
+fn bare(name: &str, program: &str) -> Scratch {
+    let scratch = Scratch::new();
+    scratch.write("room.wld", ROOM);
+    scratch.write("bare.robi", BARE);
+    scratch.write(name, program);
+    scratch.write("bare.sim", &format!("world room.wld\nrobi bare.robi {name} 1000 1000 0\ncan 3000 3000 0\n"));
+    scratch
+}
+
+/// The same with a body of `main` in C that returns 0.
+fn scene_of(body: &str) -> Scratch {
+    bare("main.c", &program_of(body))
+}
+
+fn program_of(body: &str) -> String {
+    format!("#include \"eyebot.h\"\n\nstatic int ticks;\nint count(void) {{ return ticks; }}\n{body}\n")
+}
+
+/// What robot 1 has printed in a run that ends with this code.
+fn printed(scratch: &Scratch, args: &[&str], code: i32) -> (Vec<String>, String) {
+    let ran = scratch.eyesim(&[&["run", "bare.sim", "--trace", "trace.jsonl"], args].concat());
+    let lines = scratch
+        .trace("trace.jsonl")
+        .iter()
+        .filter(|line| line["event"] == "stdout")
+        .map(|line| line["text"].as_str().unwrap_or_default().to_owned())
+        .collect();
+    assert_eq!(ran.code, Some(code), "{lines:#?}\n{}", ran.stderr);
+    (lines, ran.stderr)
+}
+
+const KEYS: &str = "0:KEY1, 0:KEY2, 0:KEY3, 0:TOUCH(10,20), 1:KEY4, 0:IRTV_OK, 0:IRTV_5";
+
+/// Runs the program that calls every function; the functions that it has called.
+fn call_every_function(name: &str) {
+    let scratch = bare(name, &text_of("every-function.c"));
+    let (lines, _) = printed(&scratch, &["--keys", KEYS, "-v"], 0);
+    assert!(lines.last().is_some_and(|line| line.ends_with(" 0 failures")), "{lines:#?}");
+    let trace = scratch.trace("trace.jsonl");
+    let mut called = BTreeSet::new();
+    let mut last = 0.0;
+    for call in trace.iter().filter(|line| line["event"] == "call") {
+        let (function, end) = (call["function"].as_str().unwrap_or_default(), call["t_s"].as_f64().unwrap_or_default());
+        assert!(end > last, "{function} takes no virtual time");
+        last = end;
+        called.insert(function.to_owned());
+    }
+    let missing: Vec<&str> =
+        Robios7Call::ALL.iter().map(|call| call.name()).filter(|call| !called.contains(*call)).collect();
+    assert_eq!(missing, [""; 0], "of {} functions", Robios7Call::ALL.len());
+}
+
+#[test]
+fn every_function_answers_and_takes_time_in_c() {
+    call_every_function("every.c");
+}
+
+#[test]
+fn every_function_answers_and_takes_time_in_cpp() {
+    call_every_function("every.cpp");
+}
+
+#[test]
+fn variants_of_older_headers_work() {
+    for name in ["variants.c", "variants.cpp"] {
+        let (lines, _) = printed(&bare(name, &text_of("variants.c")), &[], 0);
+        assert_eq!(lines, [""; 0], "{name}");
+    }
+}
+
+#[test]
+fn fixtures_compile_without_a_warning() {
+    for name in ["every-function.c", "variants.c", "course.c"] {
+        for (compiler, language, standard) in [("cc", "c", "-std=gnu17"), ("c++", "c++", "-std=c++17")] {
+            let mut command = Command::new(compiler);
+            command.args(["-Wall", "-Wextra", "-Werror", "-fsyntax-only", standard, "-x", language]);
+            command.arg("-I").arg(root().join("robios-sys/include/robios7")).arg(fixture(name));
+            let output = command.output().expect("a compiler");
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        }
+    }
+}
+
+#[test]
+fn a_course_program_runs() {
+    let scratch = Scratch::new();
+    scratch.write("room.wld", ROOM);
+    scratch.write("course.c", &text_of("course.c"));
+    scratch.write("bare.sim", "world room.wld\nS4 1000 2000 0 course.c\n");
+    let (lines, messages) = printed(&scratch, &["--keys", "1:KEY1, 2:KEY2, 3:KEY3, 30:KEY4"], 0);
+    assert!(!messages.contains("warning"), "{messages}");
+    // The front PSD is 60 mm ahead of the robot's centre, the scanner in it.
+    assert_eq!(
+        lines[..2],
+        ["scan: 360 points, ahead 3000 mm, nearest 1000 mm at -1000/0", "edge: kind P5, 400 edge pixels"]
+    );
+    assert!(
+        lines[2].starts_with("wall: stopped ") && lines[2].ends_with(" mm before it after many steps"),
+        "{lines:#?}"
+    );
+    assert_eq!(lines[4], "timer: on time");
+    assert!(lines[5].ends_with(", 0 failures"), "{lines:#?}");
+}
+
+#[test]
+fn a_timer_at_1_khz_leaves_waits_as_they_are() {
+    let scratch = scene_of(
+        "static void tick(void) { ticks++; }
+        static void look(void) { ticks++; PSDGet(1); }
+        int main(void)
+        {
+            int start = OSGetCount();
+            TIMER timer = OSAttachTimer(1, tick);
+            OSWait(1000);
+            printf(\"%d ms, %d ticks\\n\", OSGetCount() - start, ticks);
+            OSDetachTimer(timer);
+            /* A callback that takes 1 ms lets every other tick pass. */
+            ticks = 0;
+            start = OSGetCount();
+            timer = OSAttachTimer(1, look);
+            OSWait(1000);
+            printf(\"%d ms, %d ticks\\n\", OSGetCount() - start, ticks);
+            /* A call's own work goes on between them. */
+            start = OSGetCount();
+            LCDClear();
+            CAMGet(NULL);
+            printf(\"%s\\n\", OSGetCount() - start < 200 ? \"goes on\" : \"starves\");
+            OSDetachTimer(timer);
+            ticks = 0;
+            OSAttachTimer(250, tick);
+            OSWait(1001);
+            printf(\"%d ticks\\n\", ticks);
+            return 0;
+        }",
+    );
+    let (lines, _) = printed(&scratch, &[], 0);
+    assert_eq!(lines, ["1000 ms, 1000 ticks", "1000 ms, 500 ticks", "goes on", "4 ticks"]);
+}
+
+#[test]
+fn waiting_in_a_timer_is_an_error() {
+    let scratch = scene_of(
+        "static void wait(void) { OSWait(1); }
+        int main(void) { OSAttachTimer(10, wait); OSWait(100); return 0; }",
+    );
+    let (_, messages) = printed(&scratch, &[], 1);
+    assert!(messages.contains("`OSWait` would wait inside a timer callback"), "{messages}");
+}
+
+#[test]
+fn serial_lines_carry_what_the_companion_connects() {
+    let scratch = scene_of(
+        "int main(void)
+        {
+            unsigned char bytes[256];
+            int start = OSGetCount(), count;
+            SERInit(1, 9600, 0);
+            SERInit(2, 9600, 0);
+            SERSend(1, \"echo\", 4);
+            printf(\"%c\", SERReceiveChar(1));
+            OSWait(10);
+            count = SERReceive(1, bytes);
+            printf(\"%s %d\\n\", (char *)bytes, count);
+            /* 20 bytes of 10 bits at 9600 baud: 21 ms. */
+            OSWait(start + 15 - OSGetCount());
+            printf(\"%d\\n\", SERCheck(2));
+            OSWait(start + 30 - OSGetCount());
+            count = SERReceive(2, bytes);
+            printf(\"%d %s\\n\", count, (char *)bytes);
+            printf(\"%d\\n\", SERCheck(2));
+            return 0;
+        }",
+    );
+    scratch.write("bare.toml", "[serial]\n1 = \"loopback\"\n2 = { file = \"gps.txt\" }\n");
+    scratch.write("gps.txt", "$GPGGA,123519,4807.0");
+    let (lines, _) = printed(&scratch, &[], 0);
+    assert_eq!(lines, ["echo 3", "1", "20 $GPGGA,123519,4807.0", "0"]);
+    let trace = scratch.trace("trace.jsonl");
+    let sent = trace.iter().find(|line| line["event"] == "serial_sent").expect("what was sent is recorded");
+    assert_eq!(sent["port"], "SERIAL1");
+}
+
+#[test]
+fn who_waits_on_a_silent_line_is_told() {
+    let scratch = scene_of("int main(void) { SERInit(3, 9600, 0); SERReceiveChar(3); return 0; }");
+    let (_, messages) = printed(&scratch, &[], 1);
+    assert!(messages.contains("a byte on SERIAL3, to which nothing is connected"), "{messages}");
+}
+
+#[test]
+fn images_come_from_files_of_all_kinds() {
+    let scratch = scene_of(
+        "static BYTE image[3 * 640 * 480], edges[640 * 480];
+        int main(void)
+        {
+            int i, sum = 0;
+            IP_WIDTH = 4, IP_HEIGHT = 2;
+            IPSetSize(CUSTOM);
+            printf(\"%d: \", IPReadFile(\"images/a.pbm\", image));
+            for (i = 0; i < 8; i++)
+                printf(\"%d \", image[i]);
+            printf(\"\\n%d: \", IPReadFile(\"a.ppm\", image));
+            for (i = 0; i < 24; i++)
+                printf(\"%d \", image[i]);
+            printf(\"\\n%d \", IPReadFile(\"cut.pgm\", image));
+            printf(\"%d\\n\", IPReadFile(\"cut.pgm\", image));
+            IPSetSize(VGA);
+            for (i = 0; i < 640 * 480; i++)
+                image[i] = (BYTE)(i % 640 < 320 ? 0 : 255);
+            IPSobel(image, edges);
+            for (i = 0; i < 640 * 480; i++)
+                sum += edges[i] == 255;
+            IPSobel(image, image);
+            printf(\"%d %d\\n\", sum, memcmp(image, edges, sizeof edges));
+            return 0;
+        }",
+    );
+    scratch.write("images/a.pbm", "P1\n# a comment\n2 3\n1 0\n0 1\n1 1\n");
+    scratch.write("a.ppm", "P3 2 1 15 15 0 5  0 15 10\n");
+    scratch.write("cut.pgm", "P2 4 2 255 1 2 3\n");
+    let (lines, messages) = printed(&scratch, &[], 0);
+    assert_eq!(
+        lines,
+        [
+            "1: 0 255 0 0 255 0 0 0 ",
+            "3: 255 0 85 0 255 170 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 ",
+            "-1 -1",
+            // Two columns of 478 rows inside the border.
+            "956 0",
+        ]
+    );
+    assert_eq!(messages.matches("`IPReadFile` returned -1: `cut.pgm`").count(), 1, "{messages}");
+}
+
+#[test]
+fn robots_see_files_of_others_from_the_next_slot_on() {
+    let program = "#include \"eyebot.h\"
+        static BYTE image[QQVGA_PIXELS];
+        int main(void)
+        {
+            int me = OSMachineID(), other = 3 - me;
+            char name[32];
+            IPSetSize(QQVGA);
+            image[0] = (BYTE)me;
+            sprintf(name, \"%d.pgm\", me);
+            IPWriteFileGray(name, image);
+            printf(\"%d \", IPReadFile(name, image));
+            sprintf(name, \"%d.pgm\", other);
+            printf(\"%d \", IPReadFile(name, image));
+            OSWait(100);
+            printf(\"%d %d\\n\", IPReadFile(name, image), image[0]);
+            /* Both write one file: the later one stays. */
+            OSWait(me);
+            image[0] = (BYTE)me;
+            IPWriteFileGray(\"both.pgm\", image);
+            return 0;
+        }\n";
+    let scratch = bare("main.c", program);
+    scratch.write("bare.sim", "world room.wld\nrobi bare.robi main.c 1000 1000 0\nrobi bare.robi main.c 3000 1000 0\n");
+    let (lines, _) = printed(&scratch, &[], 0);
+    assert_eq!(lines, ["5 -1 5 2", "5 -1 5 1"]);
+    let both = std::fs::read(scratch.path().join("both.pgm")).expect("it was written");
+    assert_eq!(both["P5\n160 120\n255\n".len()], 2);
+}
+
+#[test]
+fn commands_run_only_where_they_are_allowed() {
+    let program = "int main(void)
+        {
+            char out[4096] = \"nothing\";
+            int result = OSExecute(\"echo hello; echo world\", out);
+            printf(\"%d %s\\n\", result, out);
+            printf(\"%d\\n\", OSExecute(\"exit 3\", out));
+            return 0;
+        }";
+    let scratch = scene_of(program);
+    let (lines, messages) = printed(&scratch, &[], 0);
+    assert_eq!(lines, ["1 nothing", "1"]);
+    assert!(messages.contains("`--allow-execute` on the command line allows it"), "{messages}");
+    let (lines, messages) = printed(&scratch, &["--allow-execute"], 0);
+    assert_eq!(lines, ["0 hello", "world", "", "1"]);
+    assert!(messages.contains("outside of the simulation"), "{messages}");
+}
+
+#[test]
+fn sounds_and_inputs_are_those_of_files() {
+    let scratch = scene_of(
+        "int main(void)
+        {
+            BYTE sample[8];
+            printf(\"%d \", AUPlay(\"beep.wav\"));
+            printf(\"%d \", AUDone());
+            OSWait(499);
+            printf(\"%d \", AUDone());
+            OSWait(2);
+            printf(\"%d\\n\", AUDone());
+            AURecord(sample, 1, 8000);
+            printf(\"%d %d %d\\n\", AUMicrophone(), sample[7], ANALOGRead(8));
+            printf(\"%d %d %d\\n\", DIGITALRead(3), DIGITALReadAll(), ANALOGVoltage());
+            printf(\"%d %d\\n\", ANALOGRead(2), ANALOGRead(9));
+            return 0;
+        }",
+    );
+    // 4,000 bytes at 8,000 a second.
+    let mut wave =
+        b"RIFF\0\0\0\0WAVEfmt \x10\0\0\0\x01\0\x01\0\x40\x1f\0\0\x40\x1f\0\0\x01\0\x08\0data\xa0\x0f\0\0".to_vec();
+    wave.resize(wave.len() + 4_000, 128);
+    std::fs::write(scratch.path().join("beep.wav"), wave).expect("a file for a test");
+    scratch
+        .write("bare.toml", "[input]\ndigital = { 3 = 1 }\nanalog = { 2 = 700 }\nvoltage_v = 6.85\nmicrophone = 200\n");
+    let (lines, _) = printed(&scratch, &[], 0);
+    assert_eq!(lines, ["0 0 0 1", "200 200 800", "1 4 685", "700 -1"]);
+}
