@@ -1,7 +1,7 @@
 //! What every program's language needs of the host, whatever its RoBIOS generation: console, random numbers, virtual
 //! time and the end of the program.
 
-use crate::param::{Bytes, OutBytes, Text};
+use crate::param::{Bytes, Callback, OutBytes, Text};
 
 /// The first argument of [`Support::console`].
 pub mod stream {
@@ -39,6 +39,28 @@ pub mod failure {
     pub const ERROR: i32 = 5;
 }
 
+/// What a task waits for, the second argument of [`Support::task_wait`].
+pub mod wait {
+    /// A mutex or spin lock.
+    pub const MUTEX: i32 = 1;
+    /// A condition variable.
+    pub const CONDITION: i32 = 2;
+    /// A semaphore.
+    pub const SEMAPHORE: i32 = 3;
+    /// A read-write lock.
+    pub const RWLOCK: i32 = 4;
+    /// The others at a barrier.
+    pub const BARRIER: i32 = 5;
+    /// The end of an initialisation that another task carries out.
+    pub const ONCE: i32 = 6;
+    /// A stream of the C library that another task has locked.
+    pub const STREAM: i32 = 7;
+    /// The end of a task.
+    pub const END: i32 = 8;
+    /// The end of all other tasks.
+    pub const ENDS: i32 = 9;
+}
+
 crate::table::function_table! {
     /// Services for the language of a program: console, random numbers, virtual time, the program's end.
     table SupportTable, trait Support, call SupportCall, number 0, version 1;
@@ -70,5 +92,39 @@ crate::table::function_table! {
         /// The program's name without folder and extension, as its sources are called; not ended by 0.
         /// Returns its length in bytes, of which as many as fit are written.
         fn program_name(name: OutBytes) -> i32 = 0;
+
+        /// The number of the task that calls: 1 for that of `main`, then in the order of their starts.
+        /// Costs virtual time like any call, so that what tasks do with each other does.
+        fn task_self() -> i32 = 1;
+
+        /// Starts a task of the robot, last in order: when its turn comes it calls `code`, once, on a thread of its own.
+        /// Tasks take turns at the first call that ends at or after a tick of 10 ms, and when one waits. Never two run.
+        /// When `code` answers STOP, the whole program is left. No time passes. Returns the task's number, 0 when the robot has
+        /// too many.
+        fn task_spawn(code: Callback) -> i32 = 0;
+
+        /// Puts the task that calls at the end of the queue `key` and lets the others run until it is woken there or the
+        /// virtual time `deadline_us` has come. `kind` (see `wait`) and the task that has what is waited for, 0 if that
+        /// means nothing, are for messages. No other time passes. Returns 1 if it was woken, 0 at the deadline.
+        /// STOP also when `task_interrupt` has ended this wait or any other: then the program's later calls are answered.
+        fn task_wait(key: u64, kind: i32, holder: i32, deadline_us: i64) -> i32 = 0;
+
+        /// Makes the task ready that has waited longest in the queue `key`. The caller runs on, no time passes.
+        /// Returns its number, 0 if there is none.
+        fn task_wake(key: u64) -> i32 = 0;
+
+        /// Makes all tasks ready that wait in the queue `key`. The caller runs on, no time passes. Returns how many.
+        fn task_wake_all(key: u64) -> i32 = 0;
+
+        /// Ends the wait of a task by force: for time, the world, a condition, a semaphore or the end of a task.
+        /// No time passes. Returns 1, or 0 if it is in no such wait.
+        fn task_interrupt(task: i32) -> i32 = 0;
+
+        /// Lets the other tasks that are ready run first. Costs virtual time like any call. Returns 0.
+        fn task_yield() -> i32 = 0;
+
+        /// Lets the other tasks that are ready run first if a tick has passed since the task that calls runs. No time passes:
+        /// for the shim, behind what it does in a place where tasks must not change. Returns 0.
+        fn task_turn() -> i32 = 0;
     }
 }

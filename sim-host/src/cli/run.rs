@@ -341,7 +341,7 @@ fn counts(run: &Run) -> Counts {
         let robot = run.robot(id);
         if robot.ending.is_some() {
             counts.ended += 1;
-        } else if robot.waiting.is_some() {
+        } else if robot.tasks.are_waiting() {
             counts.waiting += 1;
         } else {
             counts.running += 1;

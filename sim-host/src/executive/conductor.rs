@@ -19,7 +19,7 @@ use super::run::Run;
 use super::signal;
 use crate::record::event::WORLD;
 use crate::record::{Event, Journal, RecordError, Recorder};
-use crate::robios::robot::{Robot, Waits};
+use crate::robios::robot::Robot;
 use crate::robios::truth::{Placeable, Placement};
 
 /// Who runs, who waits until when, and where the run's record goes.
@@ -346,12 +346,7 @@ impl Conductor {
             if robot.motion.is_active() {
                 self.moving.push(robot.id);
             }
-            if robot.waiting.as_ref().is_some_and(|waiting| waiting.waits_for == Waits::Drive) {
-                // Somebody who was put elsewhere has no drive any more.
-                let is_done = robot.motion.is_drive_done(slot_end);
-                let drive_end = if is_done { Some(slot_end) } else { robot.motion.drive_end() };
-                let drive_end = drive_end.unwrap_or(Time::NEVER).max(slot_end);
-                let wake = drive_end.min(robot.timers.next_due()).min(robot.devices.due());
+            if let Some(wake) = robot.wake_after(slot_end) {
                 self.sleep_until(robot.id, wake);
             }
             self.recorder.collect(&mut robot.journal);

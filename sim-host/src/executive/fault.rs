@@ -42,6 +42,13 @@ impl Broken {
         addresses.extend(stack_words);
         Self { what, is_overdue: fault.signal == OVERDUE_SIGNAL, last_call, place: String::new(), addresses }
     }
+
+    /// The same, told of the task that broke.
+    #[must_use]
+    pub(super) fn in_task(mut self, task: u32) -> Self {
+        self.what += &format!(" in task {task}");
+        self
+    }
 }
 
 /// The words on a parked thread's stack from `sp` on, as far as the search goes.

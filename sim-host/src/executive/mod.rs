@@ -25,34 +25,37 @@ use crate::robios::caller::Call;
 
 /// How robots' flows of control are run: the one seam that a thread, a process or a fiber a robot fills.
 ///
-/// A flow starts suspended. Exactly the flows that the conductor resumed and that have not suspended themselves since run.
+/// A robot has one flow for each of its tasks, of which one has the robot's baton: first that of `main`. A flow starts suspended.
+/// Exactly the robots run that the conductor resumed and that have not suspended themselves since, each by the flow with the baton.
 pub trait Executor: Send + Sync {
-    /// Creates the robot's flow, suspended; `flow` returns when the robot's program has ended. `child` is the process that the
-    /// flow serves, where its program has one of its own.
+    /// Creates a flow of the robot, suspended, for its task of this number ([`MAIN`](crate::robios::task::MAIN) for `main`'s, which
+    /// comes first). `flow` returns when the task has ended: the number of the task that gets the baton then, none for `main`'s.
     ///
     /// # Errors
     /// When the system has no room for another flow.
-    fn start(
-        &self,
-        robot: RobotId,
-        child: Option<Arc<process::Child>>,
-        flow: Box<dyn FnOnce() + Send>,
-    ) -> std::io::Result<()>;
+    fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> std::io::Result<()>;
 
-    /// Lets the robot's flow go on, in `lane`: the flows of one lane run one after the other, so they are best kept on one
-    /// processor. Called once for each time that the flow suspended itself or was created.
+    /// The flow of the robot's first task serves this process from now on, in which its program runs. To be told before it starts.
+    fn serve(&self, robot: RobotId, child: Arc<process::Child>);
+
+    /// Lets the robot's flow with the baton go on, in `lane`: the flows of one lane run one after the other, so they are best kept
+    /// on one processor. Called once for each time that the robot suspended itself or was created.
     fn resume(&self, robot: RobotId, lane: u32);
 
-    /// Suspends the calling flow, which is `robot`'s, until it is resumed.
+    /// Suspends the calling flow, which has the baton of `robot`, until that is resumed.
     fn suspend(&self, robot: RobotId);
 
-    /// The flow of `robot` enters `call`; false when it has no stack left to serve it.
+    /// Hands the baton of `robot` from the calling flow to that of task `task`, until it is handed back.
+    fn switch(&self, robot: RobotId, task: u32);
+
+    /// The calling flow, which has the baton of `robot`, enters `call`; false when it has no stack left to serve it.
     fn enter(&self, robot: RobotId, call: Call) -> bool;
 
-    /// The flow of `robot` goes back to its program.
+    /// The calling flow, which has the baton of `robot`, goes back to its program.
     fn leave(&self, robot: RobotId);
 
-    /// Calls a function of the robot's program from within a call that the flow of `robot` is in, which holds no lock.
+    /// Calls a function of the robot's program from within a call that the calling flow is in, or at the beginning of a task; the
+    /// flow has the baton of `robot` and holds no lock.
     ///
     /// # Errors
     /// [`Stop`] when the program must be left: the call in progress returns it.
@@ -61,11 +64,11 @@ pub trait Executor: Send + Sync {
     /// Flows that broke (a fault, or stopped as overdue) and will never run again, with what is known of it.
     fn broken(&self) -> Vec<(RobotId, fault::Broken)>;
 
-    /// Looks at the robot's flow, if it runs: true when it has run for `timeout` seconds of its own processor time, or has
-    /// been blocked in the kernel for as long, since it was last resumed. Called about twenty times a second.
+    /// Looks at the robot's flow with the baton, if it runs: true when it has run for `timeout` seconds of its own processor time,
+    /// or has been blocked in the kernel for as long, since it was last resumed or handed the baton. Called about twenty times a second.
     fn is_overdue(&self, robot: RobotId, timeout: f64) -> bool;
 
-    /// Stops an overdue flow where it is; [`Executor::broken`] tells of it soon after.
+    /// Stops the overdue flow with the baton where it is; [`Executor::broken`] tells of it soon after.
     fn break_overdue(&self, robot: RobotId);
 }
 

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use robios_sys::{Robios6, Robios7, Support};
+use robios_sys::{CallSite, Robios6, Robios7, Support};
 
 use super::fault::Broken;
 use super::process::Child;
-use super::process::serve::RemoteProgram;
+use super::process::serve::{RemoteProgram, RemoteSite};
 use crate::program::image::SourceLine;
 use crate::program::load::LoadedProgram;
 
@@ -19,6 +19,21 @@ pub enum Exec {
     Thread,
     /// In a process of its own.
     Process,
+}
+
+/// Where a program called a function.
+#[derive(Clone, Debug)]
+pub enum Site {
+    /// In this process.
+    Here(CallSite),
+    /// In its own.
+    There(RemoteSite),
+}
+
+impl Default for Site {
+    fn default() -> Self {
+        Self::Here(CallSite::NONE)
+    }
 }
 
 /// A robot's program, ready to run.
@@ -64,11 +79,20 @@ impl RobotProgram {
         }
     }
 
-    /// Where the program called the function that it is in, see [`LoadedProgram::call_site`].
-    pub fn call_site(&self) -> Option<String> {
+    /// Where the program called the function that it is in. To be asked only while it is in a call, by the flow that serves it.
+    pub fn call_site(&self) -> Site {
         match self {
-            Self::Thread(program) => program.call_site(),
-            Self::Process(program) => program.call_site(),
+            Self::Thread(program) => Site::Here(program.call_site()),
+            Self::Process(program) => Site::There(program.call_site()),
+        }
+    }
+
+    /// A place in this program, in its own words: `maze.c:88`.
+    pub fn place_of(&self, site: &Site) -> Option<String> {
+        match (self, site) {
+            (Self::Thread(program), Site::Here(site)) => program.place_of(site),
+            (Self::Process(program), Site::There(site)) => program.place_of(site),
+            _ => None,
         }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 use std::time::{Duration, Instant};
 
 use parking_lot::{Mutex, MutexGuard, RwLock};
-use robios_sys::Stop;
+use robios_sys::{Callback, Stop};
 use sim_core::pose::Pose;
 use sim_core::time::Time;
 use sim_core::world::World;
@@ -15,7 +15,7 @@ use super::Executor;
 use super::bell::Bell;
 use super::conductor::{Conductor, End, HandOver, Plan};
 use super::fault::Broken;
-use super::program::RobotProgram;
+use super::program::{RobotProgram, Site};
 use super::standing::{Finish, Standing};
 use super::{signal, standing, watchdog};
 use crate::record::{Digest, Outcome, Recorder};
@@ -23,12 +23,15 @@ use crate::robios::caller::{Call, Caller};
 use crate::robios::cost::Costs;
 use crate::robios::panel::Panel;
 use crate::robios::robot::{Ending, Robot};
+use crate::robios::task::MAIN;
 
 /// Everything that the robots' flows share.
 pub struct Run {
     /// The world; written only between slots, when no robot runs.
     pub(crate) world: RwLock<World>,
     robots: Vec<Mutex<Robot>>,
+    /// Their programs, in the same order; none for a robot that only stands there.
+    programs: Vec<Option<RobotProgram>>,
     /// The robots that have a program; the others only stand there.
     with_program: Vec<RobotId>,
     conductor: Mutex<Conductor>,
@@ -131,16 +134,16 @@ impl Run {
         let start = Instant::now();
         let bell = Bell::new()?;
         signal::install(&bell)?;
-        let programs: Vec<Option<Arc<_>>> = parts.programs.into_iter().map(|program| program.map(Arc::new)).collect();
-        let with_program = |index: &usize| programs[*index].is_some();
-        let with_program: Vec<_> = (0..programs.len()).filter(with_program).map(RobotId::from_index).collect();
-        let has_program = programs.iter().map(Option::is_some).collect();
+        let has_program: Vec<bool> = parts.programs.iter().map(Option::is_some).collect();
+        let with_program: Vec<_> =
+            (0..has_program.len()).filter(|index| has_program[*index]).map(RobotId::from_index).collect();
         let plan = Plan { has_program, lanes: limits.lanes, until: limits.until, speed: limits.speed };
         let run = Arc::new(Self {
             slot_start: AtomicI64::new(parts.world.slot_start().0),
             slot_end: AtomicI64::new(parts.world.slot_end().0),
             world: RwLock::new(parts.world),
             robots: parts.robots.into_iter().map(Mutex::new).collect(),
+            programs: parts.programs,
             with_program,
             conductor: Mutex::new(Conductor::new(&plan, parts.recorder)),
             executor: parts.executor,
@@ -150,11 +153,12 @@ impl Run {
             is_stopping: AtomicBool::new(false),
             is_verbose: limits.is_verbose,
         });
-        for (index, program) in programs.iter().enumerate() {
-            let Some(program) = program else { continue };
-            let (id, run, program) = (RobotId::from_index(index), Arc::clone(&run), Arc::clone(program));
-            let child = program.child().cloned();
-            Arc::clone(&run).executor.start(id, child, Box::new(move || run.live(id, &program)))?;
+        for id in run.ids_with_program() {
+            let flow = Arc::clone(&run);
+            if let Some(child) = run.program(id).and_then(RobotProgram::child) {
+                run.executor.serve(id, Arc::clone(child));
+            }
+            run.executor.start(id, MAIN, Box::new(move || flow.live(id)))?;
         }
         let hand_over = run.conductor.lock().begin(&run);
         run.resume(&hand_over);
@@ -164,15 +168,19 @@ impl Run {
             run.stop_all();
         }
         broken.append(&mut run.lost.lock());
-        let ended = run.conclude(&programs, &broken, start);
+        let ended = run.conclude(&broken, start);
         let deadline = Instant::now() + LEAVE;
-        programs.iter().flatten().for_each(|program| program.end(deadline));
+        run.programs.iter().flatten().for_each(|program| program.end(deadline));
         Ok(ended)
     }
 
     /// The state of robot `id`.
     pub fn robot(&self, id: RobotId) -> MutexGuard<'_, Robot> {
         self.robots[id.index()].lock()
+    }
+
+    fn program(&self, id: RobotId) -> Option<&RobotProgram> {
+        self.programs[id.index()].as_ref()
     }
 
     /// The robots that have a program.
@@ -240,11 +248,14 @@ impl Run {
         }
     }
 
-    /// The life of a robot's flow.
-    fn live(self: Arc<Self>, id: RobotId, program: &RobotProgram) {
-        self.executor.suspend(id);
-        if !self.is_stopping() {
-            let ending = match program.run(&Caller::new(Arc::clone(&self), id)) {
+    /// The life of a robot's first flow, which runs `main`.
+    fn live(self: Arc<Self>, id: RobotId) -> Option<u32> {
+        if let (false, Some(program)) = (self.is_stopping(), self.program(id)) {
+            let caller = Caller::new(Arc::clone(&self), id);
+            let result = program.run(&caller);
+            // The other tasks return through calls that `caller` answers.
+            self.end_tasks(id);
+            let ending = match result {
                 Err(broken) if !program.child().is_some_and(|child| child.is_ending()) => {
                     let ending = Ending::broken(&broken);
                     self.lost.lock().push((id, broken));
@@ -262,6 +273,46 @@ impl Run {
         } else {
             self.bury(id);
         }
+        None
+    }
+
+    /// Starts the flow of task `task` of robot `id`, which runs `code` when its turn comes.
+    ///
+    /// # Errors
+    /// When the system has no room for another flow.
+    pub(crate) fn start_task(self: &Arc<Self>, id: RobotId, task: u32, code: Callback) -> std::io::Result<()> {
+        let run = Arc::clone(self);
+        self.executor.start(id, task, Box::new(move || Some(run.live_task(id, code))))
+    }
+
+    /// The life of a further flow of robot `id`; the task that goes on after it.
+    fn live_task(&self, id: RobotId, code: Callback) -> u32 {
+        let is_left = self.is_stopping() || self.robot(id).tasks.is_leaving();
+        let result = if is_left { Err(Stop) } else { self.executor.call_back(id, code) };
+        let mut robot = self.robot(id);
+        if result.is_err() {
+            robot.tasks.begin_leaving();
+        }
+        let now = robot.now;
+        robot.tasks.end_current(now)
+    }
+
+    /// Lets all tasks of robot `id` leave, whose `main` has been left: one after the other.
+    fn end_tasks(&self, id: RobotId) {
+        loop {
+            let mut robot = self.robot(id);
+            robot.tasks.begin_leaving();
+            let Some(task) = robot.tasks.next_to_leave() else { return };
+            let now = robot.now;
+            robot.tasks.switch_to(task, now);
+            drop(robot);
+            self.executor.switch(id, task);
+        }
+    }
+
+    /// Where the program of robot `id` is, in its own words; asked by a flow of the robot on behalf of the program.
+    pub(crate) fn call_site(&self, id: RobotId) -> Site {
+        self.program(id).map(RobotProgram::call_site).unwrap_or_default()
     }
 
     /// Ends robot `id` in the world: its motors stop, its end is recorded, the slot loop goes on without it.
@@ -329,13 +380,13 @@ impl Run {
     }
 
     /// What the run has come to, once nobody runs any more.
-    fn conclude(&self, programs: &[Option<Arc<RobotProgram>>], broken: &[(RobotId, Broken)], start: Instant) -> Ended {
+    fn conclude(&self, broken: &[(RobotId, Broken)], start: Instant) -> Ended {
         let mut conductor = self.conductor.lock();
         let time = conductor.time(&self.world.read());
         let end = conductor.take_end();
-        let finish = Finish { end: &end, time, robots: programs.len() };
+        let finish = Finish { end: &end, time, robots: self.robots.len() };
         let mut robots = Vec::with_capacity(self.robots.len());
-        for (index, program) in programs.iter().enumerate() {
+        for (index, program) in self.programs.iter().enumerate() {
             let id = RobotId::from_index(index);
             let mut robot = self.robot(id);
             let broken = broken.iter().find(|(other, _)| *other == id).map(|(_, broken)| broken);

@@ -32,6 +32,8 @@ pub struct ThreadBlock {
     faulted: AtomicBool,
     /// What takes a fault instead of parking the thread; async-signal-safe.
     report: Option<Report>,
+    /// Where the alternate stack of this block's threads lies, 0 before the first.
+    alternate_stack: AtomicUsize,
 }
 
 /// Takes a fault of the thread that the block belongs to, on whose alternate stack it runs; a return lets the thread go on.
@@ -82,6 +84,7 @@ impl Default for ThreadBlock {
             fault_sp: AtomicUsize::new(0),
             faulted: AtomicBool::new(false),
             report: None,
+            alternate_stack: AtomicUsize::new(0),
         }
     }
 }
@@ -144,7 +147,8 @@ impl ThreadBlock {
         if low == 0 { usize::MAX } else { ((&raw const here) as usize).saturating_sub(low) }
     }
 
-    /// Makes this block the calling thread's: its bounds are noted and its faults are caught from now on.
+    /// Makes this block the calling thread's: its bounds are noted and its faults are caught from now on. A thread that had it
+    /// before has ended.
     ///
     /// # Errors
     /// When the alternate stack cannot be mapped or set.
@@ -154,7 +158,11 @@ impl ThreadBlock {
         self.stack[1].store(high, Ordering::Relaxed);
         // SAFETY: gettid takes no arguments and always succeeds.
         self.tid.store(unsafe { libc::gettid() }, Ordering::Relaxed);
-        set_alternate_stack()?;
+        self.last_call.store(u16::MAX, Ordering::Relaxed);
+        self.in_host.store(false, Ordering::Relaxed);
+        self.overdue.store(false, Ordering::Relaxed);
+        let alternate = set_alternate_stack(self.alternate_stack.load(Ordering::Relaxed))?;
+        self.alternate_stack.store(alternate, Ordering::Relaxed);
         CURRENT.set(self);
         Ok(())
     }
@@ -314,25 +322,28 @@ fn stack_bounds() -> io::Result<(usize, usize)> {
     if status == 0 { Ok((low as usize, low as usize + size)) } else { Err(io::Error::from_raw_os_error(status)) }
 }
 
-/// Gives the calling thread an alternate signal stack that stays mapped until the process ends: a parked thread sits on it.
-fn set_alternate_stack() -> io::Result<()> {
-    // SAFETY: a fresh anonymous mapping of the stated size, handed to sigaltstack and never unmapped.
-    unsafe {
-        let memory = libc::mmap(
-            ptr::null_mut(),
-            ALTERNATE_STACK,
-            libc::PROT_READ | libc::PROT_WRITE,
-            libc::MAP_PRIVATE | libc::MAP_ANONYMOUS | libc::MAP_NORESERVE,
-            -1,
-            0,
-        );
+/// Gives the calling thread an alternate signal stack that stays mapped until the process ends, as a parked thread sits on it: the
+/// one at `address`, or a new one for 0. Returns its address.
+fn set_alternate_stack(address: usize) -> io::Result<usize> {
+    let mut memory = ptr::with_exposed_provenance_mut(address);
+    if address == 0 {
+        // SAFETY: a fresh anonymous mapping of the stated size.
+        memory = unsafe {
+            libc::mmap(
+                ptr::null_mut(),
+                ALTERNATE_STACK,
+                libc::PROT_READ | libc::PROT_WRITE,
+                libc::MAP_PRIVATE | libc::MAP_ANONYMOUS | libc::MAP_NORESERVE,
+                -1,
+                0,
+            )
+        };
         if memory == libc::MAP_FAILED {
             return Err(io::Error::last_os_error());
         }
-        let stack = libc::stack_t { ss_sp: memory, ss_flags: 0, ss_size: ALTERNATE_STACK };
-        if libc::sigaltstack(&stack, ptr::null_mut()) != 0 {
-            return Err(io::Error::last_os_error());
-        }
     }
-    Ok(())
+    let stack = libc::stack_t { ss_sp: memory, ss_flags: 0, ss_size: ALTERNATE_STACK };
+    // SAFETY: the memory has the stated size, is never unmapped, and no other thread that lives has it.
+    let status = unsafe { libc::sigaltstack(&stack, ptr::null_mut()) };
+    if status == 0 { Ok(memory.expose_provenance()) } else { Err(io::Error::last_os_error()) }
 }

@@ -56,15 +56,14 @@ pub fn judge(robot: &mut Robot, finish: &Finish<'_>, broken: Option<&Broken>, pr
         let outcome = if broken.is_overdue { Outcome::Timeout } else { Outcome::Failed };
         return Standing { reason: Some(place.to_string()), fault: Some(place), ..standing(outcome, None) };
     }
-    let waiting = robot.waiting.clone();
-    match (&robot.ending, &waiting) {
-        (Some(Ending::Exited { code: 0 }), _) => Standing { exit_code: Some(0), ..standing(Outcome::Finished, None) },
-        (Some(Ending::Exited { code }), _) => {
+    match &robot.ending {
+        Some(Ending::Exited { code: 0 }) => Standing { exit_code: Some(0), ..standing(Outcome::Finished, None) },
+        Some(Ending::Exited { code }) => {
             Standing { exit_code: Some(*code), ..standing(Outcome::Failed, Some(format!("exit code {code}"))) }
         }
-        (Some(Ending::Failed { reason }), _) => standing(Outcome::Failed, Some(reason.clone())),
-        (_, Some(waiting)) if matches!(finish.end, End::Stuck) => {
-            standing(Outcome::Waiting, Some(wait_in_words(robot, waiting, program, finish)))
+        Some(Ending::Failed { reason }) => standing(Outcome::Failed, Some(reason.clone())),
+        _ if matches!(finish.end, End::Stuck) && robot.tasks.are_waiting() => {
+            standing(Outcome::Waiting, Some(waits_in_words(robot, program, finish)))
         }
         _ => match finish.end {
             End::Interrupted => standing(Outcome::Interrupted, None),
@@ -75,10 +74,21 @@ pub fn judge(robot: &mut Robot, finish: &Finish<'_>, broken: Option<&Broken>, pr
     }
 }
 
+/// What each task waits for: `task 1 waits for the end of task 2 since 0.500 s at maze.c:31; task 2 waits for ...`.
+fn waits_in_words(robot: &mut Robot, program: &RobotProgram, finish: &Finish<'_>) -> String {
+    let waits: Vec<_> = robot.tasks.iter().filter_map(|task| Some((task.number, task.waiting.clone()?))).collect();
+    let is_alone = waits.len() == 1;
+    let words = waits.iter().map(|(task, waiting)| {
+        let words = wait_in_words(robot, waiting, program, finish);
+        if is_alone { words } else { format!("task {task} {words}") }
+    });
+    words.collect::<Vec<_>>().join("; ")
+}
+
 /// `waits for KEY4 since 2.310 s at maze.c:88 (try --keys "3:KEY4")`.
 fn wait_in_words(robot: &mut Robot, waiting: &Waiting, program: &RobotProgram, finish: &Finish<'_>) -> String {
-    let Waiting { waits_for, since, .. } = waiting;
-    let place = program.call_site().map(|site| format!(" at {site}")).unwrap_or_default();
+    let Waiting { waits_for, since, site, .. } = waiting;
+    let place = program.place_of(site).map(|site| format!(" at {site}")).unwrap_or_default();
     let advice = match waits_for {
         Waits::Key(key) => {
             let seconds = since.seconds().ceil();

@@ -1,9 +1,10 @@
-//! One OS thread a robot: debuggers and all libraries work. The default.
+//! One OS thread for each task of a robot: debuggers and all libraries work. The default.
 
+use std::cell::Cell;
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, OnceLock, mpsc};
-use std::thread::{self, Thread};
+use std::thread::{self, JoinHandle};
 
 use parking_lot::Mutex;
 use robios_sys::{Callback, Stop};
@@ -16,30 +17,58 @@ use super::process::Child;
 use super::signal::{self, ThreadBlock};
 use super::watchdog::{Look, Watch};
 use crate::robios::caller::Call;
+use crate::robios::task::MAIN;
 
-/// Stack of a robot's thread, in bytes of address space; memory is used as the program touches it.
+/// Stack of a task's thread, in bytes of address space; memory is used as the program touches it.
 pub(super) const STACK: usize = 8 << 20;
 
 /// Stack that a RoBIOS call may need, the slot loop included: below it the program has overflowed.
 const RESERVE: usize = 128 << 10;
 
-/// Executor with one OS thread a robot.
+/// Executor with one OS thread a task.
 pub struct ThreadExecutor {
-    robots: Vec<RobotThread>,
+    robots: Vec<Arc<Threads>>,
     /// The processor of each lane; empty where threads are not bound to any.
-    processors: Vec<usize>,
+    processors: Arc<[usize]>,
 }
 
-struct RobotThread {
-    /// Leaked, since the thread outlives the executor when its program never returns.
-    block: &'static ThreadBlock,
-    /// The lane to whose processor the thread is bound; `u32::MAX` for none.
+/// The threads of one robot.
+struct Threads {
+    /// The lane to whose processor they are bound; `u32::MAX` for none.
+    lane: AtomicU32,
+    processors: Arc<[usize]>,
+    /// The process that they serve.
+    child: OnceLock<Arc<Child>>,
+    flows: Mutex<Flows>,
+}
+
+#[derive(Default)]
+struct Flows {
+    /// Those that have not ended, with the tasks that they run.
+    list: Vec<(u32, &'static Flow)>,
+    /// The one that has the baton.
+    holder: Option<&'static Flow>,
+    /// The one that handed it on as the last thing it did: whoever has the baton waits for the end of its thread, which may still
+    /// run the program's destructors of thread-locals.
+    ending: Option<&'static Flow>,
+    /// Those whose threads have ended, for further tasks.
+    spare: Vec<&'static Flow>,
+}
+
+/// What is known of one thread. Leaked, since the thread outlives the executor when its program never returns.
+#[derive(Default)]
+struct Flow {
+    block: ThreadBlock,
+    /// The lane to whose processor the thread is bound.
     lane: AtomicU32,
     go: AtomicBool,
-    thread: OnceLock<Thread>,
-    /// The process that the thread serves.
-    child: OnceLock<Arc<Child>>,
+    thread: Mutex<Option<JoinHandle<()>>>,
     watch: Mutex<Watch>,
+}
+
+thread_local! {
+    /// The flow of this thread.
+    static FLOW: Cell<Option<&'static Flow>> = const { Cell::new(None) };
 }
 
 impl ThreadExecutor {
@@ -49,70 +78,152 @@ impl ThreadExecutor {
     /// Where robots hand over to each other within a lane, the threads of a lane are bound to one processor: on the machines
     /// measured a hand-over to another one costs two to three times as much.
     pub fn new(count: usize, flows: usize, lanes: usize) -> Self {
-        let robot = || RobotThread {
-            block: Box::leak(Box::default()),
+        let processors: Arc<[usize]> = if flows > lanes { processors(lanes).into() } else { Arc::default() };
+        let threads = || Threads {
             lane: AtomicU32::new(u32::MAX),
-            go: AtomicBool::new(false),
-            thread: OnceLock::new(),
+            processors: Arc::clone(&processors),
+            flows: Mutex::default(),
             child: OnceLock::new(),
-            watch: Mutex::default(),
         };
-        let processors = if flows > lanes { processors(lanes) } else { Vec::new() };
-        Self { robots: (0..count).map(|_| robot()).collect(), processors }
+        Self { robots: (0..count).map(|_| Arc::new(threads())).collect(), processors: Arc::clone(&processors) }
     }
 
-    fn robot(&self, robot: RobotId) -> &RobotThread {
+    fn robot(&self, robot: RobotId) -> &Arc<Threads> {
         &self.robots[robot.index()]
     }
 }
 
-impl Executor for ThreadExecutor {
-    fn start(&self, robot: RobotId, child: Option<Arc<Child>>, flow: Box<dyn FnOnce() + Send>) -> io::Result<()> {
-        if let Some(child) = child {
-            let _ = self.robot(robot).child.set(child);
+impl Flow {
+    /// The flow of the calling thread.
+    fn current() -> &'static Self {
+        let Some(flow) = FLOW.get() else { unreachable!("only flows of robots come here") };
+        flow
+    }
+}
+
+impl Threads {
+    /// Lets `flow` go on.
+    fn go(&self, flow: &Flow) {
+        let lane = self.lane.load(Ordering::Relaxed);
+        if let Some(processor) = self.processors.get(lane as usize)
+            && flow.lane.swap(lane, Ordering::Relaxed) != lane
+        {
+            bind(flow.block.tid.load(Ordering::Relaxed), *processor);
+            if let Some(child) = self.child.get() {
+                bind(child.first().thread().cast_signed(), *processor);
+            }
         }
-        let block = self.robot(robot).block;
+        flow.go.store(true, Ordering::Release);
+        if let Some(thread) = &*flow.thread.lock() {
+            thread.thread().unpark();
+        }
+    }
+
+    /// Waits until the calling flow, `flow`, is to go on, and until the one before it has wholly ended.
+    fn wait(&self, flow: &Flow) {
+        while !flow.go.swap(false, Ordering::Acquire) {
+            thread::park();
+        }
+        flow.block.releases.fetch_add(1, Ordering::Relaxed);
+        let ending = self.flows.lock().ending;
+        if let Some(ending) = ending {
+            let thread = ending.thread.lock().take();
+            if let Some(thread) = thread {
+                // What its flow did last cannot panic; if it could, the baton would be here all the same.
+                let _ = thread.join();
+            }
+            let mut flows = self.flows.lock();
+            flows.list.retain(|(_, flow)| !std::ptr::eq(*flow, ending));
+            flows.spare.push(ending);
+            flows.ending = None;
+        }
+    }
+
+    /// Hands the baton from the calling flow to that of `task`; the calling one goes no further if it `is_ending`.
+    fn hand_to(&self, task: u32, is_ending: bool) {
+        let mut flows = self.flows.lock();
+        let Some((_, next)) = flows.list.iter().find(|(number, _)| *number == task).copied() else {
+            unreachable!("task {task} has no flow")
+        };
+        flows.holder = Some(next);
+        if is_ending {
+            flows.ending = Some(Flow::current());
+        }
+        drop(flows);
+        self.go(next);
+    }
+
+    /// The flow that works for the robot now.
+    fn working(&self) -> Option<&'static Flow> {
+        let flows = self.flows.lock();
+        flows.ending.or(flows.holder)
+    }
+}
+
+impl Executor for ThreadExecutor {
+    fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<()> {
+        let threads = Arc::clone(self.robot(robot));
+        let place: &'static Flow = threads.flows.lock().spare.pop().unwrap_or_else(|| Box::leak(Box::default()));
+        place.lane.store(u32::MAX, Ordering::Relaxed);
         let (adopted, adoption) = mpsc::sync_channel(1);
-        let handle = thread::Builder::new().name(robot.to_string()).stack_size(STACK).spawn(move || {
-            let result = block.adopt_current_thread();
+        let name = if task == MAIN { robot.to_string() } else { format!("{robot}.{task}") };
+        let life = move || {
+            let result = place.block.adopt_current_thread();
             let is_adopted = result.is_ok();
             // The receiver waits just below for this one message.
             let _ = adopted.send(result);
             if is_adopted {
-                flow();
+                FLOW.set(Some(place));
+                threads.wait(place);
+                if let Some(next) = flow() {
+                    threads.hand_to(next, true);
+                }
             }
-        })?;
-        // The handle is known before anybody is resumed: that comes after all flows have started.
-        let _ = self.robot(robot).thread.set(handle.thread().clone());
-        adoption.recv().unwrap_or_else(|_| Err(io::Error::other("the thread ended before it began")))
+        };
+        let started = thread::Builder::new().name(name).stack_size(STACK).spawn(life);
+        let result = started.and_then(|thread| {
+            // The handle is known before anybody lets the flow go on.
+            *place.thread.lock() = Some(thread);
+            adoption.recv().unwrap_or_else(|_| Err(io::Error::other("the thread ended before it began")))
+        });
+        let mut flows = self.robot(robot).flows.lock();
+        match result {
+            Ok(()) => {
+                flows.list.push((task, place));
+                flows.holder.get_or_insert(place);
+            }
+            // Its thread may not have ended yet, so the place is lost.
+            Err(_) => {}
+        }
+        result
+    }
+
+    fn serve(&self, robot: RobotId, child: Arc<Child>) {
+        // A robot has one program, so this is the only time.
+        let _ = self.robot(robot).child.set(child);
     }
 
     fn resume(&self, robot: RobotId, lane: u32) {
-        let robot = self.robot(robot);
-        if let Some(processor) = self.processors.get(lane as usize)
-            && robot.lane.swap(lane, Ordering::Relaxed) != lane
-        {
-            bind(robot.block.tid.load(Ordering::Relaxed), *processor);
-            if let Some(child) = robot.child.get() {
-                bind(child.first().thread().cast_signed(), *processor);
-            }
-        }
-        robot.go.store(true, Ordering::Release);
-        if let Some(thread) = robot.thread.get() {
-            thread.unpark();
+        let threads = self.robot(robot);
+        threads.lane.store(lane, Ordering::Relaxed);
+        let holder = threads.flows.lock().holder;
+        if let Some(holder) = holder {
+            threads.go(holder);
         }
     }
 
     fn suspend(&self, robot: RobotId) {
-        let robot = self.robot(robot);
-        while !robot.go.swap(false, Ordering::Acquire) {
-            thread::park();
-        }
-        robot.block.releases.fetch_add(1, Ordering::Relaxed);
+        self.robot(robot).wait(Flow::current());
     }
 
-    fn enter(&self, robot: RobotId, call: Call) -> bool {
-        let block = self.robot(robot).block;
+    fn switch(&self, robot: RobotId, task: u32) {
+        let threads = self.robot(robot);
+        threads.hand_to(task, false);
+        threads.wait(Flow::current());
+    }
+
+    fn enter(&self, _: RobotId, call: Call) -> bool {
+        let block = &Flow::current().block;
         if let Some(number) = call.robios_number() {
             block.last_call.store(number, Ordering::Relaxed);
         }
@@ -123,48 +234,57 @@ impl Executor for ThreadExecutor {
         true
     }
 
-    fn leave(&self, robot: RobotId) {
-        self.robot(robot).block.leave_host();
+    fn leave(&self, _: RobotId) {
+        Flow::current().block.leave_host();
     }
 
-    fn call_back(&self, robot: RobotId, callback: Callback) -> Result<(), Stop> {
-        let block = self.robot(robot).block;
+    fn call_back(&self, _: RobotId, callback: Callback) -> Result<(), Stop> {
+        let block = &Flow::current().block;
         block.leave_host();
-        // SAFETY: by this method's contract the robot's flow, which runs on this thread, is in a call of its program and
-        // holds no lock; programs are never unloaded.
+        // SAFETY: by this method's contract the robot's flow, which runs on this thread, is in a call of its program, or the
+        // first in a task that such a call started, and holds no lock; programs are never unloaded.
         let result = unsafe { callback.call() };
         block.enter_host();
         result
     }
 
     fn broken(&self) -> Vec<(RobotId, Broken)> {
-        let broken = |(index, robot): (usize, &RobotThread)| {
-            let fault = robot.block.fault()?;
-            let (bounds, last_call) = (robot.block.stack_bounds(), robot.block.last_call.load(Ordering::Relaxed));
-            let words = stack_words(fault.sp, bounds);
-            Some((RobotId::from_index(index), Broken::new(fault, bounds, last_call, words)))
-        };
-        self.robots.iter().enumerate().filter_map(broken).collect()
+        let mut all = Vec::new();
+        for (index, threads) in self.robots.iter().enumerate() {
+            let flows = threads.flows.lock();
+            for (task, Flow { block, .. }) in &flows.list {
+                if let Some(fault) = block.fault() {
+                    let (bounds, last_call) = (block.stack_bounds(), block.last_call.load(Ordering::Relaxed));
+                    let broken = Broken::new(fault, bounds, last_call, stack_words(fault.sp, bounds));
+                    let is_alone = *task == MAIN && flows.list.len() == 1;
+                    let broken = if is_alone { broken } else { broken.in_task(*task) };
+                    all.push((RobotId::from_index(index), broken));
+                }
+            }
+        }
+        all
     }
 
     fn is_overdue(&self, robot: RobotId, timeout: f64) -> bool {
-        let robot = self.robot(robot);
-        let look = match robot.child.get() {
-            Some(child) => Look::at_process(child.pid(), robot.block),
-            None => Look::at_thread(robot.block),
+        let threads = self.robot(robot);
+        let Some(flow) = threads.working() else { return false };
+        let look = match threads.child.get() {
+            Some(child) => Look::at_process(child.pid(), &flow.block),
+            None => Look::at_thread(&flow.block),
         };
-        let is_overdue = look.is_some_and(|look| robot.watch.lock().is_overdue(&look, timeout));
-        if let Some(child) = robot.child.get().filter(|_| !is_overdue) {
+        let is_overdue = look.is_some_and(|look| flow.watch.lock().is_overdue(&look, timeout));
+        if let Some(child) = threads.child.get().filter(|_| !is_overdue) {
             child.forgive();
         }
         is_overdue
     }
 
     fn break_overdue(&self, robot: RobotId) {
-        let robot = self.robot(robot);
-        match robot.child.get() {
-            Some(child) => child.stop_overdue(),
-            None => signal::stop_overdue(robot.block),
+        let threads = self.robot(robot);
+        match (threads.child.get(), threads.working()) {
+            (Some(child), _) => child.stop_overdue(),
+            (None, Some(flow)) => signal::stop_overdue(&flow.block),
+            (None, None) => {}
         }
     }
 }

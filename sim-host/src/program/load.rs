@@ -207,21 +207,25 @@ impl LoadedProgram {
         self.prepared.image.own_source_line(offsets)
     }
 
-    /// Where the program called the function that it is in, in the program's own words (`maze.c:88`), if its shim tells.
-    /// To be asked only while the program is suspended in a call, or has ended.
-    pub fn call_site(&self) -> Option<String> {
+    /// Where the program called the function that it is in, if its shim tells. To be asked only while the program is in a call.
+    pub fn call_site(&self) -> CallSite {
         let site = self.description.call_site;
         if site.is_null() || !site.is_aligned() {
-            return None;
+            return CallSite::NONE;
         }
         // SAFETY: the description's contract: `call_site` leads to a variable of this copy, which is never unmapped and
-        // which only the suspended program writes.
-        let CallSite { address, file, file_len, line } = unsafe { site.read() };
+        // which only the program writes, that is in a call now.
+        unsafe { site.read() }
+    }
+
+    /// A place in this program in the user's words: `maze.c:88`.
+    pub fn place_of(&self, site: &CallSite) -> Option<String> {
+        let CallSite { address, file, file_len, line } = *site;
         if file.is_null() {
             // A return address lies behind the call.
             return self.source_line(address.addr().checked_sub(1)?).map(|line| line.to_string());
         }
-        // SAFETY: the contract again: a name of that many bytes in the program's constants.
+        // SAFETY: the contract of a program's call site: a name of that many bytes in the program's constants.
         let file = unsafe { std::slice::from_raw_parts(file, file_len) };
         Some(format!("{}:{line}", String::from_utf8_lossy(file)))
     }

@@ -13,6 +13,8 @@ use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::robot::{Ending, Robot, Waiting, Waits};
+use super::task::Next;
+use crate::executive::program::Site;
 use crate::executive::run::Run;
 use crate::record::Event;
 
@@ -127,8 +129,9 @@ impl Caller {
         let call = call.into();
         self.within(call, |caller| {
             let mut robot = caller.spend(call)?;
-            let world = caller.run.world.read();
-            Ok(act(&mut robot, &world))
+            let result = act(&mut robot, &caller.run.world.read());
+            caller.take_turns(robot, call)?;
+            Ok(result)
         })
     }
 
@@ -139,30 +142,126 @@ impl Caller {
     pub(crate) fn wait<R>(
         &self,
         call: impl Into<Call>,
-        mut poll: impl FnMut(&mut Robot, &World) -> Poll<R>,
+        poll: impl FnMut(&mut Robot, &World) -> Poll<R>,
     ) -> Result<R, Stop> {
         let call = call.into();
+        let site = self.run.call_site(self.id);
         self.within(call, |caller| {
-            let mut robot = caller.spend(call)?;
-            let since = robot.now;
-            loop {
-                let (at, waits_for) = {
-                    let world = caller.run.world.read();
-                    match poll(&mut robot, &world) {
-                        Poll::Ready(result) => {
-                            robot.waiting = None;
-                            return Ok(result);
-                        }
-                        Poll::Until { at, waits_for } => (at, waits_for),
-                    }
-                };
-                if robot.timers.in_callback {
-                    return Err(caller.fail(robot, format!("`{}` would wait inside a timer callback", call.name())));
+            let robot = caller.spend(call)?;
+            caller.wait_in(robot, (call, site), poll)
+        })
+    }
+
+    /// Asks `poll` now and whenever its wake condition may hold; no time passes besides the wait.
+    ///
+    /// # Errors
+    /// As [`Caller::wait`].
+    pub(super) fn wait_at_once<R>(
+        &self,
+        call: SupportCall,
+        poll: impl FnMut(&mut Robot, &World) -> Poll<R>,
+    ) -> Result<R, Stop> {
+        let site = self.run.call_site(self.id);
+        self.within(call.into(), |caller| caller.wait_in(caller.robot(), (call.into(), site), poll))
+    }
+
+    /// Waits in `call`, made at `site`, until `poll` is ready: the other tasks run meanwhile.
+    fn wait_in<R>(
+        &self,
+        mut robot: MutexGuard<'_, Robot>,
+        (call, site): (Call, Site),
+        mut poll: impl FnMut(&mut Robot, &World) -> Poll<R>,
+    ) -> Result<R, Stop> {
+        let since = robot.now;
+        loop {
+            let polled = poll(&mut robot, &self.run.world.read());
+            let (at, waits_for) = match polled {
+                Poll::Ready(result) => {
+                    robot.tasks.end_wait();
+                    self.take_turns(robot, call)?;
+                    return Ok(result);
                 }
-                // A condition that holds in the past would never advance: time goes on by 1 us at least.
-                let at = at.max(robot.now + Time(1));
-                robot.waiting = Some(Waiting { call, waits_for, since });
-                robot = caller.pass_until(robot, at, false)?;
+                Poll::Until { at, waits_for } => (at, waits_for),
+            };
+            if robot.timers.in_callback {
+                return Err(self.fail(robot, format!("`{}` would wait inside a timer callback", call.name())));
+            }
+            // A condition that holds in the past would never advance: time goes on by 1 us at least.
+            let wake = at.max(robot.now + Time(1));
+            let site = site.clone();
+            robot.tasks.wait(Waiting { call, waits_for, since, site }, wake);
+            robot = match robot.tasks.next(robot.now) {
+                Next::Same => self.pass_until(robot, wake, false)?,
+                Next::Other(task) => self.switch_to(robot, task)?,
+            };
+            if robot.tasks.take_interrupt() {
+                robot.tasks.end_wait();
+                return Err(Stop);
+            }
+        }
+    }
+
+    /// The end of `call`: where the time slice of its task is over, the others that are ready get their turn first.
+    fn take_turns(&self, mut robot: MutexGuard<'_, Robot>, call: Call) -> Result<(), Stop> {
+        // The program prints from within its C library, whose streams no other task may use then.
+        if call == Call::Support(SupportCall::console) || robot.timers.in_callback {
+            return Ok(());
+        }
+        let now = robot.now;
+        match robot.tasks.whose_turn(now) {
+            Some(task) => self.switch_to(robot, task).map(drop),
+            None => Ok(()),
+        }
+    }
+
+    /// Lets the other tasks that are ready run first, if it is their turn.
+    ///
+    /// # Errors
+    /// [`Stop`] when the program is to end instead.
+    pub(super) fn turn(&self, call: SupportCall) -> Result<(), Stop> {
+        self.within(call.into(), |caller| caller.take_turns(caller.robot(), call.into()))
+    }
+
+    /// Lets the other tasks that are ready run first.
+    ///
+    /// # Errors
+    /// [`Stop`] when the program is to end instead.
+    pub(super) fn give_way(&self, call: SupportCall) -> Result<(), Stop> {
+        self.within(call.into(), |caller| {
+            let robot = caller.spend(call.into())?;
+            match robot.tasks.next_ready(robot.now) {
+                Some(task) if !robot.timers.in_callback => caller.switch_to(robot, task).map(drop),
+                _ => Ok(()),
+            }
+        })
+    }
+
+    /// Hands the robot to another task of its own, until that hands it back.
+    fn switch_to<'a>(&'a self, mut robot: MutexGuard<'a, Robot>, task: u32) -> Result<MutexGuard<'a, Robot>, Stop> {
+        let now = robot.now;
+        robot.tasks.switch_to(task, now);
+        drop(robot);
+        self.run.executor().switch(self.id, task);
+        let robot = self.robot();
+        if robot.tasks.is_leaving() || self.run.is_stopping() { Err(Stop) } else { Ok(robot) }
+    }
+
+    /// Starts a further task, which runs `code` when its turn comes; its number, or 0 when the robot has too many.
+    ///
+    /// # Errors
+    /// [`Stop`] when the system has no room for it.
+    pub(super) fn spawn(&self, call: SupportCall, code: Callback) -> Result<i32, Stop> {
+        self.within(call.into(), |caller| {
+            let mut robot = caller.robot();
+            let now = robot.now;
+            let Some(task) = robot.tasks.spawn(now) else { return Ok(0) };
+            drop(robot);
+            match Run::start_task(&caller.run, caller.id, task, code) {
+                Ok(()) => Ok(i32::try_from(task).unwrap_or(i32::MAX)),
+                Err(error) => {
+                    let reason = format!("the system has no room for task {task}: {error}");
+                    Err(caller.fail(caller.robot(), reason))
+                }
             }
         })
     }
@@ -242,6 +341,7 @@ impl Caller {
                 if target >= self.run.slot_end() {
                     // Woken before its time: the slot loop has changed what the robot waits for.
                     robot.now = robot.now.max(self.run.slot_start());
+                    robot.tasks.look_at_world();
                     return Ok(robot);
                 }
             }

@@ -46,6 +46,7 @@ mod servo7;
 pub mod storage;
 pub mod support;
 pub mod table;
+pub mod task;
 #[cfg(test)]
 mod tests;
 pub mod timer;
@@ -267,6 +268,7 @@ impl Robot {
     /// Gives the drive a command now.
     fn command(&mut self, world: &World, command: Command) -> Result<(), CommandError> {
         let touching = world.touching(&mut self.motion, self.now);
+        self.tasks.look_at_drive();
         self.motion.command(self.now, command, &touching)
     }
 }

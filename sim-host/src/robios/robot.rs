@@ -13,9 +13,11 @@ use sim_core::world::{Contact, World};
 use super::Devices;
 use super::caller::Call;
 use super::support::Generators;
+use super::task::{TaskWait, Tasks};
 use super::timer::Timers;
 use super::truth::Placement;
 use crate::executive::fault::Broken;
+use crate::executive::program::Site;
 use crate::executive::standing::Standing;
 use crate::record::{Event, Journal, Obstacle};
 
@@ -39,8 +41,8 @@ pub struct Robot {
     pub generators: Generators,
     /// The timers that its program has attached.
     pub timers: Timers,
-    /// What it waits for, while a call waits.
-    pub waiting: Option<Waiting>,
+    /// Its tasks; a program that starts none has one.
+    pub tasks: Tasks,
     /// How its program ended, once that is known.
     pub ending: Option<Ending>,
     /// What its program has asked for in the present slot to be put elsewhere, in order.
@@ -66,7 +68,7 @@ pub struct RobotParts {
 }
 
 /// A wait in progress.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Waiting {
     /// The call that waits.
     pub call: Call,
@@ -74,6 +76,8 @@ pub struct Waiting {
     pub waits_for: Waits,
     /// Since when, in virtual time.
     pub since: Time,
+    /// Where the program called it.
+    pub site: Site,
 }
 
 /// What a robot can wait for.
@@ -87,6 +91,8 @@ pub enum Waits {
     Key(String),
     /// Something else that only the outside could give, as the user calls it.
     Input(String),
+    /// Something that only another task could give.
+    Task(TaskWait),
 }
 
 /// How a robot's program ended.
@@ -127,7 +133,7 @@ impl Robot {
             devices,
             generators: Generators::new(seed, id),
             timers: Timers::default(),
-            waiting: None,
+            tasks: Tasks::default(),
             ending: None,
             placements: Vec::new(),
             recorded_pose: Some(start),
@@ -214,6 +220,16 @@ impl Ending {
     }
 }
 
+impl Waits {
+    /// True where another task may end the wait by force.
+    pub fn is_interruptible(&self) -> bool {
+        match self {
+            Self::Task(wait) => wait.is_interruptible(),
+            _ => true,
+        }
+    }
+}
+
 impl std::fmt::Display for Waits {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -221,6 +237,7 @@ impl std::fmt::Display for Waits {
             Self::Drive => f.write_str("the end of its drive"),
             Self::Key(key) => f.write_str(key),
             Self::Input(what) => f.write_str(what),
+            Self::Task(wait) => wait.fmt(f),
         }
     }
 }

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 
 use robios_sys::support::{failure, stream};
-use robios_sys::{OutBytes, Stop, Support, SupportCall};
+use robios_sys::{Callback, OutBytes, Stop, Support, SupportCall};
 use sim_core::RobotId;
 use sim_core::noise::{Purpose, Stream};
 use sim_core::time::Time;
 
-use super::caller::Caller;
-use super::robot::{Ending, Robot};
+use super::caller::{Caller, Poll};
+use super::robot::{Ending, Robot, Waits};
+use super::task::TaskWait;
 use crate::record::Event;
 
 /// The generators that a program draws from, one for each purpose.
@@ -88,6 +89,49 @@ impl Support for Caller {
             robot.program.len()
         });
         Ok(i32::try_from(length).unwrap_or(i32::MAX))
+    }
+
+    fn task_self(&self) -> Result<i32, Stop> {
+        self.call(SupportCall::task_self, |robot, _| robot.tasks.current().number.cast_signed())
+    }
+
+    fn task_spawn(&self, code: Option<Callback>) -> Result<i32, Stop> {
+        code.map_or(Ok(0), |code| self.spawn(SupportCall::task_spawn, code))
+    }
+
+    fn task_wait(&self, key: u64, kind: i32, holder: i32, deadline_us: i64) -> Result<i32, Stop> {
+        let holder = u32::try_from(holder).unwrap_or(0);
+        self.wait_at_once(SupportCall::task_wait, |robot, _| {
+            if robot.tasks.look_in_queue(key) {
+                Poll::Ready(1)
+            } else if robot.now >= Time(deadline_us) {
+                Poll::Ready(0)
+            } else {
+                Poll::Until { at: Time(deadline_us), waits_for: Waits::Task(TaskWait { kind, holder }) }
+            }
+        })
+    }
+
+    fn task_wake(&self, key: u64) -> Result<i32, Stop> {
+        Ok(self.at_once(SupportCall::task_wake, |robot| robot.tasks.wake_first(key).map_or(0, u32::cast_signed)))
+    }
+
+    fn task_wake_all(&self, key: u64) -> Result<i32, Stop> {
+        let wake_all = |robot: &mut Robot| std::iter::from_fn(|| robot.tasks.wake_first(key)).count();
+        Ok(self.at_once(SupportCall::task_wake_all, wake_all) as i32)
+    }
+
+    fn task_interrupt(&self, task: i32) -> Result<i32, Stop> {
+        let number = u32::try_from(task).unwrap_or(0);
+        Ok(i32::from(self.at_once(SupportCall::task_interrupt, |robot| robot.tasks.interrupt(number))))
+    }
+
+    fn task_yield(&self) -> Result<i32, Stop> {
+        self.give_way(SupportCall::task_yield).map(|()| 0)
+    }
+
+    fn task_turn(&self) -> Result<i32, Stop> {
+        self.turn(SupportCall::task_turn).map(|()| 0)
     }
 }
 

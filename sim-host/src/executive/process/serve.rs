@@ -24,12 +24,12 @@ pub struct RemoteProgram {
     arguments: Vec<String>,
     base: u64,
     /// Where the program made its last call on its first channel.
-    site: Mutex<Site>,
+    site: Mutex<RemoteSite>,
 }
 
 /// Where a program made a call, as it has told.
 #[derive(Clone, Debug, Default)]
-struct Site {
+pub struct RemoteSite {
     address: u64,
     line: u32,
     file: String,
@@ -101,14 +101,19 @@ impl RemoteProgram {
         self.prepared.image.own_source_line(offsets)
     }
 
-    /// Where the program called the function that it is in, in the program's own words (`maze.c:88`), if it tells.
-    pub fn call_site(&self) -> Option<String> {
-        let Site { address, line, file } = self.site.lock().clone();
+    /// Where the program called the function that it is in, as it has told.
+    pub fn call_site(&self) -> RemoteSite {
+        self.site.lock().clone()
+    }
+
+    /// A place in this program, in its own words: `maze.c:88`.
+    pub fn place_of(&self, site: &RemoteSite) -> Option<String> {
+        let RemoteSite { address, line, file } = site;
         if !file.is_empty() {
             return Some(format!("{file}:{line}"));
         }
         // A return address lies behind the call.
-        let offset = self.offset(usize::try_from(address).ok()?.checked_sub(1)?)?;
+        let offset = self.offset(usize::try_from(*address).ok()?.checked_sub(1)?)?;
         self.prepared.image.source_line(offset).map(|line| line.to_string())
     }
 

@@ -1,0 +1,357 @@
+//! The tasks of a robot: who of them runs, who is ready, and who waits for what.
+//!
+//! One task runs at a time. They take turns at the first call that ends at or after a tick of the global 10 ms grid, in order of
+//! their numbers, and whenever the one that runs has to wait. All of this is a function of virtual time and of what the tasks
+//! call; how control goes from one to the other is the executor's.
+
+use std::fmt;
+
+use robios_sys::support::wait;
+use sim_core::time::{TICK, Time};
+
+use super::robot::{Robot, Waiting, Waits};
+
+/// The number of the task that runs `main`.
+pub const MAIN: u32 = 1;
+
+/// How many tasks a robot may have at a time; our choice.
+pub const MAX_TASKS: usize = 256;
+
+/// The tasks of one robot.
+pub struct Tasks {
+    /// Those that have not ended, in order of their numbers; `main`'s is the first and stays to the end.
+    list: Vec<Task>,
+    /// Which of them runs.
+    current: usize,
+    /// The number that was given last.
+    last_number: u32,
+    /// From this tick on the others get their turn.
+    slice_end: Time,
+    /// How many waits in queues have begun.
+    queued: u64,
+    /// True once the program is to be left: nobody gets on any more, everybody leaves.
+    is_leaving: bool,
+}
+
+/// One task.
+pub struct Task {
+    /// Its number, from 1; never given twice.
+    pub number: u32,
+    /// What it waits for, while a call waits.
+    pub waiting: Option<Waiting>,
+    /// When the wait's condition may hold, while it waits.
+    wake: Time,
+    /// Its place in a queue of tasks.
+    queue: Option<Queue>,
+    /// True when another task has ended its wait by force.
+    is_interrupted: bool,
+    /// True once it has left with the whole program.
+    has_left: bool,
+}
+
+/// A place in the queue of those that wait for one thing.
+struct Queue {
+    key: u64,
+    place: u64,
+    is_woken: bool,
+}
+
+/// Something of other tasks' that a task waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TaskWait {
+    /// What, of [`robios_sys::support::wait`].
+    pub kind: i32,
+    /// The task that has it, 0 where that means nothing.
+    pub holder: u32,
+}
+
+impl Default for Tasks {
+    fn default() -> Self {
+        Self {
+            list: vec![Task::new(MAIN)],
+            current: 0,
+            last_number: MAIN,
+            slice_end: TICK,
+            queued: 0,
+            is_leaving: false,
+        }
+    }
+}
+
+impl Task {
+    fn new(number: u32) -> Self {
+        Self { number, waiting: None, wake: Time::ZERO, queue: None, is_interrupted: false, has_left: false }
+    }
+
+    fn is_ready(&self, now: Time) -> bool {
+        self.waiting.is_none() || self.wake <= now
+    }
+}
+
+impl Tasks {
+    /// The task that runs.
+    pub fn current(&self) -> &Task {
+        &self.list[self.current]
+    }
+
+    /// Those that have not ended, or had not when the program was left; in order of their numbers.
+    pub fn iter(&self) -> impl Iterator<Item = &Task> {
+        self.list.iter()
+    }
+
+    /// True when there are others than the one that runs.
+    pub fn has_others(&self) -> bool {
+        self.list.len() > 1
+    }
+
+    /// True when every task waits.
+    pub fn are_waiting(&self) -> bool {
+        self.list.iter().all(|task| task.waiting.is_some())
+    }
+
+    /// Adds a task, ready, the last in order; its number. None when there are [`MAX_TASKS`].
+    pub fn spawn(&mut self, now: Time) -> Option<u32> {
+        if self.list.len() >= MAX_TASKS {
+            return None;
+        }
+        if !self.has_others() {
+            self.begin_slice(now);
+        }
+        self.last_number += 1;
+        self.list.push(Task::new(self.last_number));
+        Some(self.last_number)
+    }
+
+    /// The task that runs waits until `wake`.
+    pub fn wait(&mut self, mut waiting: Waiting, wake: Time) {
+        let task = &mut self.list[self.current];
+        if let (Some(Waiting { waits_for: Waits::Task(before), .. }), Waits::Task(wait)) =
+            (&task.waiting, &mut waiting.waits_for)
+        {
+            // Who has what it waits for may have changed since it asked.
+            wait.holder = before.holder;
+        }
+        task.waiting = Some(waiting);
+        task.wake = wake;
+    }
+
+    /// The wait of the task that runs is over.
+    pub fn end_wait(&mut self) {
+        let task = &mut self.list[self.current];
+        task.waiting = None;
+        task.queue = None;
+    }
+
+    /// True, once, when the wait of the task that runs was ended by force.
+    pub fn take_interrupt(&mut self) -> bool {
+        std::mem::take(&mut self.list[self.current].is_interrupted)
+    }
+
+    /// Who goes on when the task that runs has to wait: the next one that is ready, in order, else the one whose wake is the
+    /// earliest, which is the one that runs if no other is earlier.
+    pub fn next(&self, now: Time) -> Next {
+        let after = |first: usize| (first..first + self.list.len()).map(|step| (self.current + step) % self.list.len());
+        let ready = after(1).find(|index| self.list[*index].is_ready(now));
+        let next = ready.or_else(|| after(0).min_by_key(|index| self.list[*index].wake));
+        match next {
+            Some(index) if index != self.current => Next::Other(self.list[index].number),
+            _ => Next::Same,
+        }
+    }
+
+    /// The next other task that is ready, in order.
+    pub fn next_ready(&self, now: Time) -> Option<u32> {
+        let count = self.list.len();
+        let mut others = (1..count).map(|step| &self.list[(self.current + step) % count]);
+        others.find(|task| task.is_ready(now)).map(|task| task.number)
+    }
+
+    /// Whose turn it is at the end of a call: another task's if the time slice is over and it is ready.
+    pub fn whose_turn(&mut self, now: Time) -> Option<u32> {
+        if !self.has_others() || now < self.slice_end {
+            return None;
+        }
+        self.begin_slice(now);
+        self.next_ready(now)
+    }
+
+    /// From now on task `number` runs.
+    pub fn switch_to(&mut self, number: u32, now: Time) {
+        if let Ok(index) = self.list.binary_search_by_key(&number, |task| task.number) {
+            self.current = index;
+            self.begin_slice(now);
+        }
+    }
+
+    fn begin_slice(&mut self, now: Time) {
+        self.slice_end = now.floor_to(TICK) + TICK;
+    }
+
+    /// Puts the task that runs at the end of the queue of `key`, if it is in none, and looks whether it was woken.
+    pub fn look_in_queue(&mut self, key: u64) -> bool {
+        let queue = &mut self.list[self.current].queue;
+        if queue.is_none() {
+            self.queued += 1;
+        }
+        queue.get_or_insert(Queue { key, place: self.queued, is_woken: false }).is_woken
+    }
+
+    /// Makes the first task in the queue of `key` ready; its number. What it waited for is now its own.
+    pub fn wake_first(&mut self, key: u64) -> Option<u32> {
+        let place_of = |task: &Task| task.queue.as_ref().filter(|queue| queue.is(key)).map(|queue| queue.place);
+        let (_, index) = self.list.iter().enumerate().filter_map(|(i, task)| Some((place_of(task)?, i))).min()?;
+        let task = &mut self.list[index];
+        let number = task.number;
+        task.wake = Time::ZERO;
+        if let Some(queue) = &mut task.queue {
+            queue.is_woken = true;
+        }
+        for task in self.list.iter_mut().filter(|task| task.queue.as_ref().is_some_and(|queue| queue.is(key))) {
+            if let Some(Waiting { waits_for: Waits::Task(wait), .. }) = &mut task.waiting
+                && wait.holder != 0
+            {
+                wait.holder = number;
+            }
+        }
+        Some(number)
+    }
+
+    /// Ends the wait of task `number` by force, if it is in one that can be; false if not.
+    pub fn interrupt(&mut self, number: u32) -> bool {
+        let Ok(index) = self.list.binary_search_by_key(&number, |task| task.number) else { return false };
+        let task = &mut self.list[index];
+        let is_woken = task.queue.as_ref().is_some_and(|queue| queue.is_woken);
+        let Some(waiting) = &task.waiting else { return false };
+        if is_woken || !waiting.waits_for.is_interruptible() {
+            return false;
+        }
+        task.queue = None;
+        task.wake = Time::ZERO;
+        task.is_interrupted = true;
+        true
+    }
+
+    /// Lets the tasks that wait for something of the world look whether it is there.
+    pub fn look_at_world(&mut self) {
+        self.look_again(|waits_for| !matches!(waits_for, Waits::Task(_)));
+    }
+
+    /// Lets the tasks that wait for the end of a drive look at it again.
+    pub fn look_at_drive(&mut self) {
+        self.look_again(|waits_for| *waits_for == Waits::Drive);
+    }
+
+    fn look_again(&mut self, is_meant: impl Fn(&Waits) -> bool) {
+        for task in &mut self.list {
+            if task.waiting.as_ref().is_some_and(|waiting| is_meant(&waiting.waits_for)) {
+                task.wake = Time::ZERO;
+            }
+        }
+    }
+
+    /// When the first wait may be over, given when the drive ends; none unless the task that runs waits, and one of them for the
+    /// end of the drive.
+    pub fn wake_with_drive(&self, drive_end: Time) -> Option<Time> {
+        let waits_for_drive = |task: &Task| task.waiting.as_ref().is_some_and(|waiting| waiting.waits_for == Waits::Drive);
+        if self.current().waiting.is_none() || !self.list.iter().any(waits_for_drive) {
+            return None;
+        }
+        self.list.iter().map(|task| if waits_for_drive(task) { drive_end } else { task.wake }).min()
+    }
+
+    /// The program is to be left.
+    pub fn begin_leaving(&mut self) {
+        self.is_leaving = true;
+    }
+
+    /// True once the program is to be left.
+    pub fn is_leaving(&self) -> bool {
+        self.is_leaving
+    }
+
+    /// The task that runs, which is not `main`'s, has ended; the number of the one that goes on. While the program is left that
+    /// is `main`'s, and what the one that has left waited for stays known.
+    pub fn end_current(&mut self, now: Time) -> u32 {
+        if self.is_leaving {
+            self.list[self.current].has_left = true;
+            self.switch_to(MAIN, now);
+            return MAIN;
+        }
+        let number = self.current().number;
+        let count = self.list.len();
+        let others = (1..count).map(|step| &self.list[(self.current + step) % count]);
+        let next = self.next_ready(now).or_else(|| others.min_by_key(|task| task.wake).map(|task| task.number));
+        let next = next.unwrap_or(MAIN);
+        self.list.retain(|task| task.number != number);
+        self.switch_to(next, now);
+        next
+    }
+
+    /// A task that has yet to leave, besides `main`'s.
+    pub fn next_to_leave(&self) -> Option<u32> {
+        self.list.iter().skip(1).find(|task| !task.has_left).map(|task| task.number)
+    }
+}
+
+/// Who goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// The task that runs.
+    Same,
+    /// The one of this number.
+    Other(u32),
+}
+
+impl Queue {
+    /// True if this is a place in the queue of `key` that waits still.
+    fn is(&self, key: u64) -> bool {
+        self.key == key && !self.is_woken
+    }
+}
+
+impl TaskWait {
+    /// True where another task may end the wait by force.
+    pub fn is_interruptible(self) -> bool {
+        matches!(self.kind, wait::CONDITION | wait::SEMAPHORE | wait::END)
+    }
+}
+
+impl fmt::Display for TaskWait {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = match self.kind {
+            wait::MUTEX => "a mutex",
+            wait::CONDITION => "a condition to be signalled",
+            wait::SEMAPHORE => "a semaphore",
+            wait::RWLOCK => "a read-write lock",
+            wait::BARRIER => "the others at a barrier",
+            wait::ONCE => "an initialisation",
+            wait::STREAM => "a stream",
+            wait::END => return write!(f, "the end of task {}", self.holder),
+            wait::ENDS => "the end of all other tasks",
+            _ => "another task",
+        };
+        match (self.kind, self.holder) {
+            (_, 0) => f.write_str(what),
+            (wait::ONCE, holder) => write!(f, "{what} by task {holder}"),
+            (wait::STREAM, holder) => write!(f, "{what} locked by task {holder}"),
+            (_, holder) => write!(f, "{what} held by task {holder}"),
+        }
+    }
+}
+
+impl Robot {
+    /// When the first wait of its tasks may be over, given what the slot that ends at `slot_end` has brought; none where the slot
+    /// loop cannot have changed that.
+    pub fn wake_after(&self, slot_end: Time) -> Option<Time> {
+        // What a callback calls is work, whatever the call that it interrupts waits for.
+        if self.timers.in_callback {
+            return None;
+        }
+        // Somebody who was put elsewhere has no drive any more.
+        let is_done = self.motion.is_drive_done(slot_end);
+        let drive_end = if is_done { Some(slot_end) } else { self.motion.drive_end() };
+        let drive_end = drive_end.unwrap_or(Time::NEVER).max(slot_end);
+        let wake = self.tasks.wake_with_drive(drive_end)?;
+        Some(wake.min(self.timers.next_due()).min(self.devices.due()))
+    }
+}
