@@ -28,6 +28,14 @@ struct eyesim_support {
     int32_t (*sleep_us)(void *robot, int64_t span_us, int32_t *result);
     int32_t (*failed)(void *robot, int32_t kind, struct eyesim_bytes text, int32_t *result);
     int32_t (*program_name)(void *robot, struct eyesim_room name, int32_t *result);
+    int32_t (*task_self)(void *robot, int32_t *result);
+    int32_t (*task_spawn)(void *robot, struct eyesim_callback code, int32_t *result);
+    int32_t (*task_wait)(void *robot, uint64_t key, int32_t kind, int32_t holder, int64_t deadline_us, int32_t *result);
+    int32_t (*task_wake)(void *robot, uint64_t key, int32_t *result);
+    int32_t (*task_wake_all)(void *robot, uint64_t key, int32_t *result);
+    int32_t (*task_interrupt)(void *robot, int32_t task, int32_t *result);
+    int32_t (*task_yield)(void *robot, int32_t *result);
+    int32_t (*task_turn)(void *robot, int32_t *result);
 };
 
 /* Version 1. */

@@ -116,11 +116,12 @@ static void flush_console(void)
     send_line(&self.err);
 }
 
-/* After output: leaves the program if the host wants so. */
+/* After output: leaves the program if the host wants so; other tasks may run, as they may not where a FILE is in use. */
 static int written(int result)
 {
     if (self.wants_out)
         leave(EYESIM_EXIT_STOPPED);
+    turn();
     return result;
 }
 
@@ -143,26 +144,17 @@ static struct console *console_of(int descriptor)
 /* Those that name their stream are replaced for one reason: that a program which only prints can be stopped. */
 LIBC(int, fputc, (int c, FILE *stream))
 {
-    flockfile(stream);
-    c = fputc_unlocked(c, stream);
-    funlockfile(stream);
-    return written(c);
+    return written(fputc_unlocked(c, stream));
 }
 LIBC(int, putc, (int c, FILE *stream)) { return libc_fputc(c, stream); }
 LIBC(int, _IO_putc, (int c, FILE *stream)) { return libc_fputc(c, stream); }
 LIBC(int, fputs, (const char *text, FILE *stream))
 {
-    int result;
-    flockfile(stream);
-    result = fputs_unlocked(text, stream);
-    funlockfile(stream);
-    return written(result);
+    return written(fputs_unlocked(text, stream));
 }
 LIBC(size_t, fwrite, (const void *bytes, size_t size, size_t count, FILE *stream))
 {
-    flockfile(stream);
     count = fwrite_unlocked(bytes, size, count, stream);
-    funlockfile(stream);
     written(0);
     return count;
 }

@@ -5,6 +5,7 @@
  *   robios6_own.c, robios7_own.c  those whose form in C is not that of the call
  *   libc.c     the functions of the C library that must not break out of the robot or of virtual time
  *   getopt.c   getopt, whose state all copies of a library would share
+ *   pthread.c  threads, which are tasks of the robot
  *
  * All functions are weak: a program's own function of the same name wins. None of them calls a function that libc.c
  * replaces. Calls that a program makes outside of its run (constructors, other threads) do nothing and give 0. */
@@ -25,11 +26,16 @@
 #define WEAK __attribute__((weak))
 #define CONSOLE_LINE 1024
 
-/* A place to leave the program to: its start, or the start of the timer function that is running. */
+/* A place to leave the program to: the start of its task, or of the timer function that is running. */
 struct frame {
     jmp_buf place;
     struct frame *outer;
+    struct task *task;
+    const void *thread; /* which runs it */
 };
+
+/* What longjmp brings to a frame. */
+enum { LEAVES = 1, TASK_ENDS = 2 };
 
 /* A function to be called when the program ends. */
 struct at_end {
@@ -60,6 +66,26 @@ static struct {
     struct eyesim_call_site call_site;
 } self = {.out = {.number = 1}, .err = {.number = 2}};
 
+/* The thread that runs this. */
+static inline const void *this_thread(void)
+{
+    const void *thread;
+#if defined __x86_64__
+    __asm__("mov %%fs:0, %0" : "=r"(thread));
+#elif defined __aarch64__
+    __asm__("mrs %0, tpidr_el0" : "=r"(thread));
+#else
+#error "how does a thread know itself here?"
+#endif
+    return thread;
+}
+
+/* Whether the program may call the host: while it runs, on a thread of one of its tasks. */
+static inline int may_call(void)
+{
+    return self.host != NULL && self.frame != NULL && self.frame->thread == this_thread();
+}
+
 /* ---- leaving the program ---- */
 
 /* Ends the program from wherever it is; the first exit code counts. */
@@ -69,22 +95,29 @@ static _Noreturn void leave(int exit_code)
         self.is_leaving = 1;
         self.exit_code = exit_code;
     }
-    if (self.frame == NULL)
-        __builtin_trap(); /* on a thread of the program's own, or before its start: there is no way out */
-    longjmp(self.frame->place, 1);
+    if (self.frame == NULL || self.frame->thread != this_thread())
+        __builtin_trap(); /* on a thread that is no task's, or before its start: there is no way out */
+    longjmp(self.frame->place, LEAVES);
 }
+
+static int is_cancelled(void);
+static struct frame *frame_of_thread(void);
+static void turn(void);
+static _Noreturn void cancel_self(void);
 
 /* After each call: tasks change only inside of calls, so the frame is that of the task which goes on. */
 static void returned(int32_t status, struct frame *frame)
 {
     self.frame = frame;
+    if (is_cancelled())
+        cancel_self();
     if (status == EYESIM_STOP)
         leave(EYESIM_EXIT_STOPPED);
 }
 
 #define CALL(table, name, ...)                                                                                          \
     do {                                                                                                                \
-        if (self.host != NULL) {                                                                                        \
+        if (may_call()) {                                                                                               \
             struct frame *frame_ = self.frame;                                                                          \
             self.call_site.address = __builtin_return_address(0);                                                       \
             returned(self.host->table->name(self.robot, __VA_ARGS__), frame_);                                          \
@@ -129,7 +162,9 @@ static int32_t called_back(void *data)
     struct frame frame;
     const struct eyesim_call_site outer_site = self.call_site;
     memcpy(&function, &data, sizeof function);
-    frame.outer = self.frame;
+    frame.outer = frame_of_thread();
+    frame.task = frame.outer->task;
+    frame.thread = this_thread();
     self.frame = &frame;
     if (setjmp(frame.place) == 0) {
         function();
@@ -153,6 +188,7 @@ static struct eyesim_callback callback_of(TimerFnc function)
 
 #include "libc.c"
 #include "getopt.c"
+#include "pthread.c"
 
 /* Formats as printf does; the text is at `local` or, when that is too short, to be freed. NULL: no format. */
 static char *formatted(char *local, size_t room, const char *format, va_list arguments)
@@ -201,21 +237,26 @@ static int run(const struct eyesim_host *host, void *robot, int argc, const char
     struct frame frame;
     char **arguments = copied_arguments(argc, argv);
     frame.outer = NULL;
+    frame.task = &main_task;
+    frame.thread = main_task.thread = this_thread();
+    main_task.base = &frame;
     self.is_leaving = self.wants_out = 0;
     self.host = host;
     self.robot = robot;
     self.frame = &frame;
-    if (setjmp(frame.place) == 0) {
-        int exit_code;
+    switch (setjmp(frame.place)) {
+    case 0:
         if (arguments == NULL)
             fail(1, "no memory for the arguments");
 #ifdef EYESIM_VOID_MAIN
         main(argc, arguments, environment);
-        exit_code = 0;
+        end_program(0);
 #else
-        exit_code = main(argc, arguments, environment);
+        end_program(main(argc, arguments, environment));
 #endif
-        end_program(exit_code);
+    case TASK_ENDS:
+        end_main_task();
+        end_program(0);
     }
     self.frame = NULL;
     flush_console();

@@ -95,12 +95,18 @@ fn a_wait_for_a_key_that_never_comes_names_key_time_and_line() {
 }
 
 #[test]
-fn a_fault_in_a_thread_of_the_programs_own_ends_the_run_with_a_message() {
+fn a_fault_in_a_thread_that_is_no_task_ends_the_run_with_a_message() {
     let scratch = Scratch::new();
     scratch.write(
         "prog.c",
-        "#include <pthread.h>\n#include \"eyebot.h\"\nstatic void *bad(void *p) { *(volatile int *)p = 1; return p; }\n\
-         int main(void) { pthread_t t; pthread_create(&t, 0, bad, 0); for (;;) OSWait(10); }\n",
+        "#define _GNU_SOURCE\n#include <dlfcn.h>\n#include <pthread.h>\n#include \"eyebot.h\"\n\
+         static void *bad(void *p) { OSWait(10); *(volatile int *)p = 1; return p; }\n\
+         int main(void) {\n\
+           pthread_t t;\n\
+           int (*create)(pthread_t *, void *, void *(*)(void *), void *) = dlsym(RTLD_DEFAULT, \"pthread_create\");\n\
+           create(&t, 0, bad, 0);\n\
+           for (;;) OSWait(10);\n\
+         }\n",
     );
     write_scene(&scratch, &["prog.c"]);
     let ran = scratch.eyesim(&["run", "scene.sim", "--until", "1e9"]);

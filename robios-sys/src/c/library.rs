@@ -145,6 +145,108 @@ pub const REPLACED: &[(&str, &str)] = &[
     ("optind", OWN_STATE),
     ("opterr", OWN_STATE),
     ("optopt", OWN_STATE),
+    ("pthread_create", STARTS_TASK),
+    ("pthread_join", OF_TASKS),
+    ("pthread_tryjoin_np", OF_TASKS),
+    ("pthread_timedjoin_np", OF_TASKS),
+    ("pthread_clockjoin_np", OF_TASKS),
+    ("pthread_detach", OF_TASKS),
+    ("pthread_exit", OF_TASKS),
+    ("pthread_self", OF_TASKS),
+    ("pthread_equal", OF_TASKS),
+    ("sched_yield", OF_TASKS),
+    ("pthread_yield", OF_TASKS),
+    ("pthread_once", OF_TASKS),
+    ("pthread_cancel", CANCELS),
+    ("pthread_testcancel", CANCELS),
+    ("pthread_setcancelstate", CANCELS),
+    ("pthread_setcanceltype", CANCELS),
+    ("__pthread_register_cancel", CANCELS),
+    ("__pthread_unregister_cancel", CANCELS),
+    ("__pthread_register_cancel_defer", CANCELS),
+    ("__pthread_unregister_cancel_restore", CANCELS),
+    ("__pthread_unwind_next", CANCELS),
+    ("pthread_mutex_init", OF_TASKS),
+    ("pthread_mutex_destroy", OF_TASKS),
+    ("pthread_mutex_lock", OF_TASKS),
+    ("pthread_mutex_trylock", OF_TASKS),
+    ("pthread_mutex_timedlock", OF_TASKS),
+    ("pthread_mutex_clocklock", OF_TASKS),
+    ("pthread_mutex_unlock", OF_TASKS),
+    ("pthread_mutex_consistent", OF_TASKS),
+    ("pthread_spin_init", OF_TASKS),
+    ("pthread_spin_destroy", OF_TASKS),
+    ("pthread_spin_lock", OF_TASKS),
+    ("pthread_spin_trylock", OF_TASKS),
+    ("pthread_spin_unlock", OF_TASKS),
+    ("pthread_cond_init", OF_TASKS),
+    ("pthread_cond_destroy", OF_TASKS),
+    ("pthread_cond_wait", WAITS_TASK),
+    ("pthread_cond_timedwait", WAITS_TASK),
+    ("pthread_cond_clockwait", WAITS_TASK),
+    ("pthread_cond_signal", OF_TASKS),
+    ("pthread_cond_broadcast", OF_TASKS),
+    ("sem_init", OF_TASKS),
+    ("sem_destroy", OF_TASKS),
+    ("sem_wait", WAITS_TASK),
+    ("sem_trywait", OF_TASKS),
+    ("sem_clockwait", WAITS_TASK),
+    ("sem_timedwait", WAITS_TASK),
+    ("sem_post", OF_TASKS),
+    ("sem_getvalue", OF_TASKS),
+    ("sem_open", REFUSES),
+    ("pthread_rwlock_init", OF_TASKS),
+    ("pthread_rwlock_destroy", OF_TASKS),
+    ("pthread_rwlock_rdlock", OF_TASKS),
+    ("pthread_rwlock_tryrdlock", OF_TASKS),
+    ("pthread_rwlock_timedrdlock", OF_TASKS),
+    ("pthread_rwlock_clockrdlock", OF_TASKS),
+    ("pthread_rwlock_wrlock", OF_TASKS),
+    ("pthread_rwlock_trywrlock", OF_TASKS),
+    ("pthread_rwlock_timedwrlock", OF_TASKS),
+    ("pthread_rwlock_clockwrlock", OF_TASKS),
+    ("pthread_rwlock_unlock", OF_TASKS),
+    ("pthread_barrier_init", OF_TASKS),
+    ("pthread_barrier_destroy", OF_TASKS),
+    ("pthread_barrier_wait", WAITS_TASK),
+    ("pthread_key_create", OF_TASKS),
+    ("pthread_key_delete", OF_TASKS),
+    ("pthread_setspecific", OF_TASKS),
+    ("pthread_getspecific", OF_TASKS),
+    ("pthread_setname_np", ACCEPTED),
+    ("pthread_getname_np", ACCEPTED),
+    ("pthread_getattr_np", ACCEPTED),
+    ("pthread_setschedparam", ACCEPTED),
+    ("pthread_getschedparam", ACCEPTED),
+    ("pthread_setschedprio", ACCEPTED),
+    ("pthread_setaffinity_np", ACCEPTED),
+    ("pthread_getaffinity_np", ACCEPTED),
+    ("pthread_getcpuclockid", ACCEPTED),
+    ("pthread_kill", REFUSES_SIGNAL),
+    ("thrd_create", STARTS_TASK),
+    ("thrd_join", OF_TASKS),
+    ("thrd_detach", OF_TASKS),
+    ("thrd_exit", OF_TASKS),
+    ("thrd_current", OF_TASKS),
+    ("thrd_equal", OF_TASKS),
+    ("thrd_yield", OF_TASKS),
+    ("mtx_init", OF_TASKS),
+    ("mtx_destroy", OF_TASKS),
+    ("mtx_lock", OF_TASKS),
+    ("mtx_trylock", OF_TASKS),
+    ("mtx_timedlock", OF_TASKS),
+    ("mtx_unlock", OF_TASKS),
+    ("call_once", OF_TASKS),
+    ("cnd_init", OF_TASKS),
+    ("cnd_destroy", OF_TASKS),
+    ("cnd_signal", OF_TASKS),
+    ("cnd_broadcast", OF_TASKS),
+    ("cnd_wait", WAITS_TASK),
+    ("cnd_timedwait", WAITS_TASK),
+    ("tss_create", OF_TASKS),
+    ("tss_delete", OF_TASKS),
+    ("tss_set", OF_TASKS),
+    ("tss_get", OF_TASKS),
 ];
 
 const ENDS: &str = "ends the robot's program after its `atexit` functions";
@@ -164,6 +266,12 @@ const PASSES: &str = "passes virtual time";
 const REFUSES: &str = "does nothing and says so on the console";
 const OWN_STATE: &str = "state and result belong to the copy of the library, not to the process";
 const UTC: &str = "local time is UTC, on every machine; state and result belong to the copy of the library";
+const STARTS_TASK: &str = "starts a task of the robot, see [Tasks](programs.md#tasks)";
+const WAITS_TASK: &str = "lets the robot's other tasks run meanwhile";
+const OF_TASKS: &str = "among the robot's tasks, in virtual time";
+const CANCELS: &str = "takes effect at calls of RoBIOS, and at those of the C library that may wait";
+const ACCEPTED: &str = "accepted: names and attributes of tasks, without an effect";
+const REFUSES_SIGNAL: &str = "does nothing and says so on the console, unless the signal is 0";
 
 /// Symbols that the shim leaves alone although what they do reaches beyond the robot or beyond virtual time, and why.
 pub const OUTSIDE_GUARANTEE: &[(&str, &str)] = &[
@@ -193,12 +301,6 @@ pub const OUTSIDE_GUARANTEE: &[(&str, &str)] = &[
     ("sigprocmask", SIGNAL),
     ("sigsuspend", SIGNAL),
     ("sigwait", SIGNAL),
-    ("pthread_create", THREAD),
-    ("pthread_cond_wait", THREAD),
-    ("pthread_cond_timedwait", THREAD),
-    ("sem_wait", THREAD),
-    ("sem_timedwait", THREAD),
-    ("thrd_create", THREAD),
     ("GOMP_parallel", THREAD),
     ("__kmpc_fork_call", THREAD),
     ("setenv", SHARED),
@@ -245,7 +347,7 @@ pub const OUTSIDE_GUARANTEE: &[(&str, &str)] = &[
 
 const PROCESS: &str = "starts or waits for processes, which are copies of the host";
 const SIGNAL: &str = "signals belong to the process, which is the host";
-const THREAD: &str = "threads of the program's own do not run in virtual time";
+const THREAD: &str = "threads that are no tasks of the robot do not run in virtual time";
 const SHARED: &str = "changes what all robots and the host share";
 const DESCRIPTOR: &str = "reaches the host's input and output";
 const GENERATOR: &str = "changes the generator that the process shares";
@@ -259,7 +361,7 @@ const STREAMS: &str = "streams of C++ print to the host's standard output";
 /// what matters only when the program is broken.
 pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
     let reason = |list: &[(&str, &'static str)]| list.iter().find(|(name, _)| *name == symbol).map(|(_, why)| *why);
-    let is_harmless = |what: &str| [PRINTS_ANY, CHECKS, STATE_GIVEN].contains(&what);
+    let is_harmless = |what: &str| [PRINTS_ANY, CHECKS, STATE_GIVEN, OF_TASKS, CANCELS, ACCEPTED].contains(&what);
     let is_everywhere = ["__cxa_atexit", "__stack_chk_fail", "__chk_fail", "__longjmp_chk"].contains(&symbol);
     match reason(REPLACED) {
         Some(what) if is_harmless(what) || is_everywhere => None,

@@ -49,6 +49,7 @@ pub const SHIM: &[SourceFile] = files![
     "shim" / "robios7_own.c",
     "shim" / "libc.c",
     "shim" / "getopt.c",
+    "shim" / "pthread.c",
 ];
 
 /// The file of [`SHIM`] that is compiled; it includes the others.

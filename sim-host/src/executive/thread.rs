@@ -28,14 +28,13 @@ const RESERVE: usize = 128 << 10;
 /// Executor with one OS thread a task.
 pub struct ThreadExecutor {
     robots: Vec<Arc<Threads>>,
-    /// The processor of each lane; empty where threads are not bound to any.
-    processors: Arc<[usize]>,
 }
 
 /// The threads of one robot.
 struct Threads {
     /// The lane to whose processor they are bound; `u32::MAX` for none.
     lane: AtomicU32,
+    /// The processor of each lane; empty where threads are not bound to any.
     processors: Arc<[usize]>,
     /// The process that they serve.
     child: OnceLock<Arc<Child>>,
@@ -82,10 +81,10 @@ impl ThreadExecutor {
         let threads = || Threads {
             lane: AtomicU32::new(u32::MAX),
             processors: Arc::clone(&processors),
-            flows: Mutex::default(),
             child: OnceLock::new(),
+            flows: Mutex::default(),
         };
-        Self { robots: (0..count).map(|_| Arc::new(threads())).collect(), processors: Arc::clone(&processors) }
+        Self { robots: (0..count).map(|_| Arc::new(threads())).collect() }
     }
 
     fn robot(&self, robot: RobotId) -> &Arc<Threads> {
@@ -186,16 +185,12 @@ impl Executor for ThreadExecutor {
             *place.thread.lock() = Some(thread);
             adoption.recv().unwrap_or_else(|_| Err(io::Error::other("the thread ended before it began")))
         });
+        // The place is lost after an error: its thread may not have ended yet.
+        result?;
         let mut flows = self.robot(robot).flows.lock();
-        match result {
-            Ok(()) => {
-                flows.list.push((task, place));
-                flows.holder.get_or_insert(place);
-            }
-            // Its thread may not have ended yet, so the place is lost.
-            Err(_) => {}
-        }
-        result
+        flows.list.push((task, place));
+        flows.holder.get_or_insert(place);
+        Ok(())
     }
 
     fn serve(&self, robot: RobotId, child: Arc<Child>) {

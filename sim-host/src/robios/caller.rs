@@ -166,9 +166,9 @@ impl Caller {
     }
 
     /// Waits in `call`, made at `site`, until `poll` is ready: the other tasks run meanwhile.
-    fn wait_in<R>(
-        &self,
-        mut robot: MutexGuard<'_, Robot>,
+    fn wait_in<'a, R>(
+        &'a self,
+        mut robot: MutexGuard<'a, Robot>,
         (call, site): (Call, Site),
         mut poll: impl FnMut(&mut Robot, &World) -> Poll<R>,
     ) -> Result<R, Stop> {

@@ -252,7 +252,8 @@ impl Tasks {
     /// When the first wait may be over, given when the drive ends; none unless the task that runs waits, and one of them for the
     /// end of the drive.
     pub fn wake_with_drive(&self, drive_end: Time) -> Option<Time> {
-        let waits_for_drive = |task: &Task| task.waiting.as_ref().is_some_and(|waiting| waiting.waits_for == Waits::Drive);
+        let waits_for_drive =
+            |task: &Task| task.waiting.as_ref().is_some_and(|waiting| waiting.waits_for == Waits::Drive);
         if self.current().waiting.is_none() || !self.list.iter().any(waits_for_drive) {
             return None;
         }
@@ -342,7 +343,7 @@ impl fmt::Display for TaskWait {
 impl Robot {
     /// When the first wait of its tasks may be over, given what the slot that ends at `slot_end` has brought; none where the slot
     /// loop cannot have changed that.
-    pub fn wake_after(&self, slot_end: Time) -> Option<Time> {
+    pub fn wake_after(&mut self, slot_end: Time) -> Option<Time> {
         // What a callback calls is work, whatever the call that it interrupts waits for.
         if self.timers.in_callback {
             return None;
