@@ -103,7 +103,8 @@ fn a_fault_in_a_thread_that_is_no_task_ends_the_run_with_a_message() {
          static void *bad(void *p) { OSWait(10); *(volatile int *)p = 1; return p; }\n\
          int main(void) {\n\
            pthread_t t;\n\
-           int (*create)(pthread_t *, void *, void *(*)(void *), void *) = dlsym(RTLD_DEFAULT, \"pthread_create\");\n\
+           int (*create)(pthread_t *, void *, void *(*)(void *), void *) =\n\
+             dlsym(dlopen(\"libc.so.6\", RTLD_NOW), \"pthread_create\");\n\
            create(&t, 0, bad, 0);\n\
            for (;;) OSWait(10);\n\
          }\n",
