@@ -7,7 +7,7 @@ use std::any::Any;
 use std::sync::Arc;
 
 use parking_lot::MutexGuard;
-use robios_sys::{CallContext, CallRecord, Robios6Call, Robios7Call, Stop, SupportCall};
+use robios_sys::{CallContext, CallRecord, Callback, Robios6Call, Robios7Call, Stop, SupportCall};
 use sim_core::RobotId;
 use sim_core::time::Time;
 use sim_core::world::World;
