@@ -237,6 +237,7 @@ struct eyesim_robios7 {
     int32_t (*LCDSetMode)(void *robot, int32_t mode, int32_t *result);
     int32_t (*LCDMenu)(void *robot, struct eyesim_bytes st1, struct eyesim_bytes st2, struct eyesim_bytes st3, struct eyesim_bytes st4, int32_t *result);
     int32_t (*LCDMenuI)(void *robot, int32_t pos, struct eyesim_bytes string, int32_t fg, int32_t bg, int32_t *result);
+    int32_t (*LCDListLine)(void *robot, int32_t line, int32_t key, struct eyesim_bytes text, int32_t fg, int32_t bg, int32_t *result);
     int32_t (*LCDGetSize)(void *robot, void *x, void *y, int32_t *result);
     int32_t (*LCDPixel)(void *robot, int32_t x, int32_t y, int32_t col, int32_t *result);
     int32_t (*LCDGetPixel)(void *robot, int32_t x, int32_t y, int32_t *result);

@@ -64,6 +64,13 @@ WEAK int LCDMenuI(int pos, const char *string, COLOR fg, COLOR bg)
     return result;
 }
 
+WEAK int LCDListLine(int line, int key, const char *text, COLOR fg, COLOR bg)
+{
+    int32_t result = 0;
+    ROBIOS7(LCDListLine, line, key, text_of(text), fg, bg, &result);
+    return result;
+}
+
 WEAK int LCDGetSize(int *x, int *y)
 {
     int32_t result = 0;

@@ -130,6 +130,60 @@ WEAK int LCDImageBinary(BYTE *b)
     return result;
 }
 
+/* ---- list menus ---- */
+
+static listmenu_t *shown_list;
+
+static int32_t list_line(int32_t line, int32_t key, const char *text, COLOR fg, COLOR bg)
+{
+    int32_t result = 0;
+    ROBIOS7(LCDListLine, line, key, text_of(text), fg, bg, &result);
+    return result;
+}
+
+WEAK int LCDSetList(listmenu_t *menulist)
+{
+    int32_t line = 0, room, items, i, result = 0;
+    shown_list = menulist;
+    if (!menulist) {
+        ROBIOS7(LCDSetMode, LCD_CLASSICMENU, &result);
+        return 0;
+    }
+    room = list_line(line++, KEY_LISTTL, menulist->title, menulist->fgcol, menulist->bgcol);
+    menulist->scroll = menulist->size > room - 1;
+    items = menulist->scroll ? room - 3 : menulist->size;
+    if (menulist->scroll)
+        list_line(line++, KEY_LISTUP, "SCROLL UP", WHITE, RED);
+    for (i = 0; i < items; i++) {
+        int64_t item = (int64_t)menulist->start + i;
+        int32_t key = i < 8 ? KEY_LIST1 << i : NOKEY;
+        char label[2 + sizeof menulist->pitems->label + 1];
+        if (item < 0 || item >= menulist->size || !menulist->pitems) {
+            list_line(line++, NOKEY, "", menulist->fgcol, menulist->bgcol);
+            continue;
+        }
+        snprintf(label, sizeof label, "%s%.*s", i == menulist->index ? "> " : "  ",
+                 (int)sizeof menulist->pitems->label, menulist->pitems[item].label);
+        list_line(line++, key, label, menulist->pitems[item].fgcol, menulist->pitems[item].bgcol);
+    }
+    if (menulist->scroll)
+        list_line(line++, KEY_LISTDN, "SCROLL DOWN", WHITE, RED);
+    if (line < room)
+        list_line(line, NOKEY, NULL, 0, 0);
+    return 0;
+}
+
+WEAK int LCDList(listmenu_t *menulist) { return LCDSetList(menulist); }
+WEAK listmenu_t *LCDGetList(void) { return shown_list; }
+
+WEAK menuitem_t *LCDListActiveItem(void)
+{
+    int64_t item = shown_list ? (int64_t)shown_list->start + shown_list->index : -1;
+    return item >= 0 && shown_list->index >= 0 && item < shown_list->size && shown_list->pitems
+               ? &shown_list->pitems[item]
+               : NULL;
+}
+
 /* ---- CAM and IP ---- */
 
 WEAK int CAMInit(int resolution)

@@ -130,3 +130,141 @@ fn keys_and_touches_come_from_the_script() {
     assert_eq!(wrong.code, Some(2));
     assert!(wrong.stderr.contains("`TOUCH(1)` is no key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4`, `TOUCH(X,Y)`"));
 }
+
+/// Columns, rows and pixels of a picture.
+fn picture(scratch: &Scratch, name: &str) -> image::RgbImage {
+    image::open(scratch.path().join(name)).expect("a picture").into_rgb8()
+}
+
+#[test]
+fn a_list_menu_scrolls_and_is_touched() {
+    let scratch = scene(
+        "    menuitem_t items[9];
+        listmenu_t list = {\"Choose\", WHITE, BLUE};
+        int i, key, x, y;
+        for (i = 0; i < 9; i++) {
+            sprintf(items[i].label, \"item %d\", i);
+            items[i].fgcol = BLACK;
+            items[i].bgcol = LIGHTGRAY;
+        }
+        list.pitems = items;
+        list.size = 9;
+        LCDMenu(\"Select\", \"\", \"\", \"Back\");
+        LCDList(&list);
+        while ((key = KEYGet()) != KEY4) {
+            if (key == KEY_LISTDN && list.start < 4) list.start++;
+            if (key >= KEY_LIST1 && key <= KEY_LIST8) for (list.index = 0; KEY_LIST1 << list.index != key; list.index++);
+            LCDList(&list);
+        }
+        if (LCDGetList() != &list || !list.scroll) return 1;
+        KEYGetXY(&x, &y);
+        printf(\"%s %d\\n\", LCDListActiveItem()->label, LCDGetPixel(300, 30) == RED);",
+    );
+    scratch.write("draw.c", &format!("#include <stdio.h>\n{}", scratch.read("draw.c")));
+    // 208 / 26 = 8 lines: title, up, five items, down.
+    let keys = "1:TOUCH(100,190), 2:TOUCH(100,190), 3:TOUCH(100,90), 4:KEY4, 5:TOUCH(160,120)";
+    let report = scratch.report("draw.sim", &["--keys", keys, "--trace", "t.jsonl"], 0);
+    assert_eq!(
+        rows(&report),
+        [
+            "Choose",
+            "SCROLL UP",
+            "  item 2",
+            "> item 3",
+            "  item 4",
+            "  item 5",
+            "  item 6",
+            "SCROLL DOWN",
+            "Select |  |  | Back"
+        ]
+    );
+    let trace = scratch.trace("t.jsonl");
+    let taken: Vec<&str> =
+        trace.iter().filter(|line| line["event"] == "key").map(|line| line["key"].as_str().expect("a name")).collect();
+    assert_eq!(taken, ["KEY_LISTDN", "KEY_LISTDN", "KEY_LIST2", "KEY4", "TOUCH(160,120)"]);
+    let printed = trace.iter().find(|line| line["event"] == "stdout").expect("a line");
+    assert_eq!(printed["text"].as_str().map(str::trim), Some("item 3 1"));
+}
+
+#[test]
+fn a_shot_shows_the_display_of_either_generation() {
+    let scratch = scene(
+        "    LCDArea(10, 20, 19, 39, ORANGE, 1);
+        OSWait(2000);
+        LCDArea(10, 20, 19, 39, NAVY, 1);
+        LCDMenu(\"A\", \"B\", \"C\", \"D\");
+        KEYWait(KEY4);",
+    );
+    scratch.write(
+        "old.c",
+        "#include \"eyebot.h\"\nint main(void) { LCDSetPixel(3, 5, 1); OSMTStatus(); return KEYWait(KEY1); }\n",
+    );
+    scratch.write("draw.sim", &format!("{SIM}S4 500 500 0 old.c\n"));
+    let shot = |args: &[&str]| scratch.eyesim(&[&["shot", "draw.sim"], args].concat());
+
+    let ran = shot(&["--lcd", "--bare", "--scale", "1", "--at", "1.5", "-o", "early.png"]);
+    assert_eq!(ran.code, Some(0), "{ran:#?}");
+    assert!(ran.stdout.contains("early.png: the display of r1 at 1.500 s, 320 x 240 pixels"), "{ran:#?}");
+    let early = picture(&scratch, "early.png");
+    assert_eq!(early.dimensions(), (320, 240));
+    assert_eq!([early[(10, 20)].0, early[(19, 39)].0, early[(20, 39)].0], [[255, 165, 0], [255, 165, 0], [0; 3]]);
+
+    // A program that waits for a key is no failure here.
+    let ran = shot(&["--lcd", "1", "--bare"]);
+    assert_eq!((ran.code, ran.stderr.contains("waits")), (Some(0), false), "{ran:#?}");
+    let late = picture(&scratch, "lcd.png");
+    assert_eq!(late.dimensions(), (640, 480));
+    assert_eq!([late[(20, 40)].0, late[(39, 79)].0, late[(40, 79)].0], [[0, 0, 128], [0, 0, 128], [0; 3]]);
+    assert_eq!([late[(10, 470)].0, late[(170, 470)].0], [[255, 0, 0], [0, 255, 0]], "the menu");
+
+    let framed = shot(&["--lcd", "--scale", "1", "-o", "framed.png"]);
+    assert_eq!(framed.code, Some(0));
+    let framed = picture(&scratch, "framed.png");
+    assert!(framed.width() > 320 && framed.height() > 240);
+    let is_navy = |(x, y): &(u32, u32)| framed[(*x, *y)].0 == [0, 0, 128];
+    let navy = (0..framed.width()).flat_map(|x| (0..framed.height()).map(move |y| (x, y))).filter(is_navy).count();
+    assert_eq!(navy, 10 * 20);
+
+    let classic = shot(&["--lcd", "r2", "--bare", "--scale", "1", "-o", "classic.png"]);
+    assert_eq!(classic.code, Some(0), "{classic:#?}");
+    let classic = picture(&scratch, "classic.png");
+    assert_eq!(classic.dimensions(), (128, 64));
+    let dark = classic.enumerate_pixels().filter(|(_, _, pixel)| pixel.0[0] < 0x40).map(|(x, y, _)| (x, y));
+    assert_eq!(dark.collect::<Vec<_>>(), [(5, 3)]);
+}
+
+#[test]
+fn a_shot_says_what_it_cannot_show() {
+    let scratch = scene("    LCDPrintf(\"x\");");
+    for (args, message) in [
+        (&[][..], "`--lcd` shows the display of robot 1"),
+        (&["--lcd", "2"], "there is no robot 2: the scene has robot 1 alone"),
+        (&["--lcd", "0"], "expected a robot's number from 1"),
+        (&["--lcd", "-o", "x.jpg"], "expected a name that ends in .png"),
+        (&["--lcd", "-o", "nowhere/x.png"], "there is no folder"),
+    ] {
+        let ran = scratch.eyesim(&[&["shot", "draw.sim"], args].concat());
+        assert!(ran.code == Some(2) && ran.stderr.contains(message), "{ran:#?}");
+    }
+    scratch.write(
+        "draw.c",
+        "#include \"eyebot.h\"\nint main(void) { LCDPrintf(\"x\"); LCDPixel(0, 0, RED); return 3; }\n",
+    );
+    let failed = scratch.eyesim(&["shot", "draw.sim", "--lcd"]);
+    assert!(failed.code == Some(1) && failed.stderr.contains("exit code 3"), "{failed:#?}");
+    assert!(scratch.path().join("lcd.png").exists(), "the picture is taken all the same");
+}
+
+#[test]
+fn the_companion_gives_the_display_its_size() {
+    let scratch = scene(
+        "    int x, y;
+        LCDGetSize(&x, &y);
+        LCDPixel(479, 319, RED);
+        LCDPrintf(\"%d %d %d\", x, y, LCDGetPixel(479, 319) == RED);",
+    );
+    scratch.write("s4.robi", "diameter 200\ndrive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n");
+    scratch.write("s4.toml", "[lcd]\nwidth_px = 480\nheight_px = 320\n");
+    scratch.write("draw.sim", "world field.wld\nrobi s4.robi draw.c 1000 1000 0\n");
+    assert_eq!(rows(&scratch.report("draw.sim", &[], 0)), ["480 320 1", ""]);
+}

@@ -172,6 +172,13 @@ int LCDMenu(const char *st1, const char *st2, const char *st3, const char *st4);
  * Source: RoBIOS-7 library, LCD output. */
 int LCDMenuI(int pos, const char *string, COLOR fg, COLOR bg);
 
+/* Sets a line of a list menu, from 0, which is a key, such as KEY_LIST1, when touched, and shows the list; null ends the
+ * list before that line. LCDList stands on it; not of RoBIOS. Returns how many lines there is room for, 0 if there is
+ * no such line.
+ * [any task of the robot]  Pointers belong to the program and are not kept.
+ * Source: RoBIOS-7 library, LCD output. */
+int LCDListLine(int line, int key, const char *text, COLOR fg, COLOR bg);
+
 /* Size of the display in pixels. Returns 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, LCD output. */

@@ -33,6 +33,29 @@ void SIMSetPose(int x, int y, int phi);
 int SIMLaserScan(int *dists);              /* LIDARGet: 360 distances in mm */
 int MOTORPIDoff(int motor);                /* MOTORPIDOff */
 
+/* ---- 2017: list menus, in no header; the order of the fields is ours ---- */
+
+typedef struct {
+    char label[32];
+    COLOR fgcol, bgcol;
+    void *plink; /* for the program */
+} menuitem_t;
+
+typedef struct {
+    char title[64];
+    COLOR fgcol, bgcol;
+    int size;   /* number of items */
+    int start;  /* the first item that is shown */
+    int index;  /* the active one of those that are shown, from 0; -1 for none */
+    int scroll; /* set by LCDList: 1 where not all items have room */
+    menuitem_t *pitems;
+} listmenu_t;
+
+int LCDList(listmenu_t *menulist);    /* shows a list above the menu; its lines are KEY_LIST1 to KEY_LIST8 */
+int LCDSetList(listmenu_t *menulist); /* the same; null shows none */
+listmenu_t *LCDGetList(void);         /* the list that is shown, or null */
+menuitem_t *LCDListActiveItem(void);  /* its active item, or null */
+
 /* ---- the same name with fewer arguments ---- */
 
 char *eyesim_OSExecute(const char *command);                             /* 2016: the output stays valid until the next call */

@@ -46,6 +46,11 @@ function_table! {
         /// Names one key, 1 to 4, with colours of its own. Returns 0, 1 if there is no such key.
         fn LCDMenuI(pos: i32, string: Text, fg: Color, bg: Color) -> i32 = 1;
 
+        /// Sets a line of a list menu, from 0, which is a key, such as KEY_LIST1, when touched, and shows the list; null ends the
+        /// list before that line. LCDList stands on it; not of RoBIOS. Returns how many lines there is room for, 0 if there is
+        /// no such line.
+        fn LCDListLine(line: i32, key: i32, text: Text, fg: Color, bg: Color) -> i32 = 0;
+
         /// Size of the display in pixels. Returns 0.
         fn LCDGetSize(x: Out<i32>, y: Out<i32>) -> i32 = 1;
 

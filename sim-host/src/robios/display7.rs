@@ -4,14 +4,17 @@
 
 use robios_sys::robios7::{
     BOLD, CAM5MP, COURIER, CUSTOM, HELVETICA, ITALICS, LCD_AUTOREFRESH, LCD_BGCOL_INVERSE, LCD_BGCOL_NOINVERSE,
-    LCD_BGCOL_NOTRANSPARENT, LCD_BGCOL_TRANSPARENT, LCD_FGCOL_INVERSE, LCD_FGCOL_NOINVERSE, LCD_HIDEMENU, LCD_LINEFEED,
-    LCD_NOAUTOREFRESH, LCD_NOLINEFEED, LCD_NOSCROLLING, LCD_SCROLLING, LCD_SHOWMENU, NORMAL, RESOLUTIONS, TIMES,
+    LCD_BGCOL_NOTRANSPARENT, LCD_BGCOL_TRANSPARENT, LCD_CLASSICMENU, LCD_FGCOL_INVERSE, LCD_FGCOL_NOINVERSE,
+    LCD_HIDEMENU, LCD_LINEFEED, LCD_LISTMENU, LCD_NOAUTOREFRESH, LCD_NOLINEFEED, LCD_NOSCROLLING, LCD_SCROLLING,
+    LCD_SHOWMENU, NORMAL, RESOLUTIONS, TIMES,
 };
 use robios_sys::{Out, Robios7Call as Call};
 
 use super::robot::Robot;
 use super::screen::canvas::{Canvas, Rgb, WHITE, code, rgb};
 use super::screen::font::{Family, Size, Variation};
+use super::screen::list::Line;
+use super::screen::menu::Entry;
 use super::text;
 use crate::record::Event;
 
@@ -116,6 +119,9 @@ pub fn set_mode(robot: &mut Robot, mode: i32) -> i32 {
     if let Some(is_shown) = switched(mode, LCD_SHOWMENU, LCD_HIDEMENU) {
         screen.set_menu_shown(is_shown);
     }
+    if let Some(is_shown) = switched(mode, LCD_LISTMENU, LCD_CLASSICMENU) {
+        screen.set_list_shown(is_shown);
+    }
     if let Some(is_at_once) = switched(mode, LCD_AUTOREFRESH, LCD_NOAUTOREFRESH) {
         screen.set_refreshing(is_at_once);
     }
@@ -154,6 +160,22 @@ fn set_menu_text(robot: &mut Robot, index: usize, characters: &[u8]) {
     let text = text(characters);
     robot.screen().set_menu_text(index, &text);
     robot.record(Event::LcdMenu { position: index as u8 + 1, text: &text });
+}
+
+/// `LCDListLine`
+pub fn set_list_line(robot: &mut Robot, [index, key]: [i32; 2], characters: Option<&[u8]>, colours: [i32; 2]) -> i32 {
+    let [ink, paper] = colours.map(rgb);
+    let line = characters.map(text).map(|text| Line { entry: Entry { text: text.into_owned(), ink, paper }, key });
+    let text = line.as_ref().map(|line| line.entry.text.clone());
+    let is_set = usize::try_from(index).is_ok_and(|index| robot.screen().set_list_line(index, line));
+    if !is_set {
+        return robot
+            .refused(Call::LCDListLine, 0, |_| format!("there is no line {index} in the list, or no room for it"));
+    }
+    if let Some(text) = text {
+        robot.record(Event::LcdText { row: index.clamp(0, u8::MAX.into()) as u8, column: 0, text: &text });
+    }
+    robot.screen().list_room() as i32
 }
 
 /// `LCDGetSize`

@@ -6,7 +6,10 @@
 use std::collections::VecDeque;
 
 use robios_sys::robios6::{ANYKEY, KEY1, KEY2, KEY3, KEY4, NOKEY};
-use robios_sys::robios7::KEY_INVALID;
+use robios_sys::robios7::{
+    KEY_INVALID, KEY_LIST1, KEY_LIST2, KEY_LIST3, KEY_LIST4, KEY_LIST5, KEY_LIST6, KEY_LIST7, KEY_LIST8, KEY_LISTDN,
+    KEY_LISTTL, KEY_LISTUP,
+};
 use robios_sys::{Out, Robios6Call as Call, Robios7Call};
 use sim_core::RobotId;
 use sim_core::time::Time;
@@ -19,6 +22,21 @@ use crate::record::Event;
 
 /// The keys from left to right: their names and codes, one bit each.
 pub const KEYS: [(&str, i32); 4] = [("KEY1", KEY1), ("KEY2", KEY2), ("KEY3", KEY3), ("KEY4", KEY4)];
+
+/// The lines of a list menu: their names and codes, one bit each.
+const LIST_KEYS: [(&str, i32); 11] = [
+    ("KEY_LIST1", KEY_LIST1),
+    ("KEY_LIST2", KEY_LIST2),
+    ("KEY_LIST3", KEY_LIST3),
+    ("KEY_LIST4", KEY_LIST4),
+    ("KEY_LIST5", KEY_LIST5),
+    ("KEY_LIST6", KEY_LIST6),
+    ("KEY_LIST7", KEY_LIST7),
+    ("KEY_LIST8", KEY_LIST8),
+    ("KEY_LISTDN", KEY_LISTDN),
+    ("KEY_LISTUP", KEY_LISTUP),
+    ("KEY_LISTTL", KEY_LISTTL),
+];
 
 /// Latest time of a press in a script, in seconds: 30 years.
 const MAX_SECONDS: f64 = 1e9;
@@ -124,8 +142,11 @@ impl Keys {
 
 /// How the user calls the keys of an OR of codes: `KEY1`, `KEY1 or KEY3`, `any key`.
 pub fn name(codes: i32) -> String {
-    let names: Vec<&str> = KEYS.iter().filter(|(_, code)| code & codes != 0).map(|(name, _)| *name).collect();
-    if names.len() == KEYS.len() { "any key".to_owned() } else { names.join(" or ") }
+    if codes & all_keys() == all_keys() {
+        return "any key".to_owned();
+    }
+    let named = KEYS.iter().chain(&LIST_KEYS).filter(|(_, code)| code & codes != 0);
+    named.map(|(name, _)| *name).collect::<Vec<_>>().join(" or ")
 }
 
 /// True if a program can wait for these codes.
@@ -260,10 +281,11 @@ pub fn wait_for(robot: &mut Robot, codes: i32) -> Poll<i32> {
 
 /// `KEYWait` of RoBIOS-7
 pub fn wait_for_one(robot: &mut Robot, codes: i32) -> Poll<i32> {
-    if codes & all_keys() == 0 {
+    let known = KEYS.iter().chain(&LIST_KEYS).fold(0, |codes, (_, code)| codes | code);
+    if codes & known == 0 {
         return Poll::Ready(robot.refused(Robios7Call::KEYWait, KEY_INVALID, |_| format!("{codes} is no key")));
     }
-    wait_for(robot, codes & all_keys())
+    wait_for(robot, codes & known)
 }
 
 /// `KEYGetXY`
@@ -305,10 +327,13 @@ fn take_place(robot: &mut Robot) -> Option<[i32; 2]> {
     None
 }
 
-/// The code of the key that a touch presses on this display, 0 for none.
+/// The code of the key, or of the line of a list, that a touch presses on this display; 0 for none.
 fn key_under(touch: Touch, screen: &Option<Box<Screen>>) -> i32 {
     match (touch, screen) {
-        (Touch::Place(place), Some(screen)) => screen.key_at(place).map_or(NOKEY, |index| KEYS[index].1),
+        (Touch::Place(place), Some(screen)) => match screen.key_at(place) {
+            Some(index) => KEYS[index].1,
+            None => screen.list_key_at(place),
+        },
         _ => touch.key(),
     }
 }

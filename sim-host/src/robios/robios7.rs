@@ -2,7 +2,7 @@
 //!
 //! Units are converted in [`unit7`](super::unit7). A function that stands nowhere here answers as for a robot without that device.
 
-use robios_sys::robios7::{Char, Color, Flag, Timer, VEHICLE};
+use robios_sys::robios7::{ANYKEY, Char, Color, Flag, Timer, VEHICLE};
 use robios_sys::{Callback, Out, OutBytes, OutInts, Robios7, Robios7Call as Call, Stop};
 
 use super::caller::Caller;
@@ -33,6 +33,8 @@ impl Robios7 for Caller {
             |robot, _| display::set_menu(robot, [first, second, third, fourth]);
         fn LCDMenuI(position: i32, text: Text<'_>, fg: i32, bg: i32) -> i32 =
             |robot, _| display::set_menu_entry(robot, position, text, [fg, bg]);
+        fn LCDListLine(line: i32, key: i32, text: Text<'_>, fg: i32, bg: i32) -> i32 =
+            |robot, _| display::set_list_line(robot, [line, key], text, [fg, bg]);
         fn LCDGetSize(x: &mut Out<i32>, y: &mut Out<i32>) -> i32 = |robot, _| display::size(robot, x, y);
         fn LCDPixel(x: i32, y: i32, colour: i32) -> i32 = |robot, _| {
             display::draw(robot, Call::LCDPixel, |canvas| canvas.draw_pixel(x, y, Ink::Colour(rgb(colour))))
@@ -76,7 +78,7 @@ impl Robios7 for Caller {
         fn KEYReadXY(x: &mut Out<i32>, y: &mut Out<i32>) -> i32 = |robot, _| key::read_place(robot, x, y);
     }
     wait! {
-        fn KEYGet() -> i32 = |robot, _| key::wait_for(robot, key::all_keys());
+        fn KEYGet() -> i32 = |robot, _| key::wait_for(robot, ANYKEY);
         fn KEYWait(codes: i32) -> i32 = |robot, _| key::wait_for_one(robot, codes);
         fn KEYGetXY(x: &mut Out<i32>, y: &mut Out<i32>) -> i32 = |robot, _| key::touched(robot, x, y);
     }

@@ -47,17 +47,26 @@ pub fn draw(entries: &[Entry; KEYS], canvas: &mut Canvas) {
     }
 }
 
-/// Draws a key's text in the middle of its field: smaller where it would not fit, and cut where even that does not.
+/// Draws a key's text in the middle of its field: in two lines where one does not fit, else smaller, and cut where even that
+/// does not fit.
 fn draw_label(entry: &Entry, [left, top]: [i32; 2], [right, bottom]: [i32; 2], canvas: &mut Canvas) {
     let (width, height) = (right - left + 1, bottom - top + 1);
-    let lines: Vec<&str> = entry.text.split('\n').map(str::trim).collect();
     let font = |size| Font { family: Family::Helvetica, variation: Variation::Bold, size };
     let length = |line: &str, font: Font| -> i32 { line.chars().map(|c| i32::from(font.advance(c))).sum() };
-    let is_fitting = |font: Font| {
+    let is_fitting = |lines: &[&str], font: Font| {
         let rows = lines.len() as i32 * i32::from(font.size.cell()[1]);
         rows <= height && lines.iter().all(|line| length(line, font) <= width)
     };
-    let font = if is_fitting(font(Size::Normal)) { font(Size::Normal) } else { font(Size::Tiny) };
+    let lines: Vec<&str> = entry.text.split('\n').map(str::trim).collect();
+    // At the blank that is nearest to the middle.
+    let halves = entry.text.char_indices().filter(|(_, character)| *character == ' ');
+    let halves = halves.min_by_key(|(place, _)| place.abs_diff(entry.text.len() / 2));
+    let halves = halves.map(|(place, _)| vec![entry.text[..place].trim(), entry.text[place..].trim()]);
+    let (lines, font) = match halves {
+        _ if is_fitting(&lines, font(Size::Normal)) => (lines, font(Size::Normal)),
+        Some(halves) if is_fitting(&halves, font(Size::Normal)) => (halves, font(Size::Normal)),
+        _ => (lines, font(Size::Tiny)),
+    };
     let row = i32::from(font.size.cell()[1]);
     let first = top + ((height - lines.len() as i32 * row) / 2).max(0);
     for (y, line) in (first..).step_by(row as usize).zip(&lines).take_while(|(y, _)| y + row <= bottom + 1) {

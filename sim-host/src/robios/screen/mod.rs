@@ -5,6 +5,7 @@
 
 pub mod canvas;
 pub mod font;
+pub mod list;
 pub mod menu;
 pub mod page;
 #[cfg(test)]
@@ -12,6 +13,7 @@ mod tests;
 
 use canvas::{Canvas, Ink, Rgb, WHITE, inverse};
 use font::{Family, Font, Size, Variation};
+use list::Line;
 use menu::Entry;
 use page::{Cell, Page};
 
@@ -72,6 +74,8 @@ struct Face {
     page: Page,
     entries: [Entry; menu::KEYS],
     has_menu: bool,
+    list: Vec<Line>,
+    has_list: bool,
 }
 
 impl Default for Screen {
@@ -86,7 +90,7 @@ impl Screen {
         let size = size.map(|pixels| pixels.max(64));
         Self {
             size,
-            face: Face { page: Page::new(size[0], size[1]), entries: menu::entries(), has_menu: false },
+            face: Face::new(size),
             held: None,
             cursor: [0, 0],
             font: Font { family: Family::Courier, variation: Variation::Normal, size: Size::Normal },
@@ -115,17 +119,21 @@ impl Screen {
 
     /// The colour of a pixel, black outside.
     pub fn pixel(&mut self, x: i32, y: i32) -> Rgb {
-        if self.face.has_menu && y >= i32::from(self.text_bottom()) {
+        let list_bottom = self.face.shown_list().len() as i32 * i32::from(list::ROW);
+        if y < list_bottom || self.face.has_menu && y >= i32::from(self.text_bottom()) {
             return self.face.picture().pixel(x, y).unwrap_or(canvas::BLACK);
         }
         self.face.page.canvas_mut().pixel(x, y).unwrap_or(canvas::BLACK)
     }
 
-    /// The text that is seen, without blanks at the ends: the rows from the top, the last one that has text being the last; then
-    /// the texts of the menu with ` | ` between them, empty without a menu.
+    /// The text that is seen, without blanks at the ends: the lines of a list where there is one, else the rows from the top,
+    /// the last one that has text being the last; then the texts of the menu with ` | ` between them, empty without a menu.
     pub fn lines(&self) -> Vec<String> {
         let face = self.shown();
-        let mut lines = face.page.lines();
+        let mut lines = match face.shown_list() {
+            [] => face.page.lines(),
+            list => list.iter().map(|line| line.entry.text.trim_end().to_owned()).collect(),
+        };
         let menu = face.entries.each_ref().map(|entry| entry.text.replace('\n', " "));
         lines.push(if face.has_menu { menu.join(" | ").trim_end().to_owned() } else { String::new() });
         lines
@@ -149,8 +157,19 @@ impl Screen {
 }
 
 impl Face {
+    fn new([width, height]: [u16; 2]) -> Self {
+        let page = Page::new(width, height);
+        Self { page, entries: menu::entries(), has_menu: false, list: Vec::new(), has_list: false }
+    }
+
+    /// The lines of the list that are shown.
+    fn shown_list(&self) -> &[Line] {
+        if self.has_list { &self.list } else { &[] }
+    }
+
     fn picture(&self) -> Canvas {
         let mut picture = self.page.picture();
+        list::draw(self.shown_list(), &mut picture);
         if self.has_menu {
             menu::draw(&self.entries, &mut picture);
         }
@@ -306,6 +325,38 @@ impl Screen {
         if let Some(entry) = self.face.entries.get_mut(index) {
             (entry.ink, entry.paper) = (ink, paper);
         }
+    }
+
+    /// Shows or hides the list.
+    pub fn set_list_shown(&mut self, is_shown: bool) {
+        self.face.has_list = is_shown;
+    }
+
+    /// Sets line `index` of the list, with the key that it is, and shows the list; without a line, the list ends before it.
+    /// False where there is no line above it or no room.
+    pub fn set_list_line(&mut self, index: usize, line: Option<Line>) -> bool {
+        let is_place = index <= self.face.list.len() && index < self.list_room();
+        match line {
+            Some(line) if is_place => {
+                self.face.list.splice(index..self.face.list.len().min(index + 1), [line]);
+                self.face.has_list = true;
+            }
+            Some(_) => return false,
+            None => self.face.list.truncate(index),
+        }
+        true
+    }
+
+    /// How many lines a list can have.
+    pub fn list_room(&self) -> usize {
+        list::room(self.size[1])
+    }
+
+    /// The code of the line of the list at a place; 0 for none.
+    pub fn list_key_at(&self, [x, y]: [i32; 2]) -> i32 {
+        let is_across = (0..i32::from(self.size[0])).contains(&x);
+        let row = usize::try_from(y).ok().filter(|_| is_across).map(|y| y / usize::from(list::ROW));
+        row.and_then(|row| self.face.shown_list().get(row)).map_or(0, |line| line.key)
     }
 
     /// The key (0 to 3) at a place, whether the menu is shown or not.

@@ -2,6 +2,8 @@ use proptest::prelude::*;
 
 use super::canvas::{BLACK, Canvas, Ink, Rgb, WHITE, code, rgb};
 use super::font::{Family, Font, Size, Variation};
+use super::list::Line;
+use super::menu::Entry;
 use super::*;
 
 const RED: Rgb = [255, 0, 0];
@@ -301,6 +303,27 @@ fn a_touch_in_a_field_of_the_menu_is_its_key() {
     assert!((0..4).all(|index| screen.key_at(screen.middle_of_key(index)) == Some(index)));
     let odd = Screen::new([131, 99]);
     assert!((0..4).all(|index| odd.key_at(odd.middle_of_key(index)) == Some(index)));
+}
+
+#[test]
+fn a_list_lies_above_the_text_and_its_lines_are_keys() {
+    let line = |text: &str, key| Some(Line { entry: Entry { text: text.into(), ink: WHITE, paper: RED }, key });
+    let mut screen = written("below");
+    assert!(!screen.set_list_line(1, line("no line above", 1)));
+    assert!(screen.set_list_line(0, line("title", 7)) && screen.set_list_line(1, line("one", 16)));
+    assert!(screen.set_list_line(2, line("two", 32)) && screen.set_list_line(1, line("ONE", 16)));
+    assert_eq!(screen.lines(), ["title", "ONE", "two", ""]);
+    assert_eq!([screen.pixel(310, 10), screen.pixel(310, 77), screen.pixel(310, 78)], [RED, BLACK, BLACK]);
+    let keys = [[0, 0], [319, 25], [5, 26], [5, 77], [5, 78], [320, 30], [5, -1]].map(|at| screen.list_key_at(at));
+    assert_eq!(keys, [7, 7, 16, 32, 0, 0, 0]);
+    // (240 - 32) / 26
+    assert_eq!(screen.list_room(), 8);
+    (3..8).for_each(|index| assert!(screen.set_list_line(index, line("", 0))));
+    assert!(!screen.set_list_line(8, line("no room", 0)));
+    assert!(screen.set_list_line(1, None));
+    assert_eq!(screen.lines(), ["title", ""]);
+    screen.set_list_shown(false);
+    assert_eq!((screen.lines(), screen.list_key_at([5, 5])), (vec!["below".to_owned(), String::new()], 0));
 }
 
 #[test]
