@@ -192,6 +192,7 @@ fn a_shot_shows_the_display_of_either_generation() {
         "    LCDArea(10, 20, 19, 39, ORANGE, 1);
         OSWait(2000);
         LCDArea(10, 20, 19, 39, NAVY, 1);
+        LCDRefresh();
         LCDMenu(\"A\", \"B\", \"C\", \"D\");
         KEYWait(KEY4);",
     );
