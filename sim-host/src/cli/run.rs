@@ -283,6 +283,9 @@ fn build_programs(args: &RunArgs, scene: &SceneSpec, search: &SearchPath) -> any
 }
 
 /// Prints to standard output; a reader who has seen enough (`| head`) is no error.
+///
+/// # Errors
+/// What else keeps it from being written.
 pub fn print(text: &str) -> anyhow::Result<()> {
     match std::io::stdout().lock().write_all(text.as_bytes()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error).context("standard output"),

@@ -135,6 +135,7 @@ impl Font {
     }
 }
 
+type Glyphs = BTreeMap<(Font, GlyphId), Arc<Glyph>>;
 type Faces = BTreeMap<(Family, Variation), FontRef<'static>>;
 
 static FACES: LazyLock<Faces> = LazyLock::new(|| {
@@ -157,4 +158,4 @@ static FACES: LazyLock<Faces> = LazyLock::new(|| {
 });
 
 /// All glyphs that have been drawn, of whichever robot: a font has some thousands at most.
-static GLYPHS: LazyLock<Mutex<BTreeMap<(Font, GlyphId), Arc<Glyph>>>> = LazyLock::new(Mutex::default);
+static GLYPHS: LazyLock<Mutex<Glyphs>> = LazyLock::new(Mutex::default);
