@@ -11,7 +11,10 @@
 #define EYESIM_EXIT_STOPPED INT32_MIN
 #define EYESIM_EXIT_ABORTED 134
 #define EYESIM_LANGUAGE_C 1
+#define EYESIM_LANGUAGE_CPP 3
 #define EYESIM_FLAG_VOID_MAIN 1
+#define EYESIM_CONSTRUCTORS 0x65790001
+#define EYESIM_CONSTRUCTORS_SIZE 0x65790002
 
 struct eyesim_bytes { const void *data; size_t len; };
 struct eyesim_room { void *data; size_t len; };

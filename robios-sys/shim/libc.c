@@ -12,6 +12,7 @@
 #include <sys/time.h>
 #include <sys/timeb.h>
 #include <sys/times.h>
+#include <sys/uio.h>
 #include <time.h>
 #include <unistd.h>
 #include <wchar.h>
@@ -27,7 +28,7 @@
 
 /* The numbers of robios_sys::support. */
 enum { RAND = 1, RANDOM = 2, DRAND48 = 3, ENTROPY = 4 };
-enum { FAILED_ABORT = 1, FAILED_ASSERTION = 2, FAILED_STACK = 4 };
+enum { FAILED_ABORT = 1, FAILED_ASSERTION = 2, FAILED_STACK = 4, FAILED_EXCEPTION = 6 };
 
 /* ---- console: lines go to the host; nothing of it is left in a FILE ---- */
 
@@ -85,7 +86,8 @@ static FILE *opened(struct console *console, const char *mode)
     return stream;
 }
 
-__attribute__((constructor(101))) static void open_console(void)
+/* Before the streams of C++ are made of these: from GCC 13 on with priority 90. */
+__attribute__((constructor(50))) static void open_console(void)
 {
     stdin = opened(NULL, "r");
     stdout = opened(&self.out, "w");
@@ -119,7 +121,7 @@ static void flush_console(void)
 /* After output: leaves the program if the host wants so; other tasks may run, as they may not where a FILE is in use. */
 static int written(int result)
 {
-    if (self.wants_out)
+    if (self.wants_out && !self.frame->is_left)
         leave(EYESIM_EXIT_STOPPED);
     turn();
     return result;
@@ -276,6 +278,27 @@ LIBC(ssize_t, write, (int descriptor, const void *bytes, size_t len))
     written(0);
     return (ssize_t)len;
 }
+LIBC(ssize_t, writev, (int descriptor, const struct iovec *parts, int count))
+{
+    struct console *console = console_of(descriptor);
+    ssize_t len = 0;
+    int i;
+    if (console == NULL)
+        return syscall(SYS_writev, descriptor, parts, count);
+    for (i = 0; i < count; i++) {
+        write_console(console, parts[i].iov_base, parts[i].iov_len);
+        len += (ssize_t)parts[i].iov_len;
+    }
+    written(0);
+    return len;
+}
+/* Those of the robot's own streams, which have none. */
+LIBC(int, fileno, (FILE *stream))
+{
+    if (stream == NULL || (stream != stdin && stream != stdout && stream != stderr))
+        return fileno_unlocked(stream);
+    return stream == stdin ? 0 : stream == stdout ? 1 : 2;
+}
 LIBC(ssize_t, read, (int descriptor, void *bytes, size_t len))
 {
     return descriptor == 0 ? 0 : syscall(SYS_read, descriptor, bytes, len);
@@ -324,6 +347,20 @@ static void call_at_end(struct at_end **list, int exit_code)
             function.with_code(exit_code, function.data);
     }
 }
+
+#ifdef EYESIM_CPP
+/* The destructors of static objects, for a program that the host stops. */
+static void destroy_at_end(void)
+{
+    while (self.at_end != NULL) {
+        struct at_end function = *self.at_end;
+        free(self.at_end);
+        self.at_end = function.before;
+        if (function.with_data != NULL)
+            function.with_data(function.data);
+    }
+}
+#endif
 
 static _Noreturn void end_program(int exit_code)
 {

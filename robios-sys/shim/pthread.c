@@ -71,7 +71,7 @@ static struct frame *frame_of_thread(void)
 #define TASK_CALL(status, name, ...)                                                                                    \
     do {                                                                                                                \
         status = 0;                                                                                                     \
-        if (may_call()) {                                                                                               \
+        if (reaches_host()) {                                                                                               \
             struct frame *frame_ = self.frame;                                                                          \
             self.call_site.address = frame_->task->site;                                                                \
             status = self.host->support->name(self.robot, __VA_ARGS__);                                                 \
@@ -214,6 +214,12 @@ static _Noreturn void end_task(struct task *task, void *result)
     unwind_task(task);
 }
 
+static __attribute__((noinline)) void *start_outermost(struct task *task)
+{
+    OUTERMOST;
+    return task->start != NULL ? task->start(task->argument) : (void *)(intptr_t)task->start_c11(task->argument);
+}
+
 /* The life of a task, on a thread of its own. */
 static int32_t run_task(void *data)
 {
@@ -224,8 +230,7 @@ static int32_t run_task(void *data)
     self.frame = &frame;
     switch (setjmp(frame.place)) {
     case 0:
-        task->result = task->start != NULL ? task->start(task->argument)
-                                           : (void *)(intptr_t)task->start_c11(task->argument);
+        task->result = start_outermost(task);
         /* fall through */
     case TASK_ENDS:
         task->refuses_cancel = 1;

@@ -6,12 +6,14 @@
  *   libc.c     the functions of the C library that must not break out of the robot or of virtual time
  *   getopt.c   getopt, whose state all copies of a library would share
  *   pthread.c  threads, which are tasks of the robot
+ * Programs with parts in C++ (EYESIM_CPP) have cpp.cpp beside it.
  *
  * All functions are weak: a program's own function of the same name wins. None of them calls a function that libc.c
  * replaces. Calls that a program makes outside of its run (constructors, other threads) do nothing and give 0. */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif
+#include <link.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,7 +26,22 @@
 #include "eyebot.h"
 
 #define WEAK __attribute__((weak))
+#define HIDDEN __attribute__((visibility("hidden")))
 #define CONSOLE_LINE 1024
+#define MOST_IGNORED_CALLS 10000
+
+/* In a function: nobody looks further out on the stack, be it for handlers of an exception. */
+#if defined __x86_64__
+#define OUTERMOST __asm__ volatile(".cfi_undefined rip")
+#elif defined __i386__
+#define OUTERMOST __asm__ volatile(".cfi_undefined eip")
+#elif defined __aarch64__
+#define OUTERMOST __asm__ volatile(".cfi_undefined x30")
+#elif defined __riscv
+#define OUTERMOST __asm__ volatile(".cfi_undefined ra")
+#else
+#define OUTERMOST ((void)0)
+#endif
 
 /* A place to leave the program to: the start of its task, or of the timer function that is running. */
 struct frame {
@@ -32,6 +49,7 @@ struct frame {
     struct frame *outer;
     struct task *task;
     const void *thread; /* which runs it */
+    int is_left; /* by unwinding, which runs destructors: calls do nothing any more */
 };
 
 /* What longjmp brings to a frame. */
@@ -61,6 +79,7 @@ static struct {
     struct at_end *at_quick_exit;
     int is_leaving;
     int exit_code;
+    int ignored_calls; /* of destructors of a program that is being left */
     int wants_out; /* the host has stopped the program while it could not be left */
     struct console out, err;
     struct eyesim_call_site call_site;
@@ -88,6 +107,19 @@ static inline int may_call(void)
 
 /* ---- leaving the program ---- */
 
+#ifdef EYESIM_CPP
+/* Of cpp.cpp: runs the destructors between here and `frame`, and jumps there. Returns where it cannot. */
+HIDDEN void eyesim_unwind(struct frame *frame);
+
+/* Where unwinding ends. */
+HIDDEN _Noreturn void eyesim_jump(struct frame *frame)
+{
+    longjmp(frame->place, LEAVES);
+}
+#else
+#define eyesim_unwind(frame) ((void)(frame))
+#endif
+
 /* Ends the program from wherever it is; the first exit code counts. */
 static _Noreturn void leave(int exit_code)
 {
@@ -97,6 +129,10 @@ static _Noreturn void leave(int exit_code)
     }
     if (self.frame == NULL || self.frame->thread != this_thread())
         __builtin_trap(); /* on a thread that is no task's, or before its start: there is no way out */
+    if (exit_code == EYESIM_EXIT_STOPPED && !self.frame->is_left) {
+        self.frame->is_left = 1;
+        eyesim_unwind(self.frame);
+    }
     longjmp(self.frame->place, LEAVES);
 }
 
@@ -104,6 +140,17 @@ static int is_cancelled(void);
 static struct frame *frame_of_thread(void);
 static void turn(void);
 static _Noreturn void cancel_self(void);
+
+/* Whether a call reaches the host: not outside of the run, and not from destructors while the program is being left.
+ * Those that wait for something in a loop are left as well. */
+static int reaches_host(void)
+{
+    if (!may_call() || !self.is_leaving)
+        return may_call();
+    if (++self.ignored_calls > MOST_IGNORED_CALLS)
+        longjmp(self.frame->place, LEAVES);
+    return 0;
+}
 
 /* After each call: tasks change only inside of calls, so the frame is that of the task which goes on. */
 static void returned(int32_t status, struct frame *frame)
@@ -117,7 +164,7 @@ static void returned(int32_t status, struct frame *frame)
 
 #define CALL(table, name, ...)                                                                                          \
     do {                                                                                                                \
-        if (may_call()) {                                                                                               \
+        if (reaches_host()) {                                                                                           \
             struct frame *frame_ = self.frame;                                                                          \
             self.call_site.address = __builtin_return_address(0);                                                       \
             returned(self.host->table->name(self.robot, __VA_ARGS__), frame_);                                          \
@@ -155,6 +202,13 @@ static struct eyesim_bytes sample_of(const void *sample)
     return bytes_of(sample, 8 + (size[0] | (size_t)size[1] << 8 | (size_t)size[2] << 16 | (size_t)size[3] << 24));
 }
 
+static __attribute__((noinline)) void call_outermost(TimerFnc function)
+{
+    OUTERMOST;
+    function();
+    __asm__ volatile("");
+}
+
 /* Calls a function of the program for the host: leaving the program ends here, as the host's frames lie between. */
 static int32_t called_back(void *data)
 {
@@ -165,9 +219,10 @@ static int32_t called_back(void *data)
     frame.outer = frame_of_thread();
     frame.task = frame.outer->task;
     frame.thread = this_thread();
+    frame.is_left = 0;
     self.frame = &frame;
     if (setjmp(frame.place) == 0) {
-        function();
+        call_outermost(function);
         self.frame = frame.outer;
         self.call_site = outer_site;
         return self.wants_out ? EYESIM_STOP : 0;
@@ -216,9 +271,27 @@ static char *formatted(char *local, size_t room, const char *format, va_list arg
 #include "robios6.c"
 #endif
 
+/* ---- for cpp.cpp ---- */
+
+#ifdef EYESIM_CPP
+/* The program ends by an exception that nobody catches, or without a word while it is left anyway. */
+HIDDEN _Noreturn void eyesim_uncaught(const char *text)
+{
+    if (text != NULL)
+        fail(FAILED_EXCEPTION, text);
+    leave(EYESIM_EXIT_STOPPED);
+}
+
+HIDDEN _Bool eyesim_is_left(void) { return self.frame != NULL && self.frame->is_left; }
+
+HIDDEN uint32_t eyesim_entropy(void) { return (uint32_t)random_bits(ENTROPY); }
+#endif
+
 /* ---- entry ---- */
 
 extern int main(int argc, char **argv, char **environment);
+extern const char __ehdr_start HIDDEN;
+extern ElfW(Dyn) _DYNAMIC[] HIDDEN;
 
 /* The arguments as `main` may change them; kept as long as the library. */
 static __attribute__((noinline)) char **copied_arguments(int argc, const char *const *argv)
@@ -231,16 +304,53 @@ static __attribute__((noinline)) char **copied_arguments(int argc, const char *c
     return copy;
 }
 
+static char *environment[1];
+
+/* The library's constructors, which the dynamic linker does not see: they run as a part of the program. */
+static void construct(int argc, char **argv)
+{
+    static int is_constructed;
+    typedef void constructor(int, char **, char **);
+    const ElfW(Dyn) *entry;
+    constructor *const *constructors = NULL;
+    size_t i, count = 0;
+    if (is_constructed)
+        return;
+    is_constructed = 1;
+    for (entry = _DYNAMIC; entry->d_tag != DT_NULL; entry++) {
+        if (entry->d_tag == EYESIM_CONSTRUCTORS)
+            constructors = (constructor *const *)(const void *)((const char *)&__ehdr_start + entry->d_un.d_ptr);
+        else if (entry->d_tag == EYESIM_CONSTRUCTORS_SIZE)
+            count = entry->d_un.d_val / sizeof *constructors;
+    }
+    for (i = 0; i < count; i++)
+        constructors[i](argc, argv, environment);
+}
+
+/* The whole life of the program, below which no exception looks for a handler. */
+static __attribute__((noinline)) _Noreturn void live(int argc, char **argv)
+{
+    int exit_code = 0;
+    OUTERMOST;
+    construct(argc, argv);
+#ifdef EYESIM_VOID_MAIN
+    main(argc, argv, environment);
+#else
+    exit_code = main(argc, argv, environment);
+#endif
+    end_program(exit_code);
+}
+
 static int run(const struct eyesim_host *host, void *robot, int argc, const char *const *argv)
 {
-    static char *environment[1];
     struct frame frame;
     char **arguments = copied_arguments(argc, argv);
     frame.outer = NULL;
     frame.task = &main_task;
     frame.thread = main_task.thread = this_thread();
+    frame.is_left = 0;
     main_task.base = &frame;
-    self.is_leaving = self.wants_out = 0;
+    self.is_leaving = self.wants_out = self.ignored_calls = 0;
     self.host = host;
     self.robot = robot;
     self.frame = &frame;
@@ -248,16 +358,15 @@ static int run(const struct eyesim_host *host, void *robot, int argc, const char
     case 0:
         if (arguments == NULL)
             fail(1, "no memory for the arguments");
-#ifdef EYESIM_VOID_MAIN
-        main(argc, arguments, environment);
-        end_program(0);
-#else
-        end_program(main(argc, arguments, environment));
-#endif
+        live(argc, arguments);
     case TASK_ENDS:
         end_main_task();
         end_program(0);
     }
+#ifdef EYESIM_CPP
+    if (frame.is_left && setjmp(frame.place) == 0)
+        destroy_at_end();
+#endif
     self.frame = NULL;
     flush_console();
     self.host = NULL;
@@ -275,7 +384,11 @@ __attribute__((visibility("default"))) const struct eyesim_program eyesim_progra
     .abi = EYESIM_ABI_VERSION,
     .generation = EYESIM_ROBIOS,
     .flags = FLAGS,
+#ifdef EYESIM_CPP
+    .language = EYESIM_LANGUAGE_CPP,
+#else
     .language = EYESIM_LANGUAGE_C,
+#endif
     .support_size = sizeof(struct eyesim_support),
 #if EYESIM_ROBIOS == 7
     .robios_size = sizeof(struct eyesim_robios7),

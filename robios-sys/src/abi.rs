@@ -25,6 +25,10 @@ pub const EXIT_ABORTED: c_int = 134;
 /// What [`Program::run`] of a Rust program returns after a panic, as the Rust run time does.
 pub const EXIT_PANICKED: c_int = 101;
 
+/// Tags of a library's dynamic section in place of `DT_INIT_ARRAY` and `DT_INIT_ARRAYSZ`: its constructors are called by
+/// [`Program::run`], as a part of the program, and not by the dynamic linker, which knows neither tag.
+pub const CONSTRUCTOR_TAGS: [u32; 2] = [0x6579_0001, 0x6579_0002];
+
 /// Whether the program goes on after a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
@@ -97,6 +101,8 @@ pub mod language {
     pub const C: u32 = 1;
     /// Rust, with `robios-api`.
     pub const RUST: u32 = 2;
+    /// C++, or C++ and C, with `shim.c` and `cpp.cpp`.
+    pub const CPP: u32 = 3;
 }
 
 /// Bits of [`Program::flags`].

@@ -37,6 +37,8 @@ pub mod failure {
     pub const STACK: i32 = 4;
     /// `main` of a Rust program returned an error.
     pub const ERROR: i32 = 5;
+    /// A C++ program threw an exception that it does not catch.
+    pub const EXCEPTION: i32 = 6;
 }
 
 /// What a task waits for, the second argument of [`Support::task_wait`].

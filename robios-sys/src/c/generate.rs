@@ -231,11 +231,15 @@ fn abi_header(support: &[&Function], robios6: &[&Function], robios7: &[&Function
         "/* What crosses between a program's library and the host: see docs/abi.md.\n * {NOTICE} */\n\
          #ifndef EYESIM_ABI_H\n#define EYESIM_ABI_H\n\n#include <stddef.h>\n#include <stdint.h>\n\n\
          #define EYESIM_ABI_VERSION {}\n#define EYESIM_STOP 1\n#define EYESIM_EXIT_STOPPED INT32_MIN\n\
-         #define EYESIM_EXIT_ABORTED {}\n#define EYESIM_LANGUAGE_C {}\n#define EYESIM_FLAG_VOID_MAIN {}\n\n",
+         #define EYESIM_EXIT_ABORTED {}\n#define EYESIM_LANGUAGE_C {}\n#define EYESIM_LANGUAGE_CPP {}\n\
+         #define EYESIM_FLAG_VOID_MAIN {}\n#define EYESIM_CONSTRUCTORS {:#x}\n#define EYESIM_CONSTRUCTORS_SIZE {:#x}\n\n",
         abi::ABI_VERSION,
         abi::EXIT_ABORTED,
         abi::language::C,
+        abi::language::CPP,
         abi::flag::VOID_MAIN,
+        abi::CONSTRUCTOR_TAGS[0],
+        abi::CONSTRUCTOR_TAGS[1],
     );
     text += "struct eyesim_bytes { const void *data; size_t len; };\n\
              struct eyesim_room { void *data; size_t len; };\n\

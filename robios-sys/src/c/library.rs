@@ -56,7 +56,9 @@ pub const REPLACED: &[(&str, &str)] = &[
     ("vdprintf", PRINTS_TO),
     ("__dprintf_chk", PRINTS_TO),
     ("__vdprintf_chk", PRINTS_TO),
-    ("write", "descriptors 1 and 2 are the robot's console"),
+    ("write", WRITES),
+    ("writev", WRITES),
+    ("fileno", "the robot's own streams have the descriptors 0 to 2"),
     ("read", "descriptor 0 is at its end"),
     ("__read_chk", "descriptor 0 is at its end"),
     ("close", "leaves descriptors 0 to 2, which are the host's, open"),
@@ -256,6 +258,7 @@ const REGISTERS: &str = "the function is called when the robot's program ends";
 const PRINTS: &str = "prints to the robot's console, line by line";
 const PRINTS_ANY: &str = "as ever; on the robot's console the robot can be stopped there";
 const PRINTS_TO: &str = "descriptors 1 and 2 are the robot's console; others fail";
+const WRITES: &str = "descriptors 1 and 2 are the robot's console";
 const ENDS_INPUT: &str = "standard input is at its end";
 const CHECKS: &str = "a failed check ends the robot's program as failed, with a message";
 const DRAWS: &str = "draws from the robot's own stream";
@@ -320,7 +323,6 @@ pub const OUTSIDE_GUARANTEE: &[(&str, &str)] = &[
     ("dup", DESCRIPTOR),
     ("dup2", DESCRIPTOR),
     ("dup3", DESCRIPTOR),
-    ("writev", DESCRIPTOR),
     ("readv", DESCRIPTOR),
     ("tcsetattr", "changes the terminal of the host"),
     ("ioctl", "changes the terminal of the host"),

@@ -42,6 +42,8 @@ pub const HEADERS7: &[SourceFile] =
 /// a program.
 pub const SHIM: &[SourceFile] = files![
     "shim" / "shim.c",
+    "shim" / "cpp.cpp",
+    "shim" / "exports.map",
     "shim" / "abi.h",
     "shim" / "robios6.c",
     "shim" / "robios6_own.c",
@@ -52,8 +54,11 @@ pub const SHIM: &[SourceFile] = files![
     "shim" / "pthread.c",
 ];
 
-/// The file of [`SHIM`] that is compiled; it includes the others.
+/// The file of [`SHIM`] that is compiled; it includes the others but [`CPP_SHIM_SOURCE`].
 pub const SHIM_SOURCE: &str = "shim.c";
+
+/// The file of [`SHIM`] that is compiled by the C++ compiler for programs with parts in C++.
+pub const CPP_SHIM_SOURCE: &str = "cpp.cpp";
 
 /// Flags for compiling a program's files. Source: design, section 8.
 ///
@@ -90,8 +95,23 @@ pub const COMPILE_FLAGS: &[&str] = &[
 ];
 
 /// Flags for compiling the shim: it must not be checked by the functions that it replaces.
-pub const SHIM_FLAGS: &[&str] =
-    &["-g", "-O1", "-fPIC", "-std=gnu11", "-U_FORTIFY_SOURCE", "-fno-stack-protector", "-fno-builtin"];
+pub const SHIM_FLAGS: &[&str] = &[
+    "-g",
+    "-O1",
+    "-fPIC",
+    "-std=gnu11",
+    "-U_FORTIFY_SOURCE",
+    "-fno-stack-protector",
+    "-fno-builtin",
+    "-Wno-prio-ctor-dtor",
+];
+
+/// Flags for compiling the shim's part in C++.
+pub const CPP_SHIM_FLAGS: &[&str] =
+    &["-g", "-O1", "-fPIC", "-std=gnu++17", "-U_FORTIFY_SOURCE", "-fno-stack-protector", "-fexceptions", "-frtti"];
+
+/// Defined for the shim of a program with parts in C++, whose functions are unwound.
+pub const CPP_FLAGS: &[&str] = &["-DEYESIM_CPP", "-fexceptions"];
 
 /// Defined for the shim where `main` returns no value: the exit code is then 0.
 pub const VOID_MAIN_FLAG: &str = "-DEYESIM_VOID_MAIN";
@@ -101,6 +121,14 @@ pub const VOID_MAIN_FLAG: &str = "-DEYESIM_VOID_MAIN";
 /// `-Bsymbolic` binds a program's references to its own functions and to those of the shim instead of libc's;
 /// `-z defs` reports a misspelled function when linking and not when loading.
 pub const LINK_FLAGS: &[&str] = &["-shared", "-Wl,-Bsymbolic", "-Wl,-z,defs"];
+
+/// Flags for linking a library with parts in C++: its copies share nothing of the C++ library, and nothing that C++ would
+/// make unique in the process (`STB_GNU_UNIQUE`: static variables of templates and inline functions).
+pub const CPP_LINK_FLAGS: &[&str] = &["-static-libstdc++", "-static-libgcc"];
+
+/// The file of [`SHIM`] that is given to the linker as the version script of a library with parts in C++: it exports nothing
+/// but its description.
+pub const CPP_EXPORTS: &str = "exports.map";
 
 /// Libraries, behind everything else.
 pub const LIBRARIES: &[&str] = &["-lm"];

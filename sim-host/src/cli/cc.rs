@@ -1,4 +1,4 @@
-//! `eyesim cc`: builds the library of a robot program from C sources by hand.
+//! `eyesim cc`: builds the library of a robot program from C and C++ sources by hand.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -9,11 +9,12 @@ use clap::Args;
 use crate::program::build::{Builder, Tools};
 use crate::program::cache::Cache;
 use crate::program::compile::Kits;
+use crate::program::language::Language;
 
 /// Arguments of `eyesim cc`.
 #[derive(Args, Debug)]
 pub struct CcArgs {
-    /// The C sources of one program
+    /// The C and C++ sources of one program
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// The library to write
@@ -54,14 +55,16 @@ fn check_files(files: &[PathBuf], output: &Path) -> anyhow::Result<()> {
                 file.display()
             );
         }
-        let is_c = file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("c"));
-        if !is_c {
-            bail!("`{}` is not a C source: the files of a program are named `*.c`", file.display());
+        if Language::of(file).is_none() {
+            bail!(
+                "`{}` is no C or C++ source: the files of a program are named `*.c`, `*.cpp`, `*.cc` or `*.cxx`",
+                file.display()
+            );
         }
     }
-    let is_source = output
-        .extension()
-        .is_some_and(|extension| ["c", "h"].iter().any(|source| extension.eq_ignore_ascii_case(source)));
+    let is_header =
+        output.extension().is_some_and(|extension| ["h", "hpp"].iter().any(|h| extension.eq_ignore_ascii_case(h)));
+    let is_source = is_header || Language::of(output).is_some();
     if is_source {
         bail!("the library would be written over `{}`: give it a name that ends in `.so`", output.display());
     }
@@ -79,8 +82,8 @@ mod tests {
 
     #[test]
     fn sources_are_not_overwritten_and_other_files_not_compiled() {
-        assert_eq!(check(&["maze.c", "MAP.C"], "maze.so"), Ok(()));
+        assert_eq!(check(&["maze.c", "MAP.C", "plan.cpp"], "maze.so"), Ok(()));
         assert!(check(&["maze.c"], "map.c").expect_err("a source").contains("written over `map.c`"));
-        assert!(check(&["maze.o"], "maze.so").expect_err("an object").contains("`maze.o` is not a C source"));
+        assert!(check(&["maze.o"], "maze.so").expect_err("an object").contains("`maze.o` is no C or C++ source"));
     }
 }

@@ -1,4 +1,4 @@
-//! Builds what was found: C sources through the cache, Cargo packages through cargo.
+//! Builds what was found: C and C++ sources through the cache, Cargo packages through cargo.
 
 use std::fs;
 use std::io;
@@ -10,16 +10,30 @@ use super::cargo::{CargoError, build_package};
 use super::compile::{Compilation, CompileError, Compiled, Kits, ShimKit};
 use super::compiler::{Compiler, CompilerError};
 use super::find::ProgramSource;
+use super::language::Language;
 use super::words::{WordsError, split_words};
 
 /// Changes when the layout of the cache changes.
-const CACHE_VERSION: u32 = 1;
+const CACHE_VERSION: u32 = 2;
+
+/// Variables that change what a compiler does.
+const ENVIRONMENT: [&str; 7] = [
+    "CPATH",
+    "C_INCLUDE_PATH",
+    "CPLUS_INCLUDE_PATH",
+    "LIBRARY_PATH",
+    "GCC_EXEC_PREFIX",
+    "COMPILER_PATH",
+    "SOURCE_DATE_EPOCH",
+];
 
 /// What the user's environment says of the tools.
 #[derive(Clone, Debug, Default)]
 pub struct Tools {
     /// `$CC`: the C compiler, with arguments if any.
     pub cc: Option<String>,
+    /// `$CXX`: the C++ compiler, with arguments if any.
+    pub cxx: Option<String>,
     /// `$EYESIM_CFLAGS`: flags of the compilation, behind all others.
     pub cflags: Option<String>,
     /// `$CARGO`: cargo, else `cargo` on the search path.
@@ -30,7 +44,15 @@ impl Tools {
     /// The tools that the environment of this process names.
     pub fn of_environment() -> Self {
         let text = |name: &str| std::env::var(name).ok().filter(|value| !value.trim().is_empty());
-        Self { cc: text("CC"), cflags: text("EYESIM_CFLAGS"), cargo: text("CARGO").map(PathBuf::from) }
+        let cargo = text("CARGO").map(PathBuf::from);
+        Self { cc: text("CC"), cxx: text("CXX"), cflags: text("EYESIM_CFLAGS"), cargo }
+    }
+
+    fn compiler(&self, language: Language) -> Option<&str> {
+        match language {
+            Language::C => self.cc.as_deref(),
+            Language::Cpp => self.cxx.as_deref(),
+        }
     }
 }
 
@@ -50,7 +72,7 @@ pub struct Built {
 /// A program that cannot be built.
 #[derive(Debug, thiserror::Error)]
 pub enum BuildError {
-    /// There is no C compiler, or it does not work.
+    /// There is no compiler, or it does not work.
     #[error(transparent)]
     Compiler(#[from] CompilerError),
     /// The sources do not become a program.
@@ -69,6 +91,12 @@ pub enum BuildError {
         path: PathBuf,
         /// Why.
         error: io::Error,
+    },
+    /// A Python program, which needs no building and cannot be run yet.
+    #[error("`{}` is a Python program, which eyesim cannot run yet", path.display())]
+    Python {
+        /// The program.
+        path: PathBuf,
     },
     /// The cache cannot be read or written.
     #[error("cannot use the cache `{}`: {error}", root.display())]
@@ -95,16 +123,17 @@ pub struct Builder {
     cache: Cache,
     kits: Kits,
     tools: Tools,
-    compiler: OnceLock<Compiler>,
-    /// Held while the compiler is looked for, so that only one thread does.
+    /// The compilers of [`Language::ALL`].
+    compilers: [OnceLock<Compiler>; 2],
+    /// Held while a compiler is looked for, so that only one thread does.
     looking: Mutex<()>,
     watch: Option<Box<dyn Watch>>,
 }
 
 impl Builder {
-    /// A builder that keeps what it builds in `cache` and gives C programs the headers and the shim of `kits`.
+    /// A builder that keeps what it builds in `cache` and gives C and C++ programs the headers and the shim of `kits`.
     pub fn new(cache: Cache, kits: Kits, tools: Tools) -> Self {
-        Self { cache, kits, tools, compiler: OnceLock::new(), looking: Mutex::new(()), watch: None }
+        Self { cache, kits, tools, compilers: Default::default(), looking: Mutex::new(()), watch: None }
     }
 
     /// The same builder with somebody who watches.
@@ -121,7 +150,8 @@ impl Builder {
             ProgramSource::Library(library) => {
                 Ok(Built { library: library.clone(), source: source.clone(), output: String::new(), compiled: false })
             }
-            ProgramSource::C(sources) => self.build_c(source, sources),
+            ProgramSource::Sources(sources) => self.build_sources(source, sources),
+            ProgramSource::Python(path) => Err(BuildError::Python { path: path.clone() }),
             ProgramSource::Cargo(folder) => {
                 let cargo = self.tools.cargo.as_deref();
                 let package = self.watched(source, || build_package(folder, cargo, &self.cache))?;
@@ -174,7 +204,7 @@ impl Builder {
         Ok((compiled.commands, compiled.output))
     }
 
-    fn build_c(&self, source: &ProgramSource, sources: &[PathBuf]) -> Result<Built, BuildError> {
+    fn build_sources(&self, source: &ProgramSource, sources: &[PathBuf]) -> Result<Built, BuildError> {
         let sources = absolute(sources)?;
         let extra_flags = self.extra_flags()?;
         let built = |entry: super::cache::Entry, compiled| Built {
@@ -217,10 +247,11 @@ impl Builder {
     }
 
     fn compile(&self, sources: &[PathBuf], extra_flags: &[String], folder: &Path) -> Result<Compiled, BuildError> {
-        let compiler = self.compiler()?;
+        let compilers = self.compilers(sources)?;
         let kit = self.kits.of_sources(sources);
         let kit_folder = self.kit_folder(kit).map_err(|error| self.cache_error(error))?;
-        let compilation = Compilation { compiler, kit, kit_folder: &kit_folder, sources, extra_flags, folder };
+        let compilation =
+            Compilation { compilers: &compilers, kit, kit_folder: &kit_folder, sources, extra_flags, folder };
         Ok(compilation.run()?)
     }
 
@@ -232,13 +263,22 @@ impl Builder {
         result
     }
 
-    fn compiler(&self) -> Result<&Compiler, BuildError> {
+    /// The compilers that `sources` and the shim need.
+    fn compilers(&self, sources: &[PathBuf]) -> Result<Vec<&Compiler>, BuildError> {
+        let is_needed = |language: &Language| {
+            *language == Language::C || sources.iter().any(|source| Language::of(source) == Some(*language))
+        };
+        Language::ALL.into_iter().filter(is_needed).map(|language| self.compiler(language)).collect()
+    }
+
+    fn compiler(&self, language: Language) -> Result<&Compiler, BuildError> {
         let _looking = self.looking.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if let Some(compiler) = self.compiler.get() {
+        let known = &self.compilers[language as usize];
+        if let Some(compiler) = known.get() {
             return Ok(compiler);
         }
-        let compiler = Compiler::find(self.tools.cc.as_deref(), &self.cache)?;
-        Ok(self.compiler.get_or_init(|| compiler))
+        let compiler = Compiler::find(language, self.tools.compiler(language), &self.cache)?;
+        Ok(known.get_or_init(|| compiler))
     }
 
     fn extra_flags(&self) -> Result<Vec<String>, BuildError> {
@@ -261,7 +301,6 @@ impl Builder {
 
     /// Digest of all that decides what is built, except the contents of the headers included.
     fn sources_key(&self, sources: &[PathBuf], extra_flags: &[String]) -> Result<String, BuildError> {
-        let compiler = self.compiler()?;
         let mut hasher = blake3::Hasher::new();
         let mut add = |bytes: &[u8]| {
             hasher.update(&(bytes.len() as u64).to_le_bytes());
@@ -269,15 +308,16 @@ impl Builder {
         };
         add(format!("eyesim {CACHE_VERSION}").as_bytes());
         add(self.kits.of_sources(sources).digest().as_bytes());
-        add(compiler.identity().as_bytes());
-        for flag in compiler.compile_flags().chain(compiler.link_flags()) {
-            add(flag.as_bytes());
+        for compiler in self.compilers(sources)? {
+            add(compiler.identity().as_bytes());
+            for flag in compiler.compile_flags().chain(compiler.link_flags()) {
+                add(flag.as_bytes());
+            }
         }
         for flag in extra_flags {
             add(flag.as_bytes());
         }
-        for name in ["CPATH", "C_INCLUDE_PATH", "LIBRARY_PATH", "GCC_EXEC_PREFIX", "COMPILER_PATH", "SOURCE_DATE_EPOCH"]
-        {
+        for name in ENVIRONMENT {
             add(std::env::var_os(name).unwrap_or_default().as_encoded_bytes());
         }
         for source in sources {
@@ -312,10 +352,14 @@ fn absolute(sources: &[PathBuf]) -> Result<Vec<PathBuf>, BuildError> {
 
 fn headers_beside(source: &Path) -> Vec<PathBuf> {
     let entries = source.parent().map(fs::read_dir).and_then(Result::ok).into_iter().flatten().flatten();
-    let mut headers: Vec<PathBuf> =
-        entries.map(|entry| entry.path()).filter(|path| path.extension().is_some_and(|e| e == "h")).collect();
+    let mut headers: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| is_header(path)).collect();
     headers.sort();
     headers
+}
+
+fn is_header(path: &Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    ["h", "hh", "hpp", "hxx", "inc"].contains(&extension)
 }
 
 /// Digest of the sources' key and of the contents of every file that `note` lists, one a line; `None` if one is gone.

@@ -1,4 +1,4 @@
-//! Compiles and links C sources to the library of one robot program.
+//! Compiles and links C and C++ sources to the library of one robot program.
 
 use std::fs;
 use std::io;
@@ -8,7 +8,9 @@ use std::process::Command;
 use robios_sys::{Robios6Call, c};
 
 use super::compiler::Compiler;
+use super::constructors::defer_constructors;
 use super::generation::Generation;
+use super::language::Language;
 
 /// The texts that every C program is built with: the headers it may include, and the shim that is linked to it.
 #[derive(Clone, Debug)]
@@ -40,7 +42,8 @@ impl ShimKit {
         for (name, text) in self.headers.iter().chain(&self.shim) {
             hasher.update(format!("{name}\0{}\0{text}\0", text.len()).as_bytes());
         }
-        hasher.update(format!("{:?}", self.shim_flags).as_bytes());
+        let flags = (self.shim_flags, c::CPP_FLAGS, c::CPP_SHIM_FLAGS);
+        hasher.update(format!("{flags:?}").as_bytes());
         hasher.finalize().to_hex()[..32].to_owned()
     }
 }
@@ -81,13 +84,13 @@ impl Kits {
 /// One library to build.
 #[derive(Debug)]
 pub struct Compilation<'a> {
-    /// The compiler.
-    pub compiler: &'a Compiler,
+    /// The compilers, one for each language of the sources, and that of C, in which the shim is written.
+    pub compilers: &'a [&'a Compiler],
     /// The kit, whose files lie in `kit_folder`.
     pub kit: &'a ShimKit,
     /// Where the kit's files lie: headers in `include/`, the shim in `shim/`.
     pub kit_folder: &'a Path,
-    /// The sources, absolute.
+    /// The sources, absolute, each in a language of its extension.
     pub sources: &'a [PathBuf],
     /// The user's further flags of the compilation, behind all others.
     pub extra_flags: &'a [String],
@@ -271,47 +274,92 @@ impl Compilation<'_> {
         let mut objects = Vec::new();
         let mut void_main = false;
         for (index, source) in self.sources.iter().enumerate() {
-            let object = self.folder.join(format!("{index}.o"));
-            let dependencies = self.folder.join(format!("{index}.d"));
-            let mut command = self.compile_command();
-            command.args(self.compiler.compile_flags()).args(self.extra_flags);
-            command.arg("-MD").arg("-MF").arg(&dependencies).args(["-MT", "o"]);
-            command.arg("-c").arg(self.seen_from_folder(source)).arg("-o").arg(&object);
-            let output = compiled
-                .call(&mut command)?
-                .map_err(|output| Failure::Refused { source_file: source.clone(), output })?;
+            let (object, output) = self.compile_source(index, source, &mut compiled)?;
             void_main |= returns_nothing_from_main(&output);
             compiled.output.push_str(&output);
-            let listed = parse_dependencies(&fs::read_to_string(&dependencies)?);
-            compiled.read.extend(listed.iter().map(|path| self.source_folder().join(path)));
             objects.push(object);
         }
-        objects.push(self.compile_shim(void_main, &mut compiled)?);
-        let mut command = self.compiler.command();
-        command.current_dir(self.source_folder()).args(self.compiler.link_flags());
-        command.args(&objects).args(c::LIBRARIES).arg("-o").arg(&compiled.library);
-        let output = compiled.call(&mut command)?.map_err(|output| Failure::Unlinked { output })?;
-        compiled.output.push_str(&output);
+        let language = self.language();
+        let mut flags = self.kit.shim_flags.to_vec();
+        flags.extend(void_main.then_some(c::VOID_MAIN_FLAG));
+        if language == Language::Cpp {
+            flags.extend(c::CPP_FLAGS);
+            objects.push(self.compile_shim(Language::Cpp, c::CPP_SHIM_SOURCE, c::CPP_SHIM_FLAGS, &mut compiled)?);
+        }
+        let name = self.kit.shim.first().map_or("", |(name, _)| name);
+        objects.push(self.compile_shim(Language::C, name, &flags, &mut compiled)?);
+        self.link(language, &objects, &mut compiled)?;
+        defer_constructors(&compiled.library)?;
         compiled.read.sort();
         compiled.read.dedup();
         Ok(compiled)
     }
 
-    fn compile_shim(&self, void_main: bool, compiled: &mut Compiled) -> Result<PathBuf, Failure> {
-        let Some((name, _)) = self.kit.shim.first() else {
-            return Err(Failure::Io(io::Error::other("the kit has no shim")));
-        };
+    /// The language of the program: C++ if a part of it is.
+    fn language(&self) -> Language {
+        self.sources.iter().filter_map(|source| Language::of(source)).max().unwrap_or(Language::C)
+    }
+
+    fn compiler(&self, language: Language) -> Result<&Compiler, Failure> {
+        let compiler = self.compilers.iter().find(|compiler| compiler.language() == language);
+        compiler.copied().ok_or_else(|| Failure::Io(io::Error::other(format!("no compiler of {}", language.name()))))
+    }
+
+    /// The object file of a source, and what the compiler said.
+    fn compile_source(
+        &self,
+        index: usize,
+        source: &Path,
+        compiled: &mut Compiled,
+    ) -> Result<(PathBuf, String), Failure> {
+        let compiler = self.compiler(Language::of(source).unwrap_or(Language::C))?;
+        let object = self.folder.join(format!("{index}.o"));
+        let dependencies = self.folder.join(format!("{index}.d"));
+        let mut command = self.compile_command(compiler);
+        command.args(compiler.compile_flags()).args(self.extra_flags);
+        command.arg("-MD").arg("-MF").arg(&dependencies).args(["-MT", "o"]);
+        command.arg("-c").arg(self.seen_from_folder(source)).arg("-o").arg(&object);
+        let output = compiled
+            .call(&mut command)?
+            .map_err(|output| Failure::Refused { source_file: source.to_owned(), output })?;
+        let listed = parse_dependencies(&fs::read_to_string(&dependencies)?);
+        compiled.read.extend(listed.iter().map(|path| self.source_folder().join(path)));
+        Ok((object, output))
+    }
+
+    /// The object file of the shim's file `name`.
+    fn compile_shim(
+        &self,
+        language: Language,
+        name: &str,
+        flags: &[&str],
+        compiled: &mut Compiled,
+    ) -> Result<PathBuf, Failure> {
         let source = self.kit_folder.join("shim").join(name);
-        let object = self.folder.join("shim.o");
-        let mut command = self.compile_command();
-        command.args(self.kit.shim_flags).args(void_main.then_some(c::VOID_MAIN_FLAG));
-        command.arg("-c").arg(&source).arg("-o").arg(&object);
+        let object = self.folder.join(format!("shim-{name}.o"));
+        let mut command = self.compile_command(self.compiler(language)?);
+        command.args(flags).arg("-c").arg(&source).arg("-o").arg(&object);
         compiled.call(&mut command)?.map_err(|output| Failure::Refused { source_file: source, output })?;
         Ok(object)
     }
 
-    fn compile_command(&self) -> Command {
-        let mut command = self.compiler.command();
+    fn link(&self, language: Language, objects: &[PathBuf], compiled: &mut Compiled) -> Result<(), Failure> {
+        let compiler = self.compiler(language)?;
+        let mut command = compiler.command();
+        command.current_dir(self.source_folder()).args(compiler.link_flags());
+        if language == Language::Cpp {
+            let exports = self.kit_folder.join("shim").join(c::CPP_EXPORTS);
+            command.arg("-Xlinker").arg(format!("--version-script={}", exports.display()));
+        }
+        command.args(objects).args(c::LIBRARIES).arg("-o").arg(&compiled.library);
+        let output = compiled.call(&mut command)?.map_err(|output| Failure::Unlinked { output })?;
+        compiled.output.push_str(&output);
+        Ok(())
+    }
+
+    /// A call of `compiler` that finds the headers.
+    fn compile_command(&self, compiler: &Compiler) -> Command {
+        let mut command = compiler.command();
         command.current_dir(self.source_folder()).arg("-I").arg(self.kit_folder.join("include"));
         command
     }

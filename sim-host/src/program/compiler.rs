@@ -1,4 +1,4 @@
-//! The system's C compiler: which one, how it is called, which of the wanted flags it knows.
+//! The system's compilers of C and C++: which one, how it is called, which of the wanted flags it knows.
 
 use std::ffi::OsString;
 use std::io;
@@ -8,21 +8,28 @@ use std::process::{Command, Stdio};
 use robios_sys::c;
 
 use super::cache::Cache;
+use super::language::Language;
 use super::words::split_words;
 
-/// Flags of every compilation of a robot program behind [`robios_sys::c::COMPILE_FLAGS`], understood by every gcc and
-/// clang.
+/// The standard that sources are written in, behind [`robios_sys::c::COMPILE_FLAGS`]: in C, K&R functions and `bool` as a
+/// name still compile, which newer standards refuse; C++ is the newest one that course programs of its time still are.
+const fn standard(language: Language) -> &'static str {
+    match language {
+        Language::C => "-std=gnu17",
+        Language::Cpp => "-std=gnu++17",
+    }
+}
+
+/// Further flags of every compilation of a robot program, understood by every gcc and clang.
 ///
 /// | flag | why |
 /// |---|---|
-/// | `-std=gnu17` | K&R functions and `bool` as a name still compile; newer standards refuse both |
 /// | `-O2` | image and map code in loops; `-O0` gives the same results, add it to step through a program |
 /// | `-fsigned-char` | `char` is signed as on the robot's processor, also on ARM |
 /// | `-fwrapv`, `-fno-delete-null-pointer-checks` | old C does what it did: overflow wraps, and a null pointer faults where it is used |
 /// | `-fno-omit-frame-pointer` | the call stack can be walked after a fault |
 /// | `-Wall`, `-Wmain` | a student wants to know; `-Wmain` also tells that `main` returns nothing |
 pub const COMPILE_FLAGS: &[&str] = &[
-    "-std=gnu17",
     "-O2",
     "-fsigned-char",
     "-fwrapv",
@@ -32,96 +39,135 @@ pub const COMPILE_FLAGS: &[&str] = &[
     "-Wmain",
 ];
 
-/// Flags that are used where the compiler knows them: the first group lets old C compile with compilers that made these
-/// warnings errors (gcc 14, clang 16), then probed stacks (a big local array hits the guard page and not what lies
-/// behind it).
-const OPTIONAL_COMPILE_FLAGS: &[&str] = &[
-    "-Wno-error=implicit-int",
-    "-Wno-error=implicit-function-declaration",
-    "-Wno-error=int-conversion",
-    "-Wno-error=incompatible-pointer-types",
-    "-Wno-error=incompatible-function-pointer-types",
-    "-Wno-error=return-type",
-    "-Wno-error=return-mismatch",
-    "-Wno-error=declaration-missing-parameter-type",
-    "-Wno-error=main-return-type",
-    "-fstack-clash-protection",
-];
+/// Flags that are used where the compiler knows them: those with which old sources compile although what they do has become an
+/// error (gcc 14, clang 16, C++11), then probed stacks (a big local array hits the guard page and not what lies behind it).
+const fn optional_compile_flags(language: Language) -> &'static [&'static str] {
+    match language {
+        Language::C => &[
+            "-Wno-error=implicit-int",
+            "-Wno-error=implicit-function-declaration",
+            "-Wno-error=int-conversion",
+            "-Wno-error=incompatible-pointer-types",
+            "-Wno-error=incompatible-function-pointer-types",
+            "-Wno-error=return-type",
+            "-Wno-error=return-mismatch",
+            "-Wno-error=declaration-missing-parameter-type",
+            "-Wno-error=main-return-type",
+            "-fstack-clash-protection",
+        ],
+        Language::Cpp => &[
+            "-Wno-error=narrowing",
+            "-Wno-error=c++11-narrowing",
+            "-Wno-error=register",
+            "-Wno-error=writable-strings",
+            "-fno-gnu-unique",
+            "-fstack-clash-protection",
+        ],
+    }
+}
 
 /// Flags of the link that are used where the linker knows them: both halve the memory mappings of a private copy, of
 /// which each robot has one.
 const OPTIONAL_LINK_FLAGS: &[&str] = &["-Wl,-z,noseparate-code", "-Wl,-z,norelro"];
 
-/// A C compiler that was found, with its flags.
+/// A compiler that was found, with its flags.
 #[derive(Clone, Debug)]
 pub struct Compiler {
+    language: Language,
     command: Vec<String>,
     version: String,
     optional_compile_flags: Vec<String>,
     optional_link_flags: Vec<String>,
 }
 
-/// No C compiler, or none that works.
+/// No compiler of a language, or none that works.
 #[derive(Debug, thiserror::Error)]
 pub enum CompilerError {
-    /// `$CC` is not set and none of the usual names is on the search path.
+    /// The language's variable is not set and none of the usual names is on the search path.
     #[error(
-        "no C compiler is found (tried {tried}): install one (Debian and Ubuntu: `apt install gcc libc6-dev`), or set \
-         $CC to its name"
+        "no {} compiler is found (tried {}): install one (Debian and Ubuntu: `apt install {}`), or set ${} to its name",
+        language.name(), quoted(language.commands()), language.packages(), language.variable()
     )]
     Missing {
-        /// The commands tried, quoted.
-        tried: String,
+        /// The language.
+        language: Language,
     },
-    /// The command in `$CC` does not start.
-    #[error("the C compiler `{command}` set in $CC does not run: {error}")]
+    /// The command in the language's variable does not start.
+    #[error("the {} compiler `{command}` set in ${} does not run: {error}", language.name(), language.variable())]
     Broken {
-        /// What `$CC` says.
+        /// The language.
+        language: Language,
+        /// What the variable says.
         command: String,
         /// Why it does not run.
         error: String,
     },
-    /// A compiler that starts and cannot compile an empty file, or a link without the C library's development files.
+    /// A compiler that starts and cannot compile an empty file, or a link without the library's development files.
     #[error(
-        "the C compiler `{command}` cannot build a library (on Debian and Ubuntu `apt install gcc libc6-dev` gives what \
-         it needs):\n{output}"
+        "the {} compiler `{command}` cannot build a library (on Debian and Ubuntu `apt install {}` gives what it \
+         needs):\n{output}",
+        language.name(), language.packages()
     )]
     Unusable {
+        /// The language.
+        language: Language,
         /// The compiler's command.
         command: String,
         /// What it printed.
         output: String,
     },
+    /// A C++ compiler whose library is there only as a shared one, whose streams all robots would share.
+    #[error(
+        "the C++ compiler `{command}` has no static C++ library (`libstdc++.a`), of which each robot needs a copy: install it \
+         (Fedora: `dnf install libstdc++-static`; Debian and Ubuntu: `apt install g++`):\n{output}"
+    )]
+    NoStaticLibrary {
+        /// The compiler's command.
+        command: String,
+        /// What the linker printed.
+        output: String,
+    },
     /// A file of the probe cannot be written.
-    #[error("cannot try the C compiler: {0}")]
+    #[error("cannot try the compiler: {0}")]
     Io(#[from] io::Error),
 }
 
+fn quoted(names: &[&str]) -> String {
+    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
 impl Compiler {
-    /// The compiler that `cc` (the value of `$CC`, which may carry arguments) names, else `cc`, `gcc` or `clang`.
+    /// The compiler of `language` that `setting` (the value of `$CC` or `$CXX`, which may carry arguments) names, else the
+    /// first of its [usual commands](Language::commands).
     ///
     /// Which optional flags it knows is tried once and kept in `cache`.
     ///
     /// # Errors
     /// [`CompilerError`] if there is none or it does not work.
-    pub fn find(cc: Option<&str>, cache: &Cache) -> Result<Self, CompilerError> {
-        let (command, version) = match cc.map(str::trim).filter(|cc| !cc.is_empty()) {
-            Some(cc) => {
-                let broken = |error: String| CompilerError::Broken { command: cc.to_owned(), error };
-                let command = split_words(cc).map_err(|error| broken(error.to_string()))?;
+    pub fn find(language: Language, setting: Option<&str>, cache: &Cache) -> Result<Self, CompilerError> {
+        let (command, version) = match setting.map(str::trim).filter(|setting| !setting.is_empty()) {
+            Some(setting) => {
+                let broken = |error: String| CompilerError::Broken { language, command: setting.to_owned(), error };
+                let command = split_words(setting).map_err(|error| broken(error.to_string()))?;
                 let version = version_of(&command).map_err(|error| broken(error.to_string()))?;
                 (command, version)
             }
-            None => ["cc", "gcc", "clang"]
-                .into_iter()
-                .map(|name| vec![name.to_owned()])
+            None => language
+                .commands()
+                .iter()
+                .map(|&name| vec![name.to_owned()])
                 .find_map(|command| Some((command.clone(), version_of(&command).ok()?)))
-                .ok_or_else(|| CompilerError::Missing { tried: "`cc`, `gcc`, `clang`".into() })?,
+                .ok_or(CompilerError::Missing { language })?,
         };
-        let mut compiler =
-            Self { command, version, optional_compile_flags: Vec::new(), optional_link_flags: Vec::new() };
+        let (optional_compile_flags, optional_link_flags) = (Vec::new(), Vec::new());
+        let mut compiler = Self { language, command, version, optional_compile_flags, optional_link_flags };
         compiler.probe(cache)?;
         Ok(compiler)
+    }
+
+    /// The language that it compiles.
+    pub fn language(&self) -> Language {
+        self.language
     }
 
     /// A command that runs this compiler, its messages in English and free of anything that differs from run to run.
@@ -143,21 +189,31 @@ impl Compiler {
 
     /// The flags of a compilation to an object file.
     pub fn compile_flags(&self) -> impl Iterator<Item = &str> {
-        c::COMPILE_FLAGS
-            .iter()
-            .chain(COMPILE_FLAGS)
-            .copied()
-            .chain(self.optional_compile_flags.iter().map(String::as_str))
+        let flags = c::COMPILE_FLAGS.iter().chain(COMPILE_FLAGS).copied();
+        flags.chain([standard(self.language)]).chain(self.optional_compile_flags.iter().map(String::as_str))
     }
 
     /// The flags of the link, before the object files; [`robios_sys::c::LIBRARIES`] go behind them.
     pub fn link_flags(&self) -> impl Iterator<Item = &str> {
-        c::LINK_FLAGS.iter().copied().chain(self.optional_link_flags.iter().map(String::as_str))
+        c::LINK_FLAGS
+            .iter()
+            .chain(self.library_flags())
+            .copied()
+            .chain(self.optional_link_flags.iter().map(String::as_str))
+    }
+
+    /// Flags of the link for the language's own library.
+    fn library_flags(&self) -> &'static [&'static str] {
+        match self.language {
+            Language::C => &[],
+            Language::Cpp => c::CPP_LINK_FLAGS,
+        }
     }
 
     fn probe(&mut self, cache: &Cache) -> Result<(), CompilerError> {
         let base: (Vec<&str>, Vec<&str>) = (self.compile_flags().collect(), self.link_flags().collect());
-        let wanted = format!("{base:?}{OPTIONAL_COMPILE_FLAGS:?}{OPTIONAL_LINK_FLAGS:?}");
+        let optional = optional_compile_flags(self.language);
+        let wanted = format!("{base:?}{optional:?}{OPTIONAL_LINK_FLAGS:?}");
         let digest = blake3::hash(format!("{}\n{wanted}", self.identity()).as_bytes());
         let key = format!("compiler-{}", &digest.to_hex()[..32]);
         let kept: Option<(Vec<String>, Vec<String>)> =
@@ -167,12 +223,21 @@ impl Compiler {
             return Ok(());
         }
         let folder = cache.build_folder()?;
-        std::fs::write(folder.path().join("empty.c"), "int eyesim_probe(void) { return 0; }\n")?;
+        let (name, text) = match self.language {
+            Language::C => ("probe.c", "int eyesim_probe(void) { return 0; }\n"),
+            Language::Cpp => ("probe.cpp", "#include <string>\nstd::string eyesim_probe() { throw 1; }\n"),
+        };
+        std::fs::write(folder.path().join(name), text)?;
         let (compile, link) = base;
-        let compile: Vec<&str> = compile.into_iter().chain(["-Werror", "-c", "empty.c", "-o", "empty.o"]).collect();
-        let compile = self.accepted(folder.path(), &compile, OPTIONAL_COMPILE_FLAGS)?;
-        let link: Vec<&str> = link.into_iter().chain(["empty.o", "-o", "empty.so", "-lm"]).collect();
-        let link = self.accepted(folder.path(), &link, OPTIONAL_LINK_FLAGS)?;
+        let compile: Vec<&str> = compile.into_iter().chain(["-Werror", "-c", name, "-o", "probe.o"]).collect();
+        let compile = self.accepted(folder.path(), &compile, optional)?;
+        let link: Vec<&str> = link.into_iter().chain(["probe.o", "-o", "probe.so", "-lm"]).collect();
+        let link = self.accepted(folder.path(), &link, OPTIONAL_LINK_FLAGS).map_err(|error| match error {
+            CompilerError::Unusable { command, output, .. } if self.links_shared(folder.path()) => {
+                CompilerError::NoStaticLibrary { command, output }
+            }
+            error => error,
+        })?;
         (self.optional_compile_flags, self.optional_link_flags) = (compile, link);
         cache.set_note(
             &key,
@@ -180,6 +245,13 @@ impl Compiler {
                 .map_err(io::Error::from)?,
         )?;
         Ok(())
+    }
+
+    /// Whether the probe links with the shared library of C++.
+    fn links_shared(&self, folder: &Path) -> bool {
+        let mut command = self.command();
+        command.current_dir(folder).args(c::LINK_FLAGS).args(["probe.o", "-o", "probe.so"]);
+        self.language == Language::Cpp && command.output().is_ok_and(|output| output.status.success())
     }
 
     /// Those of `wanted` with which the call with `base` works: all at once, or found out one by one.
@@ -195,7 +267,8 @@ impl Compiler {
             return Ok(wanted.iter().map(|&flag| flag.to_owned()).collect());
         }
         if let Err(output) = run(&[])? {
-            return Err(CompilerError::Unusable { command: self.command.join(" "), output });
+            let (language, command) = (self.language, self.command.join(" "));
+            return Err(CompilerError::Unusable { language, command, output });
         }
         let mut accepted = Vec::new();
         for &flag in wanted {

@@ -1,4 +1,4 @@
-//! Finds the program that a sim file or the command line names: a library, C sources, or a Cargo package.
+//! Finds the program that a sim file or the command line names: a library, C or C++ sources, or a Cargo package.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -6,6 +6,7 @@ use std::io::Read as _;
 use std::path::{Component, Path, PathBuf};
 
 use super::kind::{FileKind, HEAD_BYTES, file_kind};
+use super::language::Language;
 
 /// The folders in which programs are looked for, in this order: the sim file's, the working folder, the others.
 #[derive(Clone, Debug, Default)]
@@ -25,18 +26,20 @@ pub struct SearchPath {
 pub enum ProgramSource {
     /// A shared library, loaded as it is.
     Library(PathBuf),
-    /// C sources, compiled together.
-    C(Vec<PathBuf>),
+    /// C and C++ sources, compiled each in the language of its extension and linked together.
+    Sources(Vec<PathBuf>),
     /// The folder of a Cargo package with a `cdylib` target.
     Cargo(PathBuf),
+    /// A Python program.
+    Python(PathBuf),
 }
 
 impl ProgramSource {
     /// The path that stands for the program in messages: the library, the first source, or the package's folder.
     pub fn path(&self) -> &Path {
         match self {
-            Self::Library(path) | Self::Cargo(path) => path,
-            Self::C(sources) => sources.first().map_or(Path::new(""), PathBuf::as_path),
+            Self::Library(path) | Self::Cargo(path) | Self::Python(path) => path,
+            Self::Sources(sources) => sources.first().map_or(Path::new(""), PathBuf::as_path),
         }
     }
 }
@@ -81,16 +84,19 @@ impl std::fmt::Display for FindError {
             [] => write!(f, "program `{}` is not found", self.reference)?,
             _ => write!(f, "program `{}` cannot be run here", self.reference)?,
         }
+        let mut folder = None;
         for Attempt { path, is } in &self.attempts {
-            match is {
-                Some(what) => write!(f, "\n  `{}` is {what}", path.display())?,
-                None => write!(f, "\n  tried `{}`", path.display())?,
+            match (is, path.file_name()) {
+                (Some(what), _) => write!(f, "\n  `{}` is {what}", path.display())?,
+                (None, Some(name)) if folder == Some(path.parent()) => write!(f, ", `{}`", name.display())?,
+                (None, _) => write!(f, "\n  tried `{}`", path.display())?,
             }
+            folder = is.is_none().then(|| path.parent());
         }
         // What a source of another language needs is said with it.
         if foreign.iter().any(|attempt| source_language(&attempt.path).is_none()) {
             f.write_str(
-                "\n  put its source beside it: a `.c` file, or a folder with a Cargo package, of the same name",
+                "\n  put its source beside it: a `.c` or `.cpp` file, or a folder with a Cargo package, of the same name",
             )?;
         }
         match self.near.as_slice() {
@@ -112,10 +118,10 @@ fn quoted(names: &[String]) -> String {
 
 /// Finds the program that `reference` names.
 ///
-/// `reference` is a path to a shared library, a `.c` file, several of them separated by commas (`main.c,map.c`), a
-/// folder of C files, or the folder of a Cargo package (or its `Cargo.toml`). Back-slashes separate folders too, and
+/// `reference` is a path to a shared library, a C or C++ file, several of them separated by commas (`main.cpp,map.c`), a
+/// folder of such files, or the folder of a Cargo package (or its `Cargo.toml`). Back-slashes separate folders too, and
 /// `%sim%` is the installation. In each folder of the [`SearchPath`] the name itself is tried first; if it is not there,
-/// or if what is there cannot be loaded here, the source beside it: `maze.c`, then the package `maze/`.
+/// or if what is there cannot be loaded here, what lies beside it, see [`places_beside`].
 ///
 /// # Errors
 /// [`FindError`] with every place tried if nothing usable is there.
@@ -125,10 +131,10 @@ pub fn find_program(reference: &str, search: &SearchPath) -> Result<Found, FindE
         return Ok(finder.found(source));
     }
     let parts: Vec<&str> = reference.split(',').map(str::trim).collect();
-    if parts.len() > 1 && parts.iter().all(|part| has_extension(Path::new(part), "c")) {
+    if parts.len() > 1 && parts.iter().all(|part| Language::of(Path::new(part)).is_some()) {
         finder.attempts.clear();
-        let sources: Option<Vec<PathBuf>> = parts.iter().map(|part| finder.find_c_file(part)).collect();
-        if let Some(source) = sources.map(ProgramSource::C) {
+        let sources: Option<Vec<PathBuf>> = parts.iter().map(|part| finder.find_source_file(part)).collect();
+        if let Some(source) = sources.map(ProgramSource::Sources) {
             return Ok(finder.found(source));
         }
     }
@@ -162,9 +168,9 @@ impl Finder<'_> {
         self.candidates(reference).into_iter().find_map(|path| self.look_at(&path))
     }
 
-    fn find_c_file(&mut self, part: &str) -> Option<PathBuf> {
+    fn find_source_file(&mut self, part: &str) -> Option<PathBuf> {
         match self.find(part)? {
-            ProgramSource::C(mut sources) if sources.len() == 1 => sources.pop(),
+            ProgramSource::Sources(mut sources) if sources.len() == 1 => sources.pop(),
             _ => None,
         }
     }
@@ -244,8 +250,11 @@ impl Finder<'_> {
         if path.file_name().is_some_and(|name| name == "Cargo.toml") {
             return Ok(ProgramSource::Cargo(path.parent().unwrap_or(Path::new(".")).to_owned()));
         }
-        if has_extension(path, "c") {
-            return Ok(ProgramSource::C(vec![path.to_owned()]));
+        if Language::of(path).is_some() {
+            return Ok(ProgramSource::Sources(vec![path.to_owned()]));
+        }
+        if has_extension(path, "py") {
+            return runnable(ProgramSource::Python(path.to_owned()));
         }
         if let Some(language) = source_language(path) {
             return Err(Some(language.to_owned()));
@@ -261,12 +270,10 @@ impl Finder<'_> {
 
     fn note_newer_source(&mut self, library: &Path) {
         let modified = |path: &Path| fs::metadata(path).and_then(|metadata| metadata.modified()).ok();
-        let source = library.with_extension("c");
-        if let (Some(built), Some(written)) = (modified(library), modified(&source))
-            && written > built
-        {
+        let is_newer = |source: &PathBuf| modified(source) > modified(library);
+        if let Some(source) = sources_of_name(&library.with_extension("")).into_iter().find(is_newer) {
             let (library, source) = (library.display(), source.display());
-            self.notes.push(format!("`{library}` is older than `{source}` beside it: name the `.c` file to build it"));
+            self.notes.push(format!("`{library}` is older than `{source}` beside it: name the source to build it"));
         }
     }
 
@@ -297,23 +304,40 @@ fn usable_folder(folder: &Path) -> Result<ProgramSource, Option<String>> {
         return Ok(ProgramSource::Cargo(folder.to_owned()));
     }
     let entries = fs::read_dir(folder).map_err(|error| Some(format!("an unreadable folder ({error})")))?;
-    let mut sources: Vec<PathBuf> =
-        entries.flatten().map(|entry| entry.path()).filter(|path| has_extension(path, "c") && path.is_file()).collect();
+    let is_source = |path: &PathBuf| Language::of(path).is_some() && path.is_file();
+    let mut sources: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_source).collect();
     sources.sort();
     if sources.is_empty() {
-        Err(Some("a folder without `Cargo.toml` or `.c` files".into()))
+        Err(Some("a folder without `Cargo.toml`, `.c` or `.cpp` files".into()))
     } else {
-        Ok(ProgramSource::C(sources))
+        Ok(ProgramSource::Sources(sources))
     }
 }
 
-/// The places where the source of the file `path` may lie, or a library in its place.
+/// `source`, if programs of its kind can be run.
+fn runnable(source: ProgramSource) -> Result<ProgramSource, Option<String>> {
+    match source {
+        ProgramSource::Python(_) => {
+            Err(Some("a Python program, which eyesim cannot run yet: until then write it in C, C++ or Rust".into()))
+        }
+        source => Ok(source),
+    }
+}
+
+/// The sources that a program `maze` may have: `maze.c`, then those of C++.
+fn sources_of_name(stem: &Path) -> Vec<PathBuf> {
+    let extensions = Language::ALL.into_iter().flat_map(Language::extensions);
+    extensions.map(|extension| stem.with_added_extension(extension)).collect()
+}
+
+/// The places where the source of the file `path` may lie, or a library in its place: `maze.c`, `maze.cpp`, `maze.cc`,
+/// `maze.cxx`, the folder or package `maze`, `maze.so`. None for a source.
 fn places_beside(path: &Path) -> Vec<PathBuf> {
-    if has_extension(path, "c") || path.file_name().is_none() {
+    if Language::of(path).is_some() || path.file_name().is_none() {
         return Vec::new();
     }
     let stem = path.with_extension("");
-    let mut places = vec![stem.with_added_extension("c")];
+    let mut places = sources_of_name(&stem);
     if stem != path {
         places.push(stem.clone());
     }
@@ -325,16 +349,13 @@ fn places_beside(path: &Path) -> Vec<PathBuf> {
     places
 }
 
-/// What the extension tells of a source that is no C, completing "it is ...".
+/// What the extension tells of a source that is neither C nor C++, completing "it is ...".
 fn source_language(path: &Path) -> Option<&'static str> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     match extension.as_str() {
-        "cc" | "cpp" | "cxx" | "c++" => {
-            Some("a C++ source, which is not built here: write it in C, or build a library")
-        }
-        "py" => Some("a Python program, which eyesim cannot run yet: until then write it in C or Rust"),
+        "py" => Some("a Python program"),
         "rs" => Some("a Rust source: name the folder of its Cargo package"),
-        "h" => Some("a C header: name the `.c` file"),
+        "h" | "hh" | "hpp" | "hxx" => Some("a header: name the `.c` or `.cpp` file"),
         _ => None,
     }
 }
@@ -343,8 +364,8 @@ fn looks_like_program(path: &Path) -> bool {
     let by_name = path
         .extension()
         .and_then(|extension| extension.to_str())
-        .is_some_and(|extension| ["c", "so"].contains(&extension.to_ascii_lowercase().as_str()));
-    by_name || path.is_dir() && path.join("Cargo.toml").is_file()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("so"));
+    by_name || Language::of(path).is_some() || path.is_dir() && path.join("Cargo.toml").is_file()
 }
 
 fn read_head(path: &Path) -> std::io::Result<Vec<u8>> {
@@ -398,7 +419,7 @@ mod tests {
         fn check(&self, reference: &str, expected: &[&str]) -> Found {
             let found = find_program(reference, &self.search).unwrap_or_else(|error| panic!("{error}"));
             let paths = match &found.source {
-                ProgramSource::C(sources) => sources.clone(),
+                ProgramSource::Sources(sources) => sources.clone(),
                 other => vec![other.path().to_owned()],
             };
             let expected: Vec<PathBuf> = expected.iter().map(|path| self.folder.path().join(path)).collect();
@@ -506,6 +527,29 @@ mod tests {
     }
 
     #[test]
+    fn sources_of_c_and_cpp_are_found_in_one_order() {
+        let place = Place::with(&[
+            ("sims/a.cpp", b""),
+            ("sims/a.cc", b""),
+            ("sims/b.cc", b""),
+            ("sims/b/x.c", b""),
+            ("sims/c.c", b""),
+            ("sims/c.cpp", b""),
+            ("sims/mix/main.cpp", b""),
+            ("sims/mix/map.c", b""),
+            ("sims/mix/map.h", b""),
+        ]);
+        for name in ["a.x", "a.exe", "a.dll", "a.so", "a.py", "a", "a.cpp"] {
+            place.check(name, &["sims/a.cpp"]);
+        }
+        place.check("b.x", &["sims/b.cc"]);
+        place.check("b", &["sims/b/x.c"]);
+        place.check("c.dll", &["sims/c.c"]);
+        place.check("mix", &["sims/mix/main.cpp", "sims/mix/map.c"]);
+        assert_eq!(place.check("mix/main.cpp,mix/map.c", &["sims/mix/main.cpp", "sims/mix/map.c"]).name, "main");
+    }
+
+    #[test]
     fn old_spellings_of_the_installation_are_understood() {
         let place = Place::with(&[("home/programs/a.c", b""), ("sims/b.c", b"")]);
         place.check(r"%sim%\programs\a.dll", &["home/programs/a.c"]);
@@ -519,12 +563,10 @@ mod tests {
         let place = Place::with(&[("sims/maze.c", b""), ("sims/mace.txt", b""), ("sims/other.c", b"")]);
         let message = place.check_missing("mzae.dll");
         let root = place.folder.path().display();
+        let beside = "`mzae.c`, `mzae.cpp`, `mzae.cc`, `mzae.cxx`, `mzae.c++`, `mzae`, `mzae.so`";
         let expected = format!(
-            "program `mzae.dll` is not found\n  tried `{root}/sims/mzae.dll`\n  tried `{root}/sims/mzae.c`\n  \
-             tried `{root}/sims/mzae`\n  tried `{root}/sims/mzae.so`\n  \
-             tried `{root}/mzae.dll`\n  tried `{root}/mzae.c`\n  tried `{root}/mzae`\n  tried `{root}/mzae.so`\n  \
-             tried `{root}/more/mzae.dll`\n  tried `{root}/more/mzae.c`\n  tried `{root}/more/mzae`\n  \
-             tried `{root}/more/mzae.so`\n  \
+            "program `mzae.dll` is not found\n  tried `{root}/sims/mzae.dll`, {beside}\n  \
+             tried `{root}/mzae.dll`, {beside}\n  tried `{root}/more/mzae.dll`, {beside}\n  \
              did you mean `{root}/sims/maze.c`?"
         );
         assert_eq!(message, expected);
@@ -532,12 +574,12 @@ mod tests {
 
     #[test]
     fn sources_of_other_languages_are_named() {
-        let place = Place::with(&[("sims/a.py", b""), ("sims/b.rs", b""), ("sims/c.cpp", b""), ("sims/d/x.txt", b"")]);
+        let place = Place::with(&[("sims/a.py", b""), ("sims/b.rs", b""), ("sims/c.hpp", b""), ("sims/d/x.txt", b"")]);
         let message = place.check_missing("a.py");
         assert!(message.contains("a.py` is a Python program, which eyesim cannot run yet"), "{message}");
         assert!(!message.contains("put its source beside it") && !message.contains("not found"), "{message}");
         assert!(place.check_missing("b.rs").contains("name the folder of its Cargo package"));
-        assert!(place.check_missing("c.cpp").contains("a C++ source"));
-        assert!(place.check_missing("d").contains("a folder without `Cargo.toml` or `.c` files"));
+        assert!(place.check_missing("c.hpp").contains("a header: name the `.c` or `.cpp` file"));
+        assert!(place.check_missing("d").contains("a folder without `Cargo.toml`, `.c` or `.cpp` files"));
     }
 }

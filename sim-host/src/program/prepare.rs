@@ -29,8 +29,8 @@ impl Prepared {
     /// The files that make the program what it is, for the list of a run's inputs.
     pub fn inputs(&self) -> Vec<PathBuf> {
         match &self.source {
-            ProgramSource::C(sources) => sources.clone(),
-            ProgramSource::Library(library) => vec![library.clone()],
+            ProgramSource::Sources(sources) => sources.clone(),
+            ProgramSource::Library(path) | ProgramSource::Python(path) => vec![path.clone()],
             ProgramSource::Cargo(_) => vec![self.image.path().to_owned()],
         }
     }
@@ -82,8 +82,8 @@ pub fn prepare(builder: &Builder, found: &[Found]) -> Vec<Result<Arc<Prepared>, 
 /// The folder from which source files are named in messages.
 fn source_folder(source: &ProgramSource) -> Option<&Path> {
     match source {
-        ProgramSource::C(sources) => sources.first()?.parent(),
+        ProgramSource::Sources(sources) => sources.first()?.parent(),
         ProgramSource::Cargo(folder) => Some(folder),
-        ProgramSource::Library(_) => None,
+        ProgramSource::Library(_) | ProgramSource::Python(_) => None,
     }
 }

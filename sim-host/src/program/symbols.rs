@@ -9,6 +9,12 @@ use super::image::ProgramImage;
 /// Symbols that the shim of C programs imports for itself, for the descriptors that are not the robot's console.
 const SHIM: &[&str] = &["syscall"];
 
+/// Symbols that the static C++ library imports for itself besides, for locales and streams. That a program reads the
+/// environment or changes its locale is not told from them.
+///
+/// Found by looking at programs built with GCC 12.
+const CPP_LIBRARY: &[&str] = &["syscall", "getenv", "secure_getenv", "uselocale", "setlocale", "ioctl", "readv"];
+
 /// Symbols that the Rust standard library imports for itself, for panics and locks, whether a program uses what they do
 /// or not: of these a Rust program's imports tell nothing. What it imports for `Instant` (`clock_gettime`), `sleep`
 /// (`clock_nanosleep`), threads (`pthread_create`) and `exit` is there only if the program uses it.
@@ -24,6 +30,7 @@ const RUST_RUNTIME: &[&str] = &["abort", "close", "getenv", "poll", "read", "sig
 pub fn warnings_about(image: &ProgramImage, name: &str) -> Vec<String> {
     let own = match image.description().map(|description| description.language) {
         Some(language::C) => SHIM,
+        Some(language::CPP) => CPP_LIBRARY,
         Some(language::RUST) => RUST_RUNTIME,
         _ => &[],
     };

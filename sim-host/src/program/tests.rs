@@ -14,6 +14,7 @@ use super::compiler::{Compiler, CompilerError};
 use super::find::Found;
 use super::find::ProgramSource;
 use super::image::{ImageError, ProgramImage};
+use super::language::Language;
 use super::load::{LoadError, LoadedProgram, Loader, check_mappings};
 use super::prepare::{Prepared, prepare};
 use super::symbols::warnings_about;
@@ -69,7 +70,7 @@ impl Bench {
         for (name, text) in files {
             bench.write(name, text);
         }
-        match Compiler::find(None, &bench.cache()) {
+        match Compiler::find(Language::C, None, &bench.cache()) {
             Err(CompilerError::Missing { .. }) => {
                 println!("skipped: no C compiler is installed");
                 None
@@ -98,7 +99,7 @@ impl Bench {
     }
 
     fn sources(&self, names: &[&str]) -> ProgramSource {
-        ProgramSource::C(names.iter().map(|name| self.path(name)).collect())
+        ProgramSource::Sources(names.iter().map(|name| self.path(name)).collect())
     }
 
     fn build(&self, names: &[&str]) -> Result<Built, BuildError> {
@@ -309,7 +310,7 @@ fn a_broken_or_missing_compiler_is_told() {
     bench.tools.cc = Some("no-such-compiler -m32".into());
     let message = bench.build(&["a.c"]).expect_err("no compiler").to_string();
     assert!(message.starts_with("the C compiler `no-such-compiler -m32` set in $CC does not run"), "{message}");
-    let missing = CompilerError::Missing { tried: "`cc`".into() }.to_string();
+    let missing = CompilerError::Missing { language: Language::C }.to_string();
     assert!(missing.contains("apt install gcc libc6-dev"), "{missing}");
 }
 

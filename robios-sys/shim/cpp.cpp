@@ -1,0 +1,118 @@
+// The part of the shim that only programs with parts in C++ have, compiled by the C++ compiler and linked beside shim.c.
+//
+// It leaves a program that the host stops by forced unwinding, as pthread_exit does, so that destructors of automatic
+// objects run; it tells of an exception that nobody catches; and it gives std::random_device the robot's own numbers.
+#include <cxxabi.h>
+#include <unwind.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <typeinfo>
+
+#define HIDDEN __attribute__((visibility("hidden")))
+#define NAMED(name) __asm__(#name) __attribute__((weak))
+
+struct frame;
+
+// Of shim.c.
+extern "C" {
+HIDDEN [[noreturn]] void eyesim_jump(struct frame *frame);
+HIDDEN [[noreturn]] void eyesim_uncaught(const char *text);
+HIDDEN bool eyesim_is_left();
+HIDDEN std::uint32_t eyesim_entropy();
+}
+
+namespace {
+
+// The exception that no handler names: the way out of the program.
+struct Leaving {
+    _Unwind_Exception exception; // first: the unwinder hands it back
+    struct frame *frame;
+};
+
+// Called for each function that is left, the innermost first.
+_Unwind_Reason_Code step(int, _Unwind_Action actions, _Unwind_Exception_Class, _Unwind_Exception *,
+                         _Unwind_Context *context, void *frame)
+{
+    // The stack grows down: what lies above the frame is the host's.
+    const bool is_out = (actions & _UA_END_OF_STACK) != 0 ||
+                        _Unwind_GetCFA(context) >= reinterpret_cast<std::uintptr_t>(frame);
+    if (is_out)
+        eyesim_jump(static_cast<struct frame *>(frame));
+    return _URC_NO_REASON;
+}
+
+// A `catch (...)` that does not throw on: the rest of the stack is left without destructors.
+void swallowed(_Unwind_Reason_Code, _Unwind_Exception *exception)
+{
+    eyesim_jump(reinterpret_cast<Leaving *>(exception)->frame);
+}
+
+// Name of a type as the program writes it. Allocates: the program has ended.
+const char *name_of(const std::type_info &type)
+{
+    int status = 0;
+    const char *name = abi::__cxa_demangle(type.name(), nullptr, nullptr, &status);
+    return status == 0 && name != nullptr ? name : type.name();
+}
+
+[[noreturn]] void uncaught()
+{
+    char text[512];
+    // Unwinding has met a function that throws nothing: a destructor, or one that is `noexcept`.
+    if (eyesim_is_left())
+        eyesim_uncaught(nullptr);
+    const std::type_info *type = abi::__cxa_current_exception_type();
+    if (type == nullptr)
+        eyesim_uncaught("std::terminate was called");
+    try {
+        throw;
+    } catch (const std::exception &exception) {
+        std::snprintf(text, sizeof text, "uncaught exception `%s`: %s", name_of(*type), exception.what());
+    } catch (const char *said) {
+        std::snprintf(text, sizeof text, "uncaught exception `%s`: %s", name_of(*type), said);
+    } catch (...) {
+        std::snprintf(text, sizeof text, "uncaught exception `%s`", name_of(*type));
+    }
+    eyesim_uncaught(text);
+}
+
+[[maybe_unused]] const std::terminate_handler before = std::set_terminate(uncaught);
+
+} // namespace
+
+// Runs the destructors between here and `frame`, and jumps there. Returns where the stack cannot be walked.
+extern "C" HIDDEN void eyesim_unwind(struct frame *frame)
+{
+    Leaving *leaving = static_cast<Leaving *>(std::calloc(1, sizeof(Leaving)));
+    if (leaving == nullptr)
+        return;
+    leaving->frame = frame;
+    leaving->exception.exception_cleanup = swallowed;
+    _Unwind_ForcedUnwind(&leaving->exception, step, frame);
+}
+
+// std::random_device of libstdc++ would ask the processor.
+extern "C" {
+void device_init(void *, const void *) NAMED(_ZNSt13random_device7_M_initERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE);
+void device_init_old(void *, const void *) NAMED(_ZNSt13random_device7_M_initERKSs);
+void device_init_text(void *, const char *, std::size_t) NAMED(_ZNSt13random_device7_M_initEPKcm);
+void device_init_tr1(void *, const void *) NAMED(_ZNSt13random_device14_M_init_pretr1ERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE);
+void device_init_tr1_old(void *, const void *) NAMED(_ZNSt13random_device14_M_init_pretr1ERKSs);
+void device_fini(void *) NAMED(_ZNSt13random_device7_M_finiEv);
+std::uint32_t device_value(void *) NAMED(_ZNSt13random_device9_M_getvalEv);
+std::uint32_t device_value_tr1(void *) NAMED(_ZNSt13random_device16_M_getval_pretr1Ev);
+double device_entropy(const void *) NAMED(_ZNKSt13random_device13_M_getentropyEv);
+
+void device_init(void *, const void *) {}
+void device_init_old(void *, const void *) {}
+void device_init_text(void *, const char *, std::size_t) {}
+void device_init_tr1(void *, const void *) {}
+void device_init_tr1_old(void *, const void *) {}
+void device_fini(void *) {}
+std::uint32_t device_value(void *) { return eyesim_entropy(); }
+std::uint32_t device_value_tr1(void *) { return eyesim_entropy(); }
+double device_entropy(const void *) { return 32; }
+}

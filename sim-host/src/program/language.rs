@@ -1,0 +1,76 @@
+//! The languages of sources that are compiled here.
+
+use std::path::Path;
+
+/// A language that robot programs are compiled from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Language {
+    /// C: `.c`.
+    C,
+    /// C++: `.cpp`, `.cc`, `.cxx`, `.c++`.
+    Cpp,
+}
+
+impl Language {
+    /// Both, with C first.
+    pub const ALL: [Self; 2] = [Self::C, Self::Cpp];
+
+    /// The language of the source at `path`, told by its extension in either case; `None` if it is no such source.
+    pub fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        Self::ALL.into_iter().find(|language| language.extensions().contains(&extension.as_str()))
+    }
+
+    /// The extensions of its sources, without a dot, in the order in which they are looked for.
+    pub fn extensions(self) -> &'static [&'static str] {
+        match self {
+            Self::C => &["c"],
+            Self::Cpp => &["cpp", "cc", "cxx", "c++"],
+        }
+    }
+
+    /// Its name in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::C => "C",
+            Self::Cpp => "C++",
+        }
+    }
+
+    /// The environment variable that names its compiler.
+    pub fn variable(self) -> &'static str {
+        match self {
+            Self::C => "CC",
+            Self::Cpp => "CXX",
+        }
+    }
+
+    /// The commands that are tried for its compiler where the variable is not set, in this order.
+    pub fn commands(self) -> &'static [&'static str] {
+        match self {
+            Self::C => &["cc", "gcc", "clang"],
+            Self::Cpp => &["c++", "g++", "clang++"],
+        }
+    }
+
+    /// The packages of Debian and Ubuntu that a compiler of it needs.
+    pub fn packages(self) -> &'static str {
+        match self {
+            Self::C => "gcc libc6-dev",
+            Self::Cpp => "g++",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sources_are_told_by_their_extension() {
+        let of = |name: &str| Language::of(Path::new(name));
+        assert_eq!([of("maze.c"), of("MAZE.C")], [Some(Language::C); 2]);
+        assert_eq!([of("a/maze.cpp"), of("b.cc"), of("c.cxx"), of("D.CPP"), of("e.c++")], [Some(Language::Cpp); 5]);
+        assert_eq!([of("maze"), of("maze.h"), of("maze.py"), of(".c")], [None; 4]);
+    }
+}
