@@ -73,6 +73,8 @@ impl Programs {
             found.notes.iter().for_each(|note| push_new(&mut remarks, note.clone()));
             match prepared {
                 Ok(program) => {
+                    let generation = program.generation_remark().filter(|_| program.compiled);
+                    generation.into_iter().for_each(|remark| push_new(&mut remarks, remark));
                     let output = Some(program.output.trim_end()).filter(|output| !output.is_empty());
                     output.iter().for_each(|output| push_new(&mut remarks, (*output).to_owned()));
                     program.warnings.iter().for_each(|warning| push_new(&mut remarks, warning.clone()));

@@ -10,6 +10,7 @@ use crate::program::build::{Builder, Tools};
 use crate::program::cache::Cache;
 use crate::program::compile::Kits;
 use crate::program::language::Language;
+use crate::program::{Generation, Wanted};
 
 /// Arguments of `eyesim cc`.
 #[derive(Args, Debug)]
@@ -20,9 +21,9 @@ pub struct CcArgs {
     /// The library to write
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// RoBIOS generation that the program is written for
-    #[arg(long, value_name = "GENERATION", default_value_t = 6, value_parser = clap::value_parser!(u32).range(6..=6))]
-    pub api: u32,
+    /// RoBIOS generation that the program is written for, 6 or 7 [default: that of the functions it calls]
+    #[arg(long, value_name = "GENERATION", value_parser = parse_api)]
+    pub api: Option<Generation>,
     /// Show the commands that are run
     #[arg(short, long)]
     pub verbose: bool,
@@ -39,12 +40,22 @@ pub fn run(args: &CcArgs) -> anyhow::Result<ExitCode> {
     check_files(&args.files, &args.output)?;
     let cache = Cache::of_user().context("no folder to build in")?;
     let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
-    let (commands, output) = builder.build_to(&args.files, &args.output, &args.flags)?;
+    let wanted = Wanted { api: args.api, dialect: None };
+    let (choice, commands, output) = builder.build_to(&args.files, wanted, &args.output, &args.flags)?;
+    choice.remark(&args.files[0]).iter().for_each(|remark| eprintln!("{remark}"));
     if args.verbose {
         eprint!("{commands}");
     }
     eprint!("{output}");
     Ok(ExitCode::SUCCESS)
+}
+
+/// `6` or `7`.
+///
+/// # Errors
+/// For everything else.
+pub fn parse_api(text: &str) -> Result<Generation, String> {
+    text.parse().ok().and_then(Generation::of_number).ok_or_else(|| "expected 6 or 7".to_owned())
 }
 
 fn check_files(files: &[PathBuf], output: &Path) -> anyhow::Result<()> {

@@ -304,7 +304,7 @@ mod tests {
         let screen = Screen::default();
         let building = Building::drawn_on(ProgressDrawTarget::term_like(Box::new(screen.clone())));
         assert_eq!(*screen.0.lock(), "", "nothing is shown where everything was built before");
-        let maze = ProgramSource::Sources(vec!["sims/maze.c".into(), "sims/map.c".into()]);
+        let maze = ProgramSource::of_files(vec!["sims/maze.c".into(), "sims/map.c".into()]);
         let avoid = ProgramSource::Cargo("example-programs/avoid".into());
         building.begins(&maze);
         building.begins(&avoid);

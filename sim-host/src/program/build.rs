@@ -10,6 +10,7 @@ use super::cargo::{CargoError, build_package};
 use super::compile::{Compilation, CompileError, Compiled, Kits, ShimKit};
 use super::compiler::{Compiler, CompilerError};
 use super::find::ProgramSource;
+use super::generation::{Choice, Generation, GenerationError, Wanted, choose};
 use super::language::Language;
 use super::words::{WordsError, split_words};
 
@@ -67,6 +68,8 @@ pub struct Built {
     pub output: String,
     /// Whether a compiler ran now; `false` if the library was there and nothing has changed.
     pub compiled: bool,
+    /// The generation of RoBIOS that sources were compiled for, and why.
+    pub choice: Option<Choice>,
 }
 
 /// A program that cannot be built.
@@ -75,6 +78,9 @@ pub enum BuildError {
     /// There is no compiler, or it does not work.
     #[error(transparent)]
     Compiler(#[from] CompilerError),
+    /// The sources call functions of two generations.
+    #[error(transparent)]
+    Generation(#[from] GenerationError),
     /// The sources do not become a program.
     #[error(transparent)]
     Compile(#[from] CompileError),
@@ -148,9 +154,10 @@ impl Builder {
     pub fn build(&self, source: &ProgramSource) -> Result<Built, BuildError> {
         match source {
             ProgramSource::Library(library) => {
-                Ok(Built { library: library.clone(), source: source.clone(), output: String::new(), compiled: false })
+                let (library, source) = (library.clone(), source.clone());
+                Ok(Built { library, source, output: String::new(), compiled: false, choice: None })
             }
-            ProgramSource::Sources(sources) => self.build_sources(source, sources),
+            ProgramSource::Sources { files, wanted } => self.build_sources(source, files, *wanted),
             ProgramSource::Python(path) => Err(BuildError::Python { path: path.clone() }),
             ProgramSource::Cargo(folder) => {
                 let cargo = self.tools.cargo.as_deref();
@@ -160,6 +167,7 @@ impl Builder {
                     source: source.clone(),
                     output: package.output,
                     compiled: !package.fresh,
+                    choice: None,
                 })
             }
         }
@@ -190,34 +198,44 @@ impl Builder {
 
     /// Compiles `sources` to the file `out` without the cache, with `flags` behind all others.
     ///
-    /// Gives the commands run, one a line, and the compiler's warnings.
+    /// Gives the generation, the commands run, one a line, and the compiler's warnings.
     ///
     /// # Errors
     /// [`BuildError`].
-    pub fn build_to(&self, sources: &[PathBuf], out: &Path, flags: &[String]) -> Result<(String, String), BuildError> {
+    pub fn build_to(
+        &self,
+        sources: &[PathBuf],
+        wanted: Wanted,
+        out: &Path,
+        flags: &[String],
+    ) -> Result<(Choice, String, String), BuildError> {
+        let choice = choose(sources, wanted)?;
         let mut extra_flags = self.extra_flags()?;
         extra_flags.extend_from_slice(flags);
         let sources = absolute(sources)?;
         let folder = self.cache.build_folder().map_err(|error| self.cache_error(error))?;
-        let compiled = self.compile(&sources, &extra_flags, folder.path())?;
+        let compiled = self.compile(&sources, choice.generation, &extra_flags, folder.path())?;
         replace_file(&compiled.library, out).map_err(|error| CompileError::Io { program: out.to_owned(), error })?;
-        Ok((compiled.commands, compiled.output))
+        Ok((choice, compiled.commands, compiled.output))
     }
 
-    fn build_sources(&self, source: &ProgramSource, sources: &[PathBuf]) -> Result<Built, BuildError> {
-        let sources = absolute(sources)?;
+    fn build_sources(&self, source: &ProgramSource, files: &[PathBuf], wanted: Wanted) -> Result<Built, BuildError> {
+        let choice = choose(files, wanted)?;
+        let generation = choice.generation;
+        let sources = absolute(files)?;
         let extra_flags = self.extra_flags()?;
         let built = |entry: super::cache::Entry, compiled| Built {
             library: entry.library,
             source: source.clone(),
             output: entry.output,
             compiled,
+            choice: Some(choice.clone()),
         };
         // A source that is saved while the compiler reads it is compiled again: the key must tell what was read.
         let mut attempts = 0;
         loop {
             attempts += 1;
-            let sources_key = self.sources_key(&sources, &extra_flags)?;
+            let sources_key = self.sources_key(&sources, generation, &extra_flags)?;
             if let Some(note) = self.cache.note(&sources_key)
                 && let Some(key) = program_key(&sources_key, &note)
                 && let Some(entry) = self.cache.entry(&key)
@@ -226,7 +244,8 @@ impl Builder {
             }
             let folder = self.cache.build_folder().map_err(|error| self.cache_error(error))?;
             let started = std::time::SystemTime::now();
-            let compiled = self.watched(source, || self.compile(&sources, &extra_flags, folder.path()))?;
+            let compile = || self.compile(&sources, generation, &extra_flags, folder.path());
+            let compiled = self.watched(source, compile)?;
             let note: String = compiled.read.iter().map(|path| format!("{}\n", path.display())).collect();
             let changed = attempts < 3
                 && compiled.read.iter().any(|path| {
@@ -246,12 +265,23 @@ impl Builder {
         }
     }
 
-    fn compile(&self, sources: &[PathBuf], extra_flags: &[String], folder: &Path) -> Result<Compiled, BuildError> {
-        let compilers = self.compilers(sources)?;
-        let kit = self.kits.of_sources(sources);
-        let kit_folder = self.kit_folder(kit).map_err(|error| self.cache_error(error))?;
-        let compilation =
-            Compilation { compilers: &compilers, kit, kit_folder: &kit_folder, sources, extra_flags, folder };
+    fn compile(
+        &self,
+        sources: &[PathBuf],
+        generation: Generation,
+        extra_flags: &[String],
+        folder: &Path,
+    ) -> Result<Compiled, BuildError> {
+        let kit = self.kits.of(generation);
+        let compilation = Compilation {
+            compilers: &self.compilers(sources)?,
+            generation,
+            kit,
+            kit_folder: &self.kit_folder(kit).map_err(|error| self.cache_error(error))?,
+            sources,
+            extra_flags,
+            folder,
+        };
         Ok(compilation.run()?)
     }
 
@@ -300,14 +330,19 @@ impl Builder {
     }
 
     /// Digest of all that decides what is built, except the contents of the headers included.
-    fn sources_key(&self, sources: &[PathBuf], extra_flags: &[String]) -> Result<String, BuildError> {
+    fn sources_key(
+        &self,
+        sources: &[PathBuf],
+        generation: Generation,
+        extra_flags: &[String],
+    ) -> Result<String, BuildError> {
         let mut hasher = blake3::Hasher::new();
         let mut add = |bytes: &[u8]| {
             hasher.update(&(bytes.len() as u64).to_le_bytes());
             hasher.update(bytes);
         };
         add(format!("eyesim {CACHE_VERSION}").as_bytes());
-        add(self.kits.of_sources(sources).digest().as_bytes());
+        add(self.kits.of(generation).digest().as_bytes());
         for compiler in self.compilers(sources)? {
             add(compiler.identity().as_bytes());
             for flag in compiler.compile_flags().chain(compiler.link_flags()) {

@@ -5,11 +5,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use robios_sys::{Robios6Call, c};
+use robios_sys::c;
 
 use super::compiler::Compiler;
 use super::constructors::defer_constructors;
 use super::generation::Generation;
+use super::hint;
 use super::language::Language;
 
 /// The texts that every C program is built with: the headers it may include, and the shim that is linked to it.
@@ -51,14 +52,14 @@ impl ShimKit {
 /// Which kit a program is built with.
 #[derive(Clone, Debug)]
 pub enum Kits {
-    /// That of the generation that its sources are written for.
+    /// That of the generation that it is built for.
     ByGeneration {
         /// For RoBIOS 6.
         robios6: ShimKit,
         /// For RoBIOS-7.
         robios7: ShimKit,
     },
-    /// This one, whatever the sources say.
+    /// This one, whatever the generation.
     Only(ShimKit),
 }
 
@@ -69,14 +70,12 @@ impl Kits {
         Self::ByGeneration { robios6, robios7 }
     }
 
-    /// The kit for a program with these sources.
-    pub fn of_sources(&self, sources: &[PathBuf]) -> &ShimKit {
-        match self {
-            Self::Only(kit) => kit,
-            Self::ByGeneration { robios6, robios7 } => match Generation::of_sources(sources) {
-                Generation::Robios6 => robios6,
-                Generation::Robios7 => robios7,
-            },
+    /// The kit for programs of a generation.
+    pub fn of(&self, generation: Generation) -> &ShimKit {
+        match (self, generation) {
+            (Self::Only(kit), _) => kit,
+            (Self::ByGeneration { robios6, .. }, Generation::Robios6) => robios6,
+            (Self::ByGeneration { robios7, .. }, Generation::Robios7) => robios7,
         }
     }
 }
@@ -86,6 +85,8 @@ impl Kits {
 pub struct Compilation<'a> {
     /// The compilers, one for each language of the sources, and that of C, in which the shim is written.
     pub compilers: &'a [&'a Compiler],
+    /// The generation of RoBIOS, whose kit it is.
+    pub generation: Generation,
     /// The kit, whose files lie in `kit_folder`.
     pub kit: &'a ShimKit,
     /// Where the kit's files lie: headers in `include/`, the shim in `shim/`.
@@ -125,14 +126,14 @@ pub enum CompileError {
         output: String,
     },
     /// The linker finds functions or variables used and not defined, or defined twice.
-    #[error("`{}` does not link:\n{output}{}", program.display(), undefined_hint(undefined))]
+    #[error("`{}` does not link:\n{output}{hints}", program.display())]
     Unlinked {
         /// The first source.
         program: PathBuf,
         /// What the linker said.
         output: String,
-        /// The symbols it named as undefined.
-        undefined: Vec<String>,
+        /// What may be wrong, each in a line of its own that begins with a line feed.
+        hints: String,
     },
     /// A file cannot be written, or the compiler cannot be started.
     #[error("cannot build `{}`: {error}", program.display())]
@@ -144,100 +145,7 @@ pub enum CompileError {
     },
 }
 
-fn undefined_hint(undefined: &[String]) -> String {
-    let names = |names: &[&String]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-    let (of_7, others): (Vec<&String>, Vec<&String>) =
-        undefined.iter().partition(|name| ROBIOS_7.contains(&name.as_str()));
-    let mut hint = String::new();
-    if !of_7.is_empty() {
-        hint += &format!("\n  RoBIOS 7 has {}; this program is built for RoBIOS 6", names(&of_7));
-    }
-    for name in &others {
-        if let Some(near) = near_robios_function(name) {
-            hint += &format!("\n  `{name}` is not defined; did you mean `{near}`?");
-        }
-    }
-    match others.as_slice() {
-        [] => {}
-        [main] if *main == "main" => hint += "\n  the program has no function `main`",
-        others => {
-            hint += &format!(
-                "\n  not defined: {}; a program of several files is named with all of them (`main.c,map.c`) or by its \
-                 folder",
-                names(others)
-            );
-        }
-    }
-    hint
-}
-
-/// Functions that RoBIOS 7 has and RoBIOS 6 has not.
-const ROBIOS_7: &[&str] = &[
-    "ANALOGRead",
-    "ANALOGVoltage",
-    "AUDone",
-    "AUMicrophone",
-    "AUPlay",
-    "CAMGetGray",
-    "DIGITALRead",
-    "DIGITALReadAll",
-    "DIGITALSetup",
-    "DIGITALWrite",
-    "ENCODERRead",
-    "ENCODERReset",
-    "IPCol2Gray",
-    "IPGray2Col",
-    "IPOverlay",
-    "IPSetSize",
-    "KEYGetXY",
-    "KEYReadXY",
-    "LCDCircle",
-    "LCDGetSize",
-    "LCDImage",
-    "LCDImageBinary",
-    "LCDImageGray",
-    "LCDImageSize",
-    "LCDImageStart",
-    "LCDPixel",
-    "LCDRefresh",
-    "LCDSetColor",
-    "LCDSetFont",
-    "LCDSetFontSize",
-    "LCDSetMode",
-    "LIDARGet",
-    "LIDARSet",
-    "MOTORPID",
-    "MOTORPIDOff",
-    "MOTORSpeed",
-    "RADIOGetID",
-    "RADIOReceive",
-    "RADIORelease",
-    "RADIOStatus",
-    "SERInit",
-    "SERReceive",
-    "SERSend",
-    "SIMGetObject",
-    "SIMGetRobot",
-    "SIMSetObject",
-    "SIMSetRobot",
-    "VWControl",
-    "VWCurve",
-    "VWDone",
-    "VWDrive",
-    "VWRemain",
-    "VWStraight",
-    "VWTurn",
-    "VWWait",
-];
-
-/// The RoBIOS 6 function whose name is nearest to `name`, if one is near: up to a slip in four letters.
-fn near_robios_function(name: &str) -> Option<&'static str> {
-    let distance = |call: &Robios6Call| strsim::osa_distance(&call.name().to_lowercase(), &name.to_lowercase());
-    let nearest = Robios6Call::ALL.iter().min_by_key(|call| distance(call))?;
-    (distance(nearest) <= name.len() / 4).then(|| nearest.name())
-}
-
-impl Compilation<'_> {
+impl<'a> Compilation<'a> {
     /// Compiles each source, then the shims, then links.
     ///
     /// The compiler runs in the folder of the first source and sees sources by their names from there, so that
@@ -252,11 +160,22 @@ impl Compilation<'_> {
                 CompileError::Refused { source_file, folder: self.source_folder().to_owned(), output }
             }
             Failure::Unlinked { output } => {
-                let undefined = undefined_symbols(&output);
-                CompileError::Unlinked { program, output, undefined }
+                let hints = hint::of_link(&output, &self.objects(), self.generation);
+                CompileError::Unlinked { program, output, hints }
             }
             Failure::Io(error) => CompileError::Io { program, error },
         })
+    }
+
+    /// The sources with their object files.
+    fn objects(&self) -> Vec<(&'a Path, PathBuf)> {
+        let object = |(index, source): (usize, &'a PathBuf)| (source.as_path(), self.object(index));
+        self.sources.iter().enumerate().map(object).collect()
+    }
+
+    /// The object file of the source with this index.
+    fn object(&self, index: usize) -> PathBuf {
+        self.folder.join(format!("{index}.o"))
     }
 
     fn source_folder(&self) -> &Path {
@@ -313,7 +232,7 @@ impl Compilation<'_> {
         compiled: &mut Compiled,
     ) -> Result<(PathBuf, String), Failure> {
         let compiler = self.compiler(Language::of(source).unwrap_or(Language::C))?;
-        let object = self.folder.join(format!("{index}.o"));
+        let object = self.object(index);
         let dependencies = self.folder.join(format!("{index}.d"));
         let mut command = self.compile_command(compiler);
         command.args(compiler.compile_flags()).args(self.extra_flags);
@@ -420,22 +339,6 @@ fn returns_nothing_from_main(output: &str) -> bool {
     })
 }
 
-/// The symbols that GNU ld, gold, lld or mold name as undefined, each once.
-fn undefined_symbols(output: &str) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for line in output.lines() {
-        let name = ["undefined reference to ", "undefined symbol: "]
-            .iter()
-            .find_map(|phrase| Some(line.split_once(phrase)?.1.trim_matches(['`', '\'', ' '])));
-        if let Some(name) = name
-            && !names.iter().any(|known| known == name)
-        {
-            names.push(name.to_owned());
-        }
-    }
-    names
-}
-
 /// The files that a dependency list of `-MD` (a rule of make) names.
 fn parse_dependencies(text: &str) -> Vec<PathBuf> {
     let mut paths = Vec::new();
@@ -470,27 +373,6 @@ mod tests {
         let text = "o: maze.c \\\n /usr/include/stdio.h my\\ map.h \\\n  a\\#b.h cost$$.h\n";
         let expected = ["maze.c", "/usr/include/stdio.h", "my map.h", "a#b.h", "cost$.h"].map(PathBuf::from);
         assert_eq!(parse_dependencies(text), expected);
-    }
-
-    #[test]
-    fn undefined_symbols_are_read_from_each_linker() {
-        let gnu = "ld: 0.o: in function `main':\nmaze.c:3: undefined reference to `Plan'\nmaze.c:4: undefined reference to `Plan'";
-        let lld = "ld.lld: error: undefined symbol: Plan\n>>> referenced by maze.c:3";
-        assert_eq!(undefined_symbols(gnu), ["Plan"]);
-        assert_eq!(undefined_symbols(lld), ["Plan"]);
-        assert!(undefined_symbols("maze.c:3: multiple definition of `main'").is_empty());
-    }
-
-    #[test]
-    fn misspelled_functions_and_those_of_another_generation_are_told() {
-        let hint = |names: &[&str]| undefined_hint(&names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>());
-        assert!(hint(&["VWDriveStrait"]).contains("`VWDriveStrait` is not defined; did you mean `VWDriveStraight`?"));
-        assert!(hint(&["psdget"]).contains("did you mean `PSDGet`?"));
-        assert_eq!(hint(&["VWStraight"]), "\n  RoBIOS 7 has `VWStraight`; this program is built for RoBIOS 6");
-        assert!(!hint(&["Plan"]).contains("did you mean"));
-        for name in ROBIOS_7 {
-            assert_eq!(Robios6Call::from_name(name), None, "{name}");
-        }
     }
 
     #[test]

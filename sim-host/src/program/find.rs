@@ -5,6 +5,7 @@ use std::fs;
 use std::io::Read as _;
 use std::path::{Component, Path, PathBuf};
 
+use super::generation::Wanted;
 use super::kind::{FileKind, HEAD_BYTES, file_kind};
 use super::language::Language;
 
@@ -27,7 +28,12 @@ pub enum ProgramSource {
     /// A shared library, loaded as it is.
     Library(PathBuf),
     /// C and C++ sources, compiled each in the language of its extension and linked together.
-    Sources(Vec<PathBuf>),
+    Sources {
+        /// The sources.
+        files: Vec<PathBuf>,
+        /// What is said of their generation.
+        wanted: Wanted,
+    },
     /// The folder of a Cargo package with a `cdylib` target.
     Cargo(PathBuf),
     /// A Python program.
@@ -35,11 +41,16 @@ pub enum ProgramSource {
 }
 
 impl ProgramSource {
+    /// C and C++ sources of which nothing is said.
+    pub fn of_files(files: Vec<PathBuf>) -> Self {
+        Self::Sources { files, wanted: Wanted::default() }
+    }
+
     /// The path that stands for the program in messages: the library, the first source, or the package's folder.
     pub fn path(&self) -> &Path {
         match self {
             Self::Library(path) | Self::Cargo(path) | Self::Python(path) => path,
-            Self::Sources(sources) => sources.first().map_or(Path::new(""), PathBuf::as_path),
+            Self::Sources { files, .. } => files.first().map_or(Path::new(""), PathBuf::as_path),
         }
     }
 }
@@ -134,7 +145,7 @@ pub fn find_program(reference: &str, search: &SearchPath) -> Result<Found, FindE
     if parts.len() > 1 && parts.iter().all(|part| Language::of(Path::new(part)).is_some()) {
         finder.attempts.clear();
         let sources: Option<Vec<PathBuf>> = parts.iter().map(|part| finder.find_source_file(part)).collect();
-        if let Some(source) = sources.map(ProgramSource::Sources) {
+        if let Some(source) = sources.map(ProgramSource::of_files) {
             return Ok(finder.found(source));
         }
     }
@@ -170,7 +181,7 @@ impl Finder<'_> {
 
     fn find_source_file(&mut self, part: &str) -> Option<PathBuf> {
         match self.find(part)? {
-            ProgramSource::Sources(mut sources) if sources.len() == 1 => sources.pop(),
+            ProgramSource::Sources { mut files, .. } if files.len() == 1 => files.pop(),
             _ => None,
         }
     }
@@ -251,7 +262,7 @@ impl Finder<'_> {
             return Ok(ProgramSource::Cargo(path.parent().unwrap_or(Path::new(".")).to_owned()));
         }
         if Language::of(path).is_some() {
-            return Ok(ProgramSource::Sources(vec![path.to_owned()]));
+            return Ok(ProgramSource::of_files(vec![path.to_owned()]));
         }
         if has_extension(path, "py") {
             return runnable(ProgramSource::Python(path.to_owned()));
@@ -310,7 +321,7 @@ fn usable_folder(folder: &Path) -> Result<ProgramSource, Option<String>> {
     if sources.is_empty() {
         Err(Some("a folder without `Cargo.toml`, `.c` or `.cpp` files".into()))
     } else {
-        Ok(ProgramSource::Sources(sources))
+        Ok(ProgramSource::of_files(sources))
     }
 }
 
@@ -419,7 +430,7 @@ mod tests {
         fn check(&self, reference: &str, expected: &[&str]) -> Found {
             let found = find_program(reference, &self.search).unwrap_or_else(|error| panic!("{error}"));
             let paths = match &found.source {
-                ProgramSource::Sources(sources) => sources.clone(),
+                ProgramSource::Sources { files, .. } => files.clone(),
                 other => vec![other.path().to_owned()],
             };
             let expected: Vec<PathBuf> = expected.iter().map(|path| self.folder.path().join(path)).collect();

@@ -1,13 +1,17 @@
-//! Which generation of RoBIOS a program is written for: both headers are called `eyebot.h`, so the functions that it calls tell.
+//! Which generation of RoBIOS a program is written for. Both headers are called `eyebot.h`, so it must be known before the
+//! program is compiled: the user says it, or the functions tell that its sources call.
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use robios_sys::{Robios6Call, Robios7Call};
 
+use super::calls::{Calls, calls_of};
+use super::hint::quoted;
+
 /// A generation of the RoBIOS API.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Generation {
     /// RoBIOS 6: metres, radians, handles.
     Robios6,
@@ -16,23 +20,309 @@ pub enum Generation {
 }
 
 impl Generation {
-    /// That of a program with these sources: the one with more of the functions that only one of the two has; RoBIOS 6 where
-    /// they do not tell.
-    pub fn of_sources(sources: &[PathBuf]) -> Self {
-        let texts: Vec<String> = sources
-            .iter()
-            .filter_map(|path| fs::read(path).ok())
-            .map(|text| String::from_utf8_lossy(&text).into())
-            .collect();
-        let called: BTreeSet<&str> = texts.iter().flat_map(|text| identifiers(text)).collect();
-        let of_6 = |name: &&&str| Robios6Call::from_name(name).is_some();
-        let of_7 = |name: &&&str| Robios7Call::from_name(name).is_some();
-        let only_6 = called.iter().filter(|name| of_6(name) && !of_7(name)).count();
-        let only_7 = called.iter().filter(|name| of_7(name) && !of_6(name)).count();
-        if only_7 > only_6 { Self::Robios7 } else { Self::Robios6 }
+    /// Both, the older one first.
+    pub const ALL: [Self; 2] = [Self::Robios6, Self::Robios7];
+
+    /// That of a number as in `--api 7`.
+    pub fn of_number(number: u32) -> Option<Self> {
+        Self::ALL.into_iter().find(|generation| generation.number() == number)
+    }
+
+    /// Its number.
+    pub fn number(self) -> u32 {
+        match self {
+            Self::Robios6 => 6,
+            Self::Robios7 => 7,
+        }
+    }
+
+    /// Its name: `RoBIOS 6`, `RoBIOS-7`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Robios6 => "RoBIOS 6",
+            Self::Robios7 => "RoBIOS-7",
+        }
+    }
+
+    /// The other one.
+    pub fn other(self) -> Self {
+        match self {
+            Self::Robios6 => Self::Robios7,
+            Self::Robios7 => Self::Robios6,
+        }
+    }
+
+    /// Whether it has a function called `name`, those of its older headers included.
+    pub fn has(self, name: &str) -> bool {
+        match self {
+            Self::Robios6 => Robios6Call::from_name(name).is_some(),
+            Self::Robios7 => Robios7Call::from_name(name).is_some() || VARIANTS_OF_7.contains(&name),
+        }
+    }
+
+    /// The names of its functions.
+    pub fn functions(self) -> Vec<&'static str> {
+        match self {
+            Self::Robios6 => Robios6Call::ALL.iter().map(|call| call.name()).collect(),
+            Self::Robios7 => {
+                Robios7Call::ALL.iter().map(|call| call.name()).chain(VARIANTS_OF_7.iter().copied()).collect()
+            }
+        }
     }
 }
 
-fn identifiers(text: &str) -> impl Iterator<Item = &str> {
-    text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').filter(|word| !word.is_empty())
+/// Functions of older headers of RoBIOS-7, which lead to others of the list. Source: `include/robios7/variants.h`.
+const VARIANTS_OF_7: &[&str] = &[
+    "MOTORPIDoff",
+    "MTExit",
+    "MTGetUID",
+    "MTInit",
+    "MTKill",
+    "MTSleep",
+    "MTSpawn",
+    "SEMAInit",
+    "SEMALock",
+    "SEMAUnlock",
+    "SIMGetPose",
+    "SIMLaserScan",
+    "SIMSetPose",
+    "VWDriveDone",
+    "VWDriveRemain",
+    "VWDriveWait",
+];
+
+/// What the user and the scene say of a program's generation, before its sources are asked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Wanted {
+    /// Set by `--api` or the scene: nothing else counts.
+    pub api: Option<Generation>,
+    /// That of the simulator whose dialect names the robot in the sim file: where the sources do not tell.
+    pub dialect: Option<Generation>,
+}
+
+/// The generation that a program is built for, and why.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Choice {
+    /// The generation.
+    pub generation: Generation,
+    /// Why.
+    pub why: Why,
+}
+
+/// Why a program is built for a generation.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Why {
+    /// `--api` or the scene says so.
+    Said,
+    /// It calls these functions, which only this generation has.
+    Calls(Vec<String>),
+    /// What it calls is in both, and the line of the sim file is written for this generation's simulator.
+    Dialect,
+    /// What it calls is in both, and nobody says anything.
+    Default,
+    /// It calls nothing of RoBIOS.
+    None,
+}
+
+impl std::fmt::Display for Choice {
+    /// `RoBIOS-7 (VWStraight, VWWait)`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (name, other) = (self.generation.name(), self.generation.other());
+        match &self.why {
+            Why::Said | Why::None => f.write_str(name),
+            Why::Calls(calls) => {
+                let more = if calls.len() > MOST_SHOWN { ", ..." } else { "" };
+                write!(f, "{name} ({}{more})", calls[..calls.len().min(MOST_SHOWN)].join(", "))
+            }
+            Why::Dialect => write!(f, "{name}, as the sim file is; its calls are in {} as well", other.name()),
+            Why::Default => {
+                write!(f, "{name}; its calls are in {} as well, which `--api {}` chooses", other.name(), other.number())
+            }
+        }
+    }
+}
+
+impl Choice {
+    /// What is told when the program of `source` is compiled: `maze.c: RoBIOS-7 (VWStraight, VWWait)`. Nothing where it makes
+    /// no difference.
+    pub fn remark(&self, source: &Path) -> Option<String> {
+        (self.why != Why::None).then(|| format!("{}: {self}", source.file_name().unwrap_or_default().display()))
+    }
+}
+
+/// Names of functions shown in one line.
+const MOST_SHOWN: usize = 3;
+
+/// Sources that call functions of both generations.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`{}` is written for two generations: RoBIOS 6 has {} and RoBIOS-7 has {}, and neither has both; `--api 6` or `--api 7` \
+     says which one is meant",
+    source_file.display(), quoted(of_6), quoted(of_7)
+)]
+pub struct GenerationError {
+    /// The first source.
+    pub source_file: PathBuf,
+    /// What it calls that only RoBIOS 6 has.
+    pub of_6: Vec<String>,
+    /// What it calls that only RoBIOS-7 has.
+    pub of_7: Vec<String>,
+}
+
+/// The generation of a program with these C or C++ sources: what is wanted, else the functions called that only one of them
+/// has, else the dialect, else RoBIOS 6. Headers of the program's own are read, too.
+///
+/// What a program calls goes before the dialect: robots of EyeSim VR run programs written for RoBIOS 6 and the reverse, and
+/// with the wrong header such a program does not compile. Source: our choice.
+///
+/// # Errors
+/// [`GenerationError`] if it calls functions of both. A source that cannot be read is told of when it is compiled.
+pub fn choose(sources: &[PathBuf], wanted: Wanted) -> Result<Choice, GenerationError> {
+    let choice = |generation, why| Ok(Choice { generation, why });
+    if let Some(generation) = wanted.api {
+        return choice(generation, Why::Said);
+    }
+    let calls = calls_of_files(sources);
+    let only = |generation: Generation| -> Vec<String> {
+        let is_only = |name: &&String| generation.has(name) && !generation.other().has(name);
+        calls.iter().filter(is_only).cloned().collect()
+    };
+    let (of_6, of_7) = (only(Generation::Robios6), only(Generation::Robios7));
+    match (of_6.is_empty(), of_7.is_empty()) {
+        (false, false) => {
+            let source_file = sources.first().cloned().unwrap_or_default();
+            Err(GenerationError { source_file, of_6, of_7 })
+        }
+        (false, true) => choice(Generation::Robios6, Why::Calls(of_6)),
+        (true, false) => choice(Generation::Robios7, Why::Calls(of_7)),
+        (true, true) if !calls.iter().any(|name| Generation::Robios6.has(name)) => {
+            choice(wanted.dialect.unwrap_or(Generation::Robios6), Why::None)
+        }
+        (true, true) => match wanted.dialect {
+            Some(dialect) => choice(dialect, Why::Dialect),
+            None => choice(Generation::Robios6, Why::Default),
+        },
+    }
+}
+
+/// The functions that `sources` and the headers beside them call and do not define.
+fn calls_of_files(sources: &[PathBuf]) -> BTreeSet<String> {
+    let mut waiting: Vec<PathBuf> = sources.to_vec();
+    let mut seen = BTreeSet::new();
+    let (mut called, mut defined) = (BTreeSet::new(), BTreeSet::new());
+    while let Some(path) = waiting.pop() {
+        if !seen.insert(path.clone()) {
+            continue;
+        }
+        let Ok(bytes) = fs::read(&path) else { continue };
+        let Calls { called: more, defined: own, includes } = calls_of(&String::from_utf8_lossy(&bytes));
+        called.extend(more);
+        defined.extend(own);
+        let folder = path.parent().unwrap_or(Path::new(""));
+        // A copy of RoBIOS's own header calls everything.
+        let includes =
+            includes.iter().filter(|name| Path::new(name).file_name().is_some_and(|name| name != "eyebot.h"));
+        waiting.extend(includes.map(|name| folder.join(name)).filter(|path| path.is_file()));
+    }
+    called.retain(|name| !defined.contains(name));
+    called
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The choice for a program of these files, as it is told.
+    fn choice(files: &[(&str, &str)], wanted: Wanted) -> Result<String, String> {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        files.iter().for_each(|(name, text)| fs::write(folder.path().join(name), text).expect("a file"));
+        let sources: Vec<PathBuf> = files
+            .iter()
+            .map(|(name, _)| folder.path().join(name))
+            .filter(|path| path.extension() != Some("h".as_ref()))
+            .collect();
+        let choice = choose(&sources, wanted).map_err(|error| error.to_string())?;
+        Ok(choice.to_string())
+    }
+
+    fn of_text(text: &str) -> String {
+        choice(&[("maze.c", text)], Wanted::default()).expect("one generation")
+    }
+
+    const DIALECT_7: Wanted = Wanted { api: None, dialect: Some(Generation::Robios7) };
+
+    #[test]
+    fn functions_of_one_generation_tell_it() {
+        assert_eq!(of_text("int main() { VWStraight(500, 200); VWWait(); }"), "RoBIOS-7 (VWStraight, VWWait)");
+        assert_eq!(of_text("void f() { vw = VWInit(VW_DRIVE, 1); LCDClear(); }"), "RoBIOS 6 (VWInit)");
+        assert_eq!(
+            of_text("f(){ VWDone(); VWTurn(1,2); VWWait(); VWCurve(1,2,3); }"),
+            "RoBIOS-7 (VWCurve, VWDone, VWTurn, ...)"
+        );
+        assert_eq!(of_text("f(){ SIMGetPose(&x, &y, &p); }"), "RoBIOS-7 (SIMGetPose)");
+    }
+
+    #[test]
+    fn what_is_called_goes_before_the_dialect_and_api_before_all() {
+        let six = [("maze.c", "f() { VWInit(1, 1); }")];
+        assert_eq!(choice(&six, DIALECT_7).expect("6"), "RoBIOS 6 (VWInit)");
+        let api = Wanted { api: Some(Generation::Robios7), dialect: Some(Generation::Robios6) };
+        assert_eq!(choice(&six, api).expect("7"), "RoBIOS-7");
+        let both = [("maze.c", "f() { LCDPrintf(\"VWInit()\"); /* VWStraight() */ KEYGet(); } // VWDone()")];
+        assert_eq!(
+            choice(&both, DIALECT_7).expect("7"),
+            "RoBIOS-7, as the sim file is; its calls are in RoBIOS 6 as well"
+        );
+        let told = choice(&both, Wanted::default()).expect("6");
+        assert_eq!(told, "RoBIOS 6; its calls are in RoBIOS-7 as well, which `--api 7` chooses");
+        assert_eq!(choice(&[("a.c", "int main(void) { return 0; }")], DIALECT_7).expect("7"), "RoBIOS-7");
+    }
+
+    #[test]
+    fn calls_of_both_generations_are_an_error_with_their_names() {
+        let mixed = [("maze.c", "f() { VWInit(1, 1); }"), ("map.cpp", "g() { VWStraight(1, 2); VWWait(); }")];
+        let error = choice(&mixed, Wanted::default()).expect_err("two generations");
+        assert!(
+            error.contains("RoBIOS 6 has `VWInit` and RoBIOS-7 has `VWStraight`, `VWWait`, and neither"),
+            "{error}"
+        );
+        assert!(error.contains("`--api 6` or `--api 7`"), "{error}");
+    }
+
+    #[test]
+    fn own_functions_and_own_headers_count_as_what_they_are() {
+        let own = "int VWWait(int ms)\n{\n return ms; }\nint main() { VWInit(1, 1); VWWait(3); }";
+        assert_eq!(of_text(own), "RoBIOS 6 (VWInit)");
+        let header = [
+            ("maze.c", "#include \"eyebot.h\"\n#include \"go.h\"\nint main() { GO(3); }"),
+            ("go.h", "#include \"maze.c\"\n#define GO(x) VWStraight(x, 100)\n"),
+            ("eyebot.h", "int VWInit(int, int); int VWStraight(int, int);"),
+        ];
+        assert_eq!(choice(&header, Wanted::default()).expect("7"), "RoBIOS-7 (VWStraight)");
+    }
+
+    #[test]
+    fn every_function_that_only_one_generation_has_is_known_to_it() {
+        for generation in Generation::ALL {
+            assert!(generation.functions().iter().all(|name| generation.has(name)));
+            assert_eq!(Generation::of_number(generation.number()), Some(generation));
+        }
+        assert!(Generation::Robios6.has("VWInit") && !Generation::Robios7.has("VWInit"));
+        assert!(Generation::Robios7.has("VWStraight") && !Generation::Robios6.has("VWStraight"));
+    }
+
+    #[test]
+    fn the_variants_are_those_of_the_header() {
+        let header = robios_sys::c::HEADERS7.iter().find(|file| file.name == "variants.h").expect("a header").text;
+        let calls = calls_of(header);
+        let missing: Vec<_> =
+            calls.called.iter().filter(|name| !Generation::Robios7.has(name) && !is_own_name(name)).collect();
+        assert!(missing.is_empty(), "{missing:?}");
+        assert!(VARIANTS_OF_7.iter().all(|name| calls.called.contains(*name)));
+    }
+
+    /// Names that only the header itself knows.
+    fn is_own_name(name: &str) -> bool {
+        name.to_lowercase().starts_with("eyesim_") || name == "fct"
+    }
 }

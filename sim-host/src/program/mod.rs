@@ -5,12 +5,14 @@
 
 pub mod build;
 pub mod cache;
+mod calls;
 pub mod cargo;
 pub mod compile;
 pub mod compiler;
 mod constructors;
 pub mod find;
 pub mod generation;
+mod hint;
 pub mod image;
 pub mod kind;
 pub mod language;
@@ -26,7 +28,7 @@ pub use build::{Builder, Tools};
 pub use cache::Cache;
 pub use compile::{Kits, ShimKit};
 pub use find::{Found, SearchPath, find_program};
-pub use generation::Generation;
+pub use generation::{Generation, Wanted};
 pub use load::{LoadedProgram, Loader, check_mappings};
 pub use prepare::{Prepared, prepare};
 pub use words::split_words;

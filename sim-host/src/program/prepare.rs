@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::build::{BuildError, Builder};
+use super::build::{BuildError, Builder, Built};
 use super::find::{Found, ProgramSource};
+use super::generation::Choice;
 use super::image::{ImageError, ProgramImage};
 use super::symbols::warnings_about;
 
@@ -21,15 +22,22 @@ pub struct Prepared {
     pub output: String,
     /// Whether a compiler ran now.
     pub compiled: bool,
+    /// The generation of RoBIOS that its sources are compiled for, and why; `None` where eyesim did not choose it.
+    pub choice: Option<Choice>,
     /// What in the program is outside the guarantee of equal runs, a line each.
     pub warnings: Vec<String>,
 }
 
 impl Prepared {
+    /// What is told when it is compiled: `maze.c: RoBIOS-7 (VWStraight, VWWait)`.
+    pub fn generation_remark(&self) -> Option<String> {
+        self.choice.as_ref()?.remark(self.source.path())
+    }
+
     /// The files that make the program what it is, for the list of a run's inputs.
     pub fn inputs(&self) -> Vec<PathBuf> {
         match &self.source {
-            ProgramSource::Sources(sources) => sources.clone(),
+            ProgramSource::Sources { files, .. } => files.clone(),
             ProgramSource::Library(path) | ProgramSource::Python(path) => vec![path.clone()],
             ProgramSource::Cargo(_) => vec![self.image.path().to_owned()],
         }
@@ -69,8 +77,9 @@ pub fn prepare(builder: &Builder, found: &[Found]) -> Vec<Result<Arc<Prepared>, 
                 let built = built?;
                 let image = ProgramImage::read(&built.library, source_folder(&program.source))?;
                 let warnings = warnings_about(&image, &program.name);
-                let (name, source) = (program.name.clone(), built.source);
-                Ok(Prepared { name, source, image, output: built.output, compiled: built.compiled, warnings })
+                let name = program.name.clone();
+                let Built { source, output, compiled, choice, .. } = built;
+                Ok(Prepared { name, source, image, output, compiled, choice, warnings })
             };
             prepare().map(Arc::new).map_err(Arc::new)
         })
@@ -82,7 +91,7 @@ pub fn prepare(builder: &Builder, found: &[Found]) -> Vec<Result<Arc<Prepared>, 
 /// The folder from which source files are named in messages.
 fn source_folder(source: &ProgramSource) -> Option<&Path> {
     match source {
-        ProgramSource::Sources(sources) => sources.first()?.parent(),
+        ProgramSource::Sources { files, .. } => files.first()?.parent(),
         ProgramSource::Cargo(folder) => Some(folder),
         ProgramSource::Library(_) | ProgramSource::Python(_) => None,
     }

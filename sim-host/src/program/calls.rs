@@ -1,0 +1,166 @@
+//! Which functions a C or C++ source calls, told from its text: enough to know which header it needs, before there is one to
+//! compile it with.
+
+use std::collections::BTreeSet;
+
+/// What a text says of functions.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Calls {
+    /// Names that stand before `(`, those of declarations included.
+    pub called: BTreeSet<String>,
+    /// Names of functions that it defines outside of classes and namespaces.
+    pub defined: BTreeSet<String>,
+    /// Files that it includes with `"..."`.
+    pub includes: Vec<String>,
+}
+
+/// Reads `text`. Comments and literals are passed over, and macros are not expanded: what their definitions call counts.
+pub fn calls_of(text: &str) -> Calls {
+    let includes = text.lines().filter_map(included_file).map(str::to_owned).collect();
+    let tokens = tokens_of(text);
+    let mut calls = Calls { includes, ..Calls::default() };
+    let mut depth = 0_usize;
+    for (index, token) in tokens.iter().enumerate() {
+        match *token {
+            Token::Mark('{') => depth += 1,
+            Token::Mark('}') => depth = depth.saturating_sub(1),
+            Token::Name(name) if tokens.get(index + 1) == Some(&Token::Mark('(')) => {
+                // Functions of classes have names of their own.
+                let is_definition = depth == 0 && behind_parentheses(&tokens[index + 1..]) == Some(Token::Mark('{'));
+                let names = if is_definition { &mut calls.defined } else { &mut calls.called };
+                names.insert(name.to_owned());
+            }
+            _ => {}
+        }
+    }
+    calls
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Token<'a> {
+    Name(&'a str),
+    Mark(char),
+}
+
+/// The file of a line `#include "file"`.
+fn included_file(line: &str) -> Option<&str> {
+    let rest = line.trim_start().strip_prefix('#')?.trim_start().strip_prefix("include")?.trim_start();
+    rest.strip_prefix('"')?.split_once('"').map(|(name, _)| name)
+}
+
+/// The token behind the parentheses with which `tokens` begin.
+fn behind_parentheses<'a>(tokens: &[Token<'a>]) -> Option<Token<'a>> {
+    let mut depth = 0_usize;
+    for (index, token) in tokens.iter().enumerate() {
+        match token {
+            Token::Mark('(') => depth += 1,
+            Token::Mark(')') if depth == 1 => return tokens.get(index + 1).copied(),
+            Token::Mark(')') => depth -= 1,
+            Token::Mark(';' | '{') => return None,
+            _ => {}
+        }
+    }
+    None
+}
+
+/// Names and marks of `text`, without comments, literals, numbers and blanks.
+fn tokens_of(text: &str) -> Vec<Token<'_>> {
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    let mut tokens = Vec::new();
+    let mut rest = text;
+    while let Some(first) = rest.chars().next() {
+        let taken = match first {
+            '/' if rest.starts_with("//") => line_end(rest),
+            '/' if rest.starts_with("/*") => rest[2..].find("*/").map_or(rest.len(), |end| end + 4),
+            '"' | '\'' => literal_end(rest, first),
+            'R' if rest.starts_with("R\"") => raw_end(rest),
+            _ if is_name(first) => {
+                let end = rest.find(|c| !is_name(c)).unwrap_or(rest.len());
+                if !first.is_numeric() {
+                    tokens.push(Token::Name(&rest[..end]));
+                }
+                end
+            }
+            _ => {
+                if !first.is_whitespace() {
+                    tokens.push(Token::Mark(first));
+                }
+                first.len_utf8()
+            }
+        };
+        rest = &rest[taken..];
+    }
+    tokens
+}
+
+/// Where a comment to the end of the line ends; a back-slash there joins the next line.
+fn line_end(text: &str) -> usize {
+    let mut at = 0;
+    while let Some(end) = text[at..].find('\n') {
+        at += end;
+        if !text[..at].trim_end_matches('\r').ends_with('\\') {
+            return at;
+        }
+        at += 1;
+    }
+    text.len()
+}
+
+/// Where a literal that begins with `quote` ends: behind its second quote, or at the end of the line.
+fn literal_end(text: &str, quote: char) -> usize {
+    let mut is_escaped = false;
+    for (at, c) in text.char_indices().skip(1) {
+        match c {
+            _ if is_escaped => is_escaped = false,
+            '\\' => is_escaped = true,
+            '\n' => return at,
+            c if c == quote => return at + 1,
+            _ => {}
+        }
+    }
+    text.len()
+}
+
+/// Where a literal `R"x(...)x"` ends.
+fn raw_end(text: &str) -> usize {
+    let Some(open) = text.find('(') else { return text.len() };
+    let close = format!("){}\"", &text[2..open]);
+    text[open..].find(&close).map_or(text.len(), |end| open + end + close.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn called(text: &str) -> Vec<String> {
+        calls_of(text).called.into_iter().collect()
+    }
+
+    #[test]
+    fn calls_are_names_before_parentheses() {
+        assert_eq!(called("a(1); b (2) + c\n(3); d; e[f(4)];"), ["a", "b", "c", "f"]);
+        assert_eq!(called("#define GO(x) move(x)"), ["GO", "move"]);
+        assert_eq!(called("x = 3(4); y2k(1); ümlaut(1);"), ["y2k", "ümlaut"]);
+    }
+
+    #[test]
+    fn comments_and_literals_are_passed_over() {
+        assert_eq!(called("/* a() */ b(); // c() \\\n d()\ne(\"f()\", '(', \"\\\"g()\");"), ["b", "e"]);
+        assert_eq!(called("a(R\"x(b() )\" c())x\", d()); /* never closed e()"), ["a", "d"]);
+        assert_eq!(called("a(\"not closed b()\nc();"), ["a", "c"]);
+        assert_eq!(called("a('\\'', b(1'000));"), ["a", "b"]);
+    }
+
+    #[test]
+    fn definitions_are_told_from_calls() {
+        let calls = calls_of("int own(int a) { if (test()) { go(); } while (x) { } return own(1); }");
+        assert_eq!(calls.defined.into_iter().collect::<Vec<_>>(), ["own"]);
+        assert_eq!(calls.called.into_iter().collect::<Vec<_>>(), ["go", "if", "own", "test", "while"]);
+    }
+
+    #[test]
+    fn own_headers_are_listed() {
+        let text = "#include <stdio.h>\n  # include \"map.h\"\n#include \"a/b.h\" // c\n#include MACRO\n";
+        assert_eq!(calls_of(text).includes, ["map.h", "a/b.h"]);
+    }
+}
