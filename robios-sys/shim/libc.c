@@ -349,9 +349,25 @@ static void call_at_end(struct at_end **list, int exit_code)
 }
 
 #ifdef EYESIM_CPP
+/* Destructors of objects that belong to a thread. */
+static __thread struct at_end *at_thread_end;
+
+static void end_thread(void)
+{
+    call_at_end(&at_thread_end, 0);
+}
+
+LIBC(int, __cxa_thread_atexit_impl, (void (*function)(void *), void *data, void *library))
+{
+    struct at_end added = {.with_data = function, .data = data};
+    (void)library;
+    return add_at_end(&at_thread_end, added);
+}
+
 /* The destructors of static objects, for a program that the host stops. */
 static void destroy_at_end(void)
 {
+    end_thread();
     while (self.at_end != NULL) {
         struct at_end function = *self.at_end;
         free(self.at_end);
@@ -360,12 +376,16 @@ static void destroy_at_end(void)
             function.with_data(function.data);
     }
 }
+#else
+static void end_thread(void) {}
 #endif
 
 static _Noreturn void end_program(int exit_code)
 {
-    if (self.host != NULL)
+    if (self.host != NULL) {
+        end_thread();
         call_at_end(&self.at_end, exit_code);
+    }
     leave(exit_code);
 }
 

@@ -14,6 +14,7 @@ pub const REPLACED: &[(&str, &str)] = &[
     ("at_quick_exit", REGISTERS),
     ("on_exit", REGISTERS),
     ("__cxa_atexit", REGISTERS),
+    ("__cxa_thread_atexit_impl", REGISTERS),
     ("__assert_fail", FAILS),
     ("__assert", FAILS),
     ("__assert_perror_fail", FAILS),
@@ -364,7 +365,8 @@ const STREAMS: &str = "streams of C++ print to the host's standard output";
 pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
     let reason = |list: &[(&str, &'static str)]| list.iter().find(|(name, _)| *name == symbol).map(|(_, why)| *why);
     let is_harmless = |what: &str| [PRINTS_ANY, CHECKS, STATE_GIVEN, OF_TASKS, CANCELS, ACCEPTED].contains(&what);
-    let is_everywhere = ["__cxa_atexit", "__stack_chk_fail", "__chk_fail", "__longjmp_chk"].contains(&symbol);
+    let is_everywhere = ["__cxa_atexit", "__cxa_thread_atexit_impl", "__stack_chk_fail", "__chk_fail", "__longjmp_chk"]
+        .contains(&symbol);
     match reason(REPLACED) {
         Some(what) if is_harmless(what) || is_everywhere => None,
         Some(_) => Some("acts on the process, and not on the robot, in a library built without the shim"),

@@ -24,7 +24,8 @@ All this is for Linux with glibc and for the compilers gcc and clang.
 
 - **The end.** `exit`, and returning from `main`, call what `atexit`, `on_exit` and C++ have registered, the last first,
   inside the robot: these functions may call RoBIOS. `_exit`, `_Exit`, `quick_exit`, `abort` and a failed assertion do
-  not, and neither does a program that the simulator stops: every call of it would be the last.
+  not, and neither does a program that the simulator stops: every call of it would be the last. Of a stopped C++ program
+  the destructors run, see [programs](programs.md).
 - **Exit codes** are the numbers that the program gives, not cut to 8 bits. `void main()` gives 0. After `abort`, a failed
   assertion or an overrun buffer it is 134, as in a shell, and the robot counts as failed.
 - **Random numbers.** `rand`, `random` and the system's entropy are streams of the robot's own, which follow from the
@@ -40,6 +41,8 @@ All this is for Linux with glibc and for the compilers gcc and clang.
   shown at the end. Lines above 1024 bytes are cut. `stdout` and `stderr` are streams of the library's own, so that
   everything that prints to them is caught; `setvbuf`, `fflush` and `fprintf` work on them.
 - **Input** is at its end.
+- **C++.** The library of C++ is linked into each program, so that its streams, clocks and random numbers end in these
+  functions. `std::random_device` draws from the robot's own stream.
 - **Alarms** are refused: they would arrive by signal, in real time.
 
 ## Replaced
@@ -60,8 +63,7 @@ elsewhere and imports one of them, or one of the functions above, gets a warning
 
 const END: &str = "
 Files are real files: two robots that write one file, and programs that read what changes between runs, are outside as
-well. So are C++ streams (`std::cout`): use `printf`. A C++ program that the simulator stops is left without running the
-destructors of its local variables.
+well.
 
 What the C library itself finds broken (`free(): invalid pointer`) ends in a signal and is reported as a fault.
 ";
