@@ -22,6 +22,7 @@ const WITHOUT_EXAMPLE: [Code; 14] = [
     Code::FileUnreadable,
     Code::FolderEmpty,
     Code::MeshSize,
+    Code::ProgramGeneration,
     Code::ProgramMissing,
     Code::SceneCount,
     Code::TextureFormat,

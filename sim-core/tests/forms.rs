@@ -367,16 +367,35 @@ fn a_companion_is_no_scene() {
 }
 
 #[test]
+fn the_generation_of_the_api_is_that_of_the_robot_else_of_the_scene() {
+    let text = |scene: &str, robot: &str| {
+        format!(
+            "[scene]\n{scene}\n[world]\nfloor_mm = [4000, 3000]\n[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500\n\
+             {robot}\n[[robot]]\ntype = \"S4\"\nx_mm = 900\ny_mm = 900\n"
+        )
+    };
+    let load = |scene: &str, robot: &str| load_scene("a.scene.toml", &Overlay::of(&[("a.scene.toml", &text(scene, robot))]));
+    let told = |scene: &str, robot: &str| {
+        let loaded = load(scene, robot);
+        assert_eq!(loaded.diagnostics, []);
+        loaded.scene.robots.iter().map(|robot| (robot.api, robot.dialect)).collect::<Vec<_>>()
+    };
+    assert_eq!(told("", ""), [(None, None); 2]);
+    assert_eq!(told("api = 7", "api = 6"), [(Some(6), None), (Some(7), None)]);
+    assert!(load("api = 5", "").has_errors() && load("", "api = \"7\"").has_errors());
+}
+
+#[test]
 fn what_a_sim_cannot_hold_is_named() {
-    let text = "[scene]\nseed = 3\ncosts = { robios6 = { PSDGet = 5 } }\n[world]\nfloor_mm = [4000, 3000]\n\
+    let text = "[scene]\nseed = 3\napi = 6\ncosts = { robios6 = { PSDGet = 5 } }\n[world]\nfloor_mm = [4000, 3000]\n\
                 [[robot_type]]\nname = \"Scout\"\ndiameter_mm = 120\n\
-                [[robot]]\ntype = \"Scout\"\nprogram = \"a.c\"\narguments = [\"-v\"]\ncount = 2\n\
-                layout = { kind = \"line\", from_mm = [500, 500], to_mm = [900, 500] }\n";
+                [[robot]]\ntype = \"Scout\"\nprogram = \"a.c\"\narguments = [\"-v\"]\napi = 7\n\
+                count = 2\nlayout = { kind = \"line\", from_mm = [500, 500], to_mm = [900, 500] }\n";
     let files = Overlay::of(&[("a.scene.toml", text)]);
     let converted = convert("a.scene.toml", "b.sim", &files);
     let is_lost = |said: &format::Diagnostic| (said.code, said.severity) == (Code::ConvertLost, Severity::Warning);
     assert!(converted.diagnostics.iter().all(is_lost), "{:?}", converted.diagnostics);
-    for what in ["the seed", "the cost table", "the arguments of r1", "2 robots"] {
+    for what in ["the seed", "the cost table", "the generation of the API", "the arguments of r1", "r1 is written for RoBIOS 7", "2 robots"] {
         let is_named = converted.diagnostics.iter().any(|said| said.message.contains(what));
         assert!(is_named, "{what}: {:?}", converted.diagnostics);
     }

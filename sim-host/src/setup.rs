@@ -17,6 +17,7 @@ use crate::executive::process::serve::{Refusal, RemoteProgram};
 use crate::executive::program::{Exec, RobotProgram};
 use crate::program::build::Builder;
 use crate::program::find::{Found, SearchPath, find_program};
+use crate::program::generation::{Generation, Wanted};
 use crate::program::load::{LoadError, Loader, OpenError, check_mappings};
 use crate::program::prepare::{Prepared, prepare};
 use crate::robios::Devices;
@@ -25,6 +26,12 @@ use crate::robios::key::{Keys, Press};
 use crate::robios::robot::{Robot, RobotParts};
 use crate::robios::storage::Storage;
 use crate::robios::truth::{Census, Counted};
+
+/// What the scene says of the generation that a robot's program is written for.
+pub fn wanted_of(robot: &RobotSpec) -> Wanted {
+    let generation = |number: Option<u32>| number.and_then(Generation::of_number);
+    Wanted { api: generation(robot.api), dialect: generation(robot.dialect) }
+}
 
 /// Memory mappings of a robot's flow: its stack, the guard below it, its alternate stack and the kernel's neighbours.
 const MAPPINGS_PER_FLOW: usize = 4;
@@ -53,7 +60,7 @@ impl Programs {
                 find_program(&program.text, search)
             };
             found.push(robot.program.as_ref().and_then(|program| match find(program) {
-                Ok(found) => Some(found),
+                Ok(found) => Some(found.wanted(wanted_of(robot))),
                 Err(error) => {
                     push_new(&mut mistakes, format!("{}: {error}", place_of(scene, program)));
                     None

@@ -83,6 +83,7 @@ codes! {
     MtlLine = "mtl-line": "a line of a material file that cannot be read",
     NumberInvalid = "number-invalid": "a word where a number is expected",
     NumberRange = "number-range": "a number out of its range, infinite or NaN",
+    ProgramGeneration = "program-generation": "a robot's program calls functions of two generations of RoBIOS",
     ProgramMissing = "program-missing": "a robot's program is not found",
     QuoteUnclosed = "quote-unclosed": "a quotation mark is not closed",
     RobiAxelKind = "robi-axel-kind": "`axel` or `wheel` names neither the axle that drives nor the one that turns",

@@ -197,7 +197,13 @@ impl Placer<'_> {
         self.ids += 1;
         if let (Some(robi), Some(start)) = (robi, start) {
             let (program, arguments) = (line.program.clone(), line.arguments.clone());
-            self.robots.push(RobotSpec { id, robi: Arc::clone(robi), start, program, arguments, span: line.span });
+            let dialect = match (self.sim.form, &line.kind) {
+                (SceneForm::Toml, _) => None,
+                (SceneForm::Sim, TypeRef::File(_)) => Some(6),
+                (SceneForm::Sim, TypeRef::Name(_)) => Some(7),
+            };
+            let (robi, span, api) = (Arc::clone(robi), line.span, line.api.or(self.sim.run.api));
+            self.robots.push(RobotSpec { id, robi, start, program, arguments, api, dialect, span });
         }
     }
 

@@ -126,7 +126,7 @@ impl Reader {
         };
         if let (Some(robi), Some(program)) = (robi, program) {
             let kind = TypeRef::File(robi);
-            self.sim.robots.push(RobotLine { kind, program: Some(program), arguments: Vec::new(), start, span });
+            self.sim.robots.push(RobotLine { kind, program: Some(program), arguments: Vec::new(), api: None, start, span });
         }
     }
 
@@ -228,7 +228,8 @@ impl Reader {
             Some(word) => Some(path::named(&mut self.sink, Severity::Error, word, form)?),
             None => None,
         };
-        Some(RobotLine { kind: TypeRef::Name(reference(name)), program, arguments: Vec::new(), start: start?, span })
+        let kind = TypeRef::Name(reference(name));
+        Some(RobotLine { kind, program, arguments: Vec::new(), api: None, start: start?, span })
     }
 
     fn marker(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {

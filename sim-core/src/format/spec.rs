@@ -683,6 +683,8 @@ pub struct RunSpec {
     pub until: Option<Time>,
     /// How much virtual time calls take.
     pub costs: Option<CostsRef>,
+    /// Generation of the RoBIOS API that the robots' programs are written for: 6 or 7.
+    pub api: Option<u32>,
 }
 
 /// Where a scene takes its cost table from.
@@ -736,6 +738,8 @@ pub struct RobotLine {
     pub program: Option<PathRef>,
     /// What the program gets behind its name.
     pub arguments: Vec<String>,
+    /// Generation of the RoBIOS API that the program is written for: 6 or 7; `None`: that of the scene.
+    pub api: Option<u32>,
     /// Where it starts.
     pub start: StartRef,
     /// The line.
@@ -804,6 +808,11 @@ pub struct RobotSpec {
     pub program: Option<PathRef>,
     /// What the program gets behind its name.
     pub arguments: Vec<String>,
+    /// Generation of the RoBIOS API that the program is written for, 6 or 7, where the scene says it.
+    pub api: Option<u32>,
+    /// Generation of the RoBIOS API of the simulator in whose dialect its line is written: 6 for `robi` lines, 7 for those of
+    /// EyeSim VR; `None` in our own form.
+    pub dialect: Option<u32>,
     /// Its line in the sim file.
     pub span: Span,
 }

@@ -10,10 +10,14 @@ use sim_core::format::{
     Span,
 };
 
+use super::cc::parse_api;
 use super::diagnostic::{self, Colour, Format, Screen, plural};
 use crate::files::{DiskFiles, slashed};
-use crate::program::find::{SearchPath, find_program};
+use crate::program::find::{ProgramSource, SearchPath, find_program};
+use crate::program::generation::choose;
+use crate::program::{Generation, Wanted};
 use crate::robios::cost;
+use crate::setup::wanted_of;
 
 /// Exit code when there are errors, or warnings under `--strict`.
 const EXIT_MISTAKES: u8 = 2;
@@ -31,13 +35,17 @@ pub struct CheckArgs {
     /// When colours are used
     #[arg(long, value_enum, default_value_t, value_name = "WHEN")]
     pub color: Colour,
+    /// RoBIOS generation that the programs are written for, 6 or 7 [default: that of the scene, else of the functions they call]
+    #[arg(long, value_name = "GENERATION", value_parser = parse_api)]
+    pub api: Option<Generation>,
     /// Warnings, too, lead to exit code 2
     #[arg(long)]
     pub strict: bool,
 }
 
-/// Tells whether a robot's program can be found; if not, the message says what was tried.
-pub type FindProgram<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Result<(), String> + 'a;
+/// Tells whether a robot's program can be found and for which generation it is written; if not, which of both it is and a
+/// message.
+pub type FindProgram<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Result<(), (Code, String)> + 'a;
 
 /// Runs the command: 0, or 2 where there are errors (under `--strict`: or warnings).
 ///
@@ -46,7 +54,7 @@ pub type FindProgram<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Result<(), String> 
 pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     let mut files = DiskFiles::of_environment();
     let (names, empty) = expand(&args.files, &mut files);
-    let find = finder(&files)?;
+    let find = finder(&files, args.api)?;
     let mut checked = check(&names, &files, &*find);
     checked.diagnostics.extend(empty);
     let screen = Screen::of_stdout(args.color);
@@ -61,11 +69,11 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     Ok(if checked.is_rejected(args.strict) { ExitCode::from(EXIT_MISTAKES) } else { ExitCode::SUCCESS })
 }
 
-/// Looks for programs where `eyesim run` does.
+/// Looks for programs where `eyesim run` does; `api` is the generation that the command line gives them.
 ///
 /// # Errors
 /// If the working folder is unknown.
-pub fn finder(files: &DiskFiles) -> anyhow::Result<Box<FindProgram<'static>>> {
+pub fn finder(files: &DiskFiles, api: Option<Generation>) -> anyhow::Result<Box<FindProgram<'static>>> {
     let working_folder = std::env::current_dir()?;
     let installation = files.home().map(PathBuf::from);
     Ok(Box::new(move |scene, robot| {
@@ -76,7 +84,12 @@ pub fn finder(files: &DiskFiles) -> anyhow::Result<Box<FindProgram<'static>>> {
             installation: installation.clone(),
         };
         let Some(program) = &robot.program else { return Ok(()) };
-        find_program(&program.text, &search).map(drop).map_err(|error| error.to_string())
+        let found = find_program(&program.text, &search);
+        let found = found.map_err(|error| (Code::ProgramMissing, error.to_string()))?;
+        let ProgramSource::Sources { files, .. } = found.source else { return Ok(()) };
+        let said = wanted_of(robot);
+        let wanted = Wanted { api: api.or(said.api), ..said };
+        choose(&files, wanted).map(drop).map_err(|error| (Code::ProgramGeneration, error.to_string()))
     }))
 }
 
@@ -202,16 +215,13 @@ pub fn missing_programs(scene: &SceneSpec, severity: Severity, find_program: &Fi
         // Many robots may run the same program. One that the command line names has no place in a file.
         let of_file = robot.program.as_ref().filter(|program| program.span.line > 0);
         let Some(program) = of_file.filter(|program| tried.insert(&program.text)) else { continue };
-        if let Err(message) = find_program(scene, robot) {
-            missing.push(Diagnostic {
-                severity,
-                code: Code::ProgramMissing,
-                file: scene.file.clone(),
-                span: program.span,
-                message,
-                expected: "a library, a C file or a Cargo package folder".to_owned(),
-                suggestion: None,
-            });
+        if let Err((code, message)) = find_program(scene, robot) {
+            let expected = match code {
+                Code::ProgramGeneration => "functions of one generation",
+                _ => "a library, a C or C++ file or the folder of a program",
+            };
+            let (file, span, expected) = (scene.file.clone(), program.span, expected.to_owned());
+            missing.push(Diagnostic { severity, code, file, span, message, expected, suggestion: None });
         }
     }
     missing
@@ -308,11 +318,12 @@ mod tests {
     const BROKEN: &str = "floor 4000\n0 0 100\n0 0 1OO 0\nush 100 100 0\npop\nposition 1 2\n\
                           0 0 5 5 10 200 255 0 300\n10 10 10 10\npush 0 0 inf\nfloor_texture\nfloor 4000 -1\n";
 
-    fn find_nothing(_: &SceneSpec, robot: &RobotSpec) -> Result<(), String> {
-        Err(format!("`{}` is not found", robot.program.as_ref().map_or("", |program| &program.text)))
+    fn find_nothing(_: &SceneSpec, robot: &RobotSpec) -> Result<(), (Code, String)> {
+        let message = format!("`{}` is not found", robot.program.as_ref().map_or("", |program| &program.text));
+        Err((Code::ProgramMissing, message))
     }
 
-    fn find_all(_: &SceneSpec, _: &RobotSpec) -> Result<(), String> {
+    fn find_all(_: &SceneSpec, _: &RobotSpec) -> Result<(), (Code, String)> {
         Ok(())
     }
 

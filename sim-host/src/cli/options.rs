@@ -9,6 +9,7 @@ use sim_core::time::Time;
 
 use super::run::RunArgs;
 use crate::files::slashed;
+use crate::program::Generation;
 use crate::program::words::split_words;
 use crate::record::log::{Filter, Pattern};
 use crate::robios::cost::Costs;
@@ -50,6 +51,7 @@ impl Options {
             press.robot.map_or(Ok(0), |robot| index_of(scene, robot.0)).context("--keys")?;
         }
         give_programs(scene, &args.programs)?;
+        scene.robots.iter_mut().for_each(|robot| robot.api = args.api.map(Generation::number).or(robot.api));
         give_arguments(scene, &args.args)?;
         let (costs, costs_input) = match &args.costs {
             Some(path) => read_costs(path)?,
@@ -202,6 +204,8 @@ mod tests {
             start: Pose::new(0.0, 0.0, 0.0),
             program: (index == 0).then(|| PathRef { text: "own.c".into(), span }),
             arguments: if index == 0 { OWN.map(str::to_owned).to_vec() } else { Vec::new() },
+            api: None,
+            dialect: None,
             span,
         };
         SceneSpec { robots: (0..3).map(robot).collect(), ..SceneSpec::default() }

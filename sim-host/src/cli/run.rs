@@ -19,6 +19,7 @@ use sim_core::pose::Pose;
 use sim_core::time::Time;
 
 use super::diagnostic::{self, Colour, Format};
+use super::cc::parse_api;
 use super::options::{Options, ProgramOption};
 use super::output;
 use super::progress::{Building, Counts, Progress};
@@ -30,7 +31,7 @@ use crate::executive::run::{Ended, Limits, Parts, RobotEnd, Run};
 use crate::executive::thread::ThreadExecutor;
 use crate::files::DiskFiles;
 use crate::plot::{self, RunObject, RunPicture, RunRobot};
-use crate::program::{Builder, Cache, Kits, SearchPath, Tools};
+use crate::program::{Builder, Cache, Generation, Kits, SearchPath, Tools};
 use crate::record::report::{Input, ObjectReport, REPORT_SCHEMA, RobotReport};
 use crate::record::trace::{TraceHeader, TraceRobot};
 use crate::record::{Log, Outcome, Recorder, Report, Sink, Trace, Trails};
@@ -81,6 +82,9 @@ pub struct RunArgs {
     /// Program of the robots that have none, or with a number that of one robot: `2=maze.c`
     #[arg(long = "program", value_name = "[ROBOT=]PROGRAM", value_parser = ProgramOption::parse)]
     pub programs: Vec<ProgramOption>,
+    /// RoBIOS generation that the programs are written for, 6 or 7 [default: that of the scene, else of the functions they call]
+    #[arg(long, value_name = "GENERATION", value_parser = parse_api)]
+    pub api: Option<Generation>,
     /// Keys that are pressed: `2.5:KEY1, 4:KEY4`, for one robot `2:2.5:KEY1`
     #[arg(long, value_name = "KEYS")]
     pub keys: Vec<String>,
@@ -170,7 +174,7 @@ pub fn carry_out(args: &RunArgs) -> anyhow::Result<Option<Ran>> {
     }
     tell(&loaded.diagnostics, &loaded.inputs, args.strict)?;
     let options = Options::new(args, &mut loaded.scene)?;
-    let missing = check::missing_programs(&loaded.scene, Severity::Error, &*check::finder(&files)?);
+    let missing = check::missing_programs(&loaded.scene, Severity::Error, &*check::finder(&files, args.api)?);
     tell(&missing, &loaded.inputs, args.strict)?;
     simulate(args, options, &files, loaded)
 }

@@ -66,6 +66,16 @@ pub struct Found {
     pub notes: Vec<String>,
 }
 
+impl Found {
+    /// The same program, with what is said of its generation if it is made from sources.
+    pub fn wanted(mut self, said: Wanted) -> Self {
+        if let ProgramSource::Sources { wanted, .. } = &mut self.source {
+            *wanted = said;
+        }
+        self
+    }
+}
+
 /// One place that was looked at in vain.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Attempt {

@@ -103,6 +103,7 @@ fn run_form(run: &RunSpec) -> RunForm {
         slot_ms: run.slot.map(|time| slot(time.0)),
         until_s: run.until.map(|time| until(time.0)),
         costs,
+        api: run.api,
     }
 }
 
@@ -175,6 +176,7 @@ fn robot_form(line: &RobotLine) -> RobotForm {
         kind: line.kind.written().text.clone(),
         program: line.program.as_ref().map(|program| program.text.clone()),
         arguments: line.arguments.clone(),
+        api: line.api,
         ..RobotForm::default()
     };
     match line.start {

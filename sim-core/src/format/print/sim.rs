@@ -85,9 +85,11 @@ impl Printer<'_> {
             (run.slot.is_some(), "the length of a slot"),
             (run.until.is_some(), "the end of the run"),
             (run.costs.is_some(), "the cost table"),
+            (run.api.is_some(), "the generation of the API"),
             (sim.inline.world.is_some(), "the world described in place"),
             (!sim.inline.robot_types.is_empty(), "robot types described in place"),
             (!sim.inline.object_types.is_empty(), "object types described in place"),
+
         ];
         self.out.lost.extend(said.into_iter().filter(|(is_said, _)| *is_said).map(|(_, what)| what.to_owned()));
     }
@@ -102,6 +104,10 @@ impl Printer<'_> {
         if !line.arguments.is_empty() {
             let who = robots.first().map_or_else(|| "a robot".to_owned(), |robot| robot.id.to_string());
             self.out.lost.push(format!("the arguments of {who}"));
+        }
+        if let Some(api) = line.api {
+            let who = robots.first().map_or_else(|| "a robot".to_owned(), |robot| robot.id.to_string());
+            self.out.lost.push(format!("that the program of {who} is written for RoBIOS {api}"));
         }
         let program = line.program.as_ref().map(|program| self.word(&program.text));
         match (&line.kind, program) {

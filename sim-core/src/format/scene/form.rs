@@ -59,6 +59,10 @@ pub(crate) struct RunForm {
     /// Virtual time that RoBIOS calls take: a file, or a table for each generation of the API.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) costs: Option<CostsForm>,
+    /// Generation of the RoBIOS API that programs are written for, 6 or 7; that of the functions they call if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 6, max = 7))]
+    pub(crate) api: Option<u32>,
 }
 
 /// A cost table.
@@ -197,12 +201,16 @@ pub(crate) struct RobotForm {
     /// `LabBot`, `S4`, the name of a type of the scene, or a `.robi` file.
     #[serde(rename = "type")]
     pub(crate) kind: String,
-    /// Its program: a library, a C file or the folder of a Cargo package.
+    /// Its program: a library, a C or C++ file, several of them with commas, or the folder of a program.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) program: Option<String>,
     /// What the program gets behind its name.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub(crate) arguments: Vec<String>,
+    /// Generation of the RoBIOS API that the program is written for, 6 or 7; that of the scene if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 6, max = 7))]
+    pub(crate) api: Option<u32>,
     /// Place of its centre along x in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) x_mm: Option<Number>,

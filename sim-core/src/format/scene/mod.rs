@@ -132,7 +132,13 @@ impl Reader<'_> {
         } else {
             self.reference(&mut section, "costs").map(CostsRef::File)
         };
+        sim.run.api = self.api(&mut section);
         self.unknown_keys(&section);
+    }
+
+    /// A generation of the RoBIOS API.
+    fn api(&mut self, section: &mut Section<'_, '_>) -> Option<u32> {
+        self.integer(section, "api", 6, 7).map(|api| api as u32)
     }
 
     /// The slot of `seconds`.

@@ -33,6 +33,7 @@ impl Reader<'_> {
         let kind = self.required_reference(&mut section, "type").map(|kind| type_ref(kind, &ROBOT_FILES));
         let program = self.reference(&mut section, "program");
         let arguments = self.texts(&mut section, "arguments");
+        let api = self.api(&mut section);
         let start = self.start(&mut section);
         if program.is_none() && !arguments.is_empty() {
             let span = self.key_span(&section, "arguments");
@@ -44,7 +45,7 @@ impl Reader<'_> {
             Some(StartRef::Many { count, .. }) => count,
             _ => 1,
         };
-        let line = |kind: TypeRef, start: StartRef| RobotLine { kind, program, arguments, start, span: section.span };
+        let line = |kind: TypeRef, start: StartRef| RobotLine { kind, program, arguments, api, start, span: section.span };
         (kind.zip(start).map(|(kind, start)| line(kind, start)), count)
     }
 

@@ -36,6 +36,13 @@ fn scene(text: &str) -> SceneSpec {
 }
 
 #[test]
+fn the_dialect_of_a_line_tells_the_simulator_and_so_the_generation_of_its_programs() {
+    let scene = scene("world w.wld\nrobi scout.robi a.c 500 500 0\nLabBot 1000 1000 0 b.x\nScout 2000 2000 0 c.x\n");
+    let told: Vec<_> = scene.robots.iter().map(|robot| (robot.api, robot.dialect)).collect();
+    assert_eq!(told, [(None, Some(6)), (None, Some(7)), (None, Some(7))]);
+}
+
+#[test]
 fn built_in_robots_stand_at_their_pose_or_in_a_lettered_cell() {
     let scene =
         scene("maze m.maz\nlabbot 500 500 180 a.x\nS4 s\nS4 S 90 prog.py\nS4 u 02-prey.py\nsettings vis Trace\n");
