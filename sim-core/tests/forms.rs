@@ -374,7 +374,8 @@ fn the_generation_of_the_api_is_that_of_the_robot_else_of_the_scene() {
              {robot}\n[[robot]]\ntype = \"S4\"\nx_mm = 900\ny_mm = 900\n"
         )
     };
-    let load = |scene: &str, robot: &str| load_scene("a.scene.toml", &Overlay::of(&[("a.scene.toml", &text(scene, robot))]));
+    let load =
+        |scene: &str, robot: &str| load_scene("a.scene.toml", &Overlay::of(&[("a.scene.toml", &text(scene, robot))]));
     let told = |scene: &str, robot: &str| {
         let loaded = load(scene, robot);
         assert_eq!(loaded.diagnostics, []);
@@ -395,7 +396,14 @@ fn what_a_sim_cannot_hold_is_named() {
     let converted = convert("a.scene.toml", "b.sim", &files);
     let is_lost = |said: &format::Diagnostic| (said.code, said.severity) == (Code::ConvertLost, Severity::Warning);
     assert!(converted.diagnostics.iter().all(is_lost), "{:?}", converted.diagnostics);
-    for what in ["the seed", "the cost table", "the generation of the API", "the arguments of r1", "r1 is written for RoBIOS 7", "2 robots"] {
+    for what in [
+        "the seed",
+        "the cost table",
+        "the generation of the API",
+        "the arguments of r1",
+        "r1 is written for RoBIOS 7",
+        "2 robots",
+    ] {
         let is_named = converted.diagnostics.iter().any(|said| said.message.contains(what));
         assert!(is_named, "{what}: {:?}", converted.diagnostics);
     }

@@ -126,7 +126,14 @@ impl Reader {
         };
         if let (Some(robi), Some(program)) = (robi, program) {
             let kind = TypeRef::File(robi);
-            self.sim.robots.push(RobotLine { kind, program: Some(program), arguments: Vec::new(), api: None, start, span });
+            self.sim.robots.push(RobotLine {
+                kind,
+                program: Some(program),
+                arguments: Vec::new(),
+                api: None,
+                start,
+                span,
+            });
         }
     }
 

@@ -18,8 +18,8 @@ use sim_core::format::{
 use sim_core::pose::Pose;
 use sim_core::time::Time;
 
-use super::diagnostic::{self, Colour, Format};
 use super::cc::parse_api;
+use super::diagnostic::{self, Colour, Format};
 use super::options::{Options, ProgramOption};
 use super::output;
 use super::progress::{Building, Counts, Progress};

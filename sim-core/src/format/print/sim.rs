@@ -89,7 +89,6 @@ impl Printer<'_> {
             (sim.inline.world.is_some(), "the world described in place"),
             (!sim.inline.robot_types.is_empty(), "robot types described in place"),
             (!sim.inline.object_types.is_empty(), "object types described in place"),
-
         ];
         self.out.lost.extend(said.into_iter().filter(|(is_said, _)| *is_said).map(|(_, what)| what.to_owned()));
     }

@@ -45,7 +45,8 @@ impl Reader<'_> {
             Some(StartRef::Many { count, .. }) => count,
             _ => 1,
         };
-        let line = |kind: TypeRef, start: StartRef| RobotLine { kind, program, arguments, api, start, span: section.span };
+        let line =
+            |kind: TypeRef, start: StartRef| RobotLine { kind, program, arguments, api, start, span: section.span };
         (kind.zip(start).map(|(kind, start)| line(kind, start)), count)
     }
 
