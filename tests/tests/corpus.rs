@@ -1,7 +1,7 @@
 //! `eyesim check` over the files of EyeSim that lie beside the repository, if they do: nothing of them is lost but what is missing.
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use tests::{Scratch, root};
@@ -92,4 +92,78 @@ fn every_file_of_eyesim_is_checked_and_each_defect_named() {
     let output = check(&["--format", "short"]);
     let lines = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(lines.lines().filter(|line| line.contains(": error[")).count(), ERRORS.len(), "{lines}");
+}
+
+/// The programs that the scenes name and that the collection does not hold, by the names that the stand-ins are given for.
+const STAND_INS: &[(&str, &[&str])] = &[
+    ("two-starts/01-w5_simulation.sim", &["02-prey", "03-predator.py"]),
+    ("follow-leader/01-w5_simulation.sim", &["leader.py", "worker"]),
+    ("maze-course/Maze.sim", &["maze_left"]),
+    ("vr-2018/Test Assets/examples/random/Random1.sim", &["/Users/student/eyesim/examples/random/random.x"]),
+    ("vr-2018/Test Assets/examples/random/Random3.sim", &["random.x"]),
+    ("vr-2018/older/3b2ffd9/Test Assets/test.sim", &["list.x"]),
+];
+
+/// Scenes without any robot: there is nothing to run.
+fn has_robots(file: &str) -> bool {
+    !WARNINGS.iter().any(|(name, _, _, code)| *name == file && *code == "sim-robot-missing")
+}
+
+#[test]
+fn every_scene_of_eyesim_runs_with_stand_ins_for_its_missing_programs() {
+    let Ok(corpus) = root().join("../shared/eyesim/corpus").canonicalize() else {
+        println!("skipped: there are no files of EyeSim beside the repository");
+        return;
+    };
+    let home: &Path = &corpus.join("vr-2018/Test Assets");
+    let scratch = Scratch::new();
+    scratch.write(
+        "stand-in.c",
+        "#include \"eyebot.h\"\nint main(void) { LCDPrintf(\"robot %d\", OSMachineID()); OSWait(10); return 0; }\n",
+    );
+    let mut count = 0;
+    for path in sim_files(&corpus) {
+        let file = path.strip_prefix(&corpus).expect("a file of the corpus").to_str().expect("UTF-8");
+        let run = |stand_ins: &[&str]| {
+            let programs = stand_ins.iter().flat_map(|name| ["--program".to_owned(), format!("{name}=stand-in.c")]);
+            let mut command = scratch.command(&["run", path.to_str().expect("UTF-8"), "--report", "report.json"]);
+            let output = command.args(programs).env("EYESIM_HOME", home).output().expect("eyesim starts");
+            (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+        };
+        let stand_ins = STAND_INS.iter().find(|(name, _)| *name == file).map(|(_, stand_ins)| *stand_ins);
+        let (code, stderr) = run(&[]);
+        if ERRORS.iter().any(|(name, ..)| *name == file) || !has_robots(file) {
+            assert_eq!(code, Some(2), "{file}: {stderr}");
+            continue;
+        }
+        // Without stand-ins only scenes run that name no program.
+        assert_eq!(code, Some(if stand_ins.is_some() { 2 } else { 0 }), "{file}: {stderr}");
+        let stand_ins = stand_ins.unwrap_or(&[""]);
+        let (code, stderr) = run(stand_ins);
+        assert_eq!(code, Some(0), "{file} with stand-ins for {stand_ins:?}: {stderr}");
+        let report: Value = serde_json::from_str(&scratch.read("report.json")).expect("a report");
+        for robot in report["robots"].as_array().expect("robots") {
+            assert_eq!(robot["outcome"], "finished", "{file}: {robot:#}");
+            assert_eq!(robot["lcd"][0].as_str().expect("text").trim(), format!("robot {}", robot["id"]), "{file}");
+        }
+        count += 1;
+    }
+    assert!(count >= STAND_INS.len() + 10, "{count} scenes ran");
+}
+
+/// All sim files below a folder, in order.
+fn sim_files(folder: &Path) -> BTreeSet<PathBuf> {
+    let mut files = BTreeSet::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).expect("a folder of the corpus") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("sim")) {
+                files.insert(path);
+            }
+        }
+    }
+    files
 }

@@ -1,5 +1,6 @@
 //! What the command line of a run changes in its scene, and says of its keys, costs and lines.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use anyhow::{Context, anyhow, bail, ensure};
@@ -74,49 +75,133 @@ impl Options {
 /// A program that the command line gives.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramOption {
-    /// The robot that gets it; none for all that have no program.
-    robot: Option<u32>,
+    who: Who,
     /// As in a sim file.
     program: String,
 }
 
+/// Who gets a program of the command line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Who {
+    /// All robots that have no program.
+    Without,
+    /// One robot.
+    Robot(u32),
+    /// All robots whose program the scene calls so; if there are none, all of the type that is called so.
+    Name(String),
+}
+
 impl ProgramOption {
-    /// `2=maze.c`, or `maze.c`.
+    /// `2=maze.c`, `search.x=maze.c`, or `maze.c`.
     ///
     /// # Errors
     /// When no program is named.
     pub fn parse(text: &str) -> Result<Self, String> {
-        let (robot, program) = split_robot(text, '=');
+        let (who, program) = match (split_robot(text, '='), text.split_once('=')) {
+            ((Some(robot), program), _) => (Who::Robot(robot), program),
+            (_, Some((name, program))) if !name.trim().is_empty() => (Who::Name(name.trim().to_owned()), program),
+            (_, Some((_, program))) => (Who::Without, program),
+            _ => (Who::Without, text),
+        };
         if program.trim().is_empty() {
-            return Err("expected a program, such as `maze.c`, or `2=maze.c` for robot 2".into());
+            return Err(
+                "expected a program, such as `maze.c`; `2=maze.c` is that of robot 2, `search.x=maze.c` that of \
+                        all robots whose program is `search.x`"
+                    .into(),
+            );
         }
-        Ok(Self { robot, program: program.to_owned() })
+        Ok(Self { who, program: program.to_owned() })
     }
 }
 
-/// Gives the robots of `scene` the programs of the command line.
+/// Gives the robots of `scene` the programs of the command line; what names a robot's number goes before what names its
+/// program, and that before its type.
 fn give_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> anyhow::Result<()> {
-    let mut named: Vec<usize> = Vec::new();
+    let mut given: BTreeMap<usize, (Rank, &str)> = BTreeMap::new();
     for option in options {
-        let Some(robot) = option.robot else { continue };
-        let index = index_of(scene, robot).context("--program")?;
-        ensure!(!named.contains(&index), "--program: robot {robot} gets two programs");
-        named.push(index);
-        scene.robots[index].program = Some(program_of_command_line(&option.program));
+        let (rank, robots) = robots_of(scene, &option.who).context("--program")?;
+        for index in robots {
+            let before = given.get(&index).filter(|(before, _)| *before >= rank);
+            if before.is_some_and(|(before, _)| *before == rank) {
+                bail!("--program: robot {} gets two programs", scene.robots[index].id.0);
+            }
+            if before.is_none() {
+                given.insert(index, (rank, &option.program));
+            }
+        }
     }
-    let mut for_all = options.iter().filter(|option| option.robot.is_none());
-    let Some(option) = for_all.next() else { return Ok(()) };
-    if let Some(second) = for_all.next() {
-        bail!("--program: one program for all robots without one, not `{}` and `{}`", option.program, second.program);
+    let mut for_all = options.iter().filter(|option| option.who == Who::Without);
+    if let Some(option) = for_all.next() {
+        if let Some(second) = for_all.next() {
+            bail!(
+                "--program: one program for all robots without one, not `{}` and `{}`",
+                option.program,
+                second.program
+            );
+        }
+        let is_without = |index: &usize| scene.robots[*index].program.is_none() && !given.contains_key(index);
+        let without: Vec<usize> = (0..scene.robots.len()).filter(is_without).collect();
+        ensure!(
+            !without.is_empty(),
+            "--program {0}: every robot has a program; `--program 1={0}` replaces that of robot 1",
+            option.program
+        );
+        given.extend(without.into_iter().map(|index| (index, (Rank::Type, option.program.as_str()))));
     }
-    let mut without: Vec<&mut RobotSpec> = scene.robots.iter_mut().filter(|robot| robot.program.is_none()).collect();
-    ensure!(
-        !without.is_empty(),
-        "--program {0}: every robot has a program; `--program 1={0}` replaces that of robot 1",
-        option.program
-    );
-    without.iter_mut().for_each(|robot| robot.program = Some(program_of_command_line(&option.program)));
+    for (index, (_, program)) in given {
+        scene.robots[index].program = Some(program_of_command_line(program));
+    }
     Ok(())
+}
+
+/// How closely an option names a robot, from the loosest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Rank {
+    Type,
+    Program,
+    Number,
+}
+
+/// The places in the scene of the robots that `who` names; those without a program are not named.
+fn robots_of(scene: &SceneSpec, who: &Who) -> anyhow::Result<(Rank, Vec<usize>)> {
+    match who {
+        Who::Without => Ok((Rank::Type, Vec::new())),
+        Who::Robot(robot) => Ok((Rank::Number, vec![index_of(scene, *robot)?])),
+        Who::Name(name) => {
+            let places = |fits: &dyn Fn(&RobotSpec) -> bool| -> Vec<usize> {
+                (0..scene.robots.len()).filter(|index| fits(&scene.robots[*index])).collect()
+            };
+            let by_program = places(&|robot| names_of_file(robot.program_name()).any(|known| known == name));
+            if !by_program.is_empty() {
+                return Ok((Rank::Program, by_program));
+            }
+            let by_type =
+                places(&|robot| robot.robi.name == *name || names_of_file(&robot.robi.file).any(|known| known == name));
+            ensure!(!by_type.is_empty(), "no robot has a program or a type `{name}`: the scene has {}", known(scene));
+            Ok((Rank::Type, by_type))
+        }
+    }
+}
+
+/// What a file may be called: as it is written, without its folder, without folder and extension. Sim files write folders as
+/// Windows or as Unix does.
+fn names_of_file(path: &str) -> impl Iterator<Item = &str> {
+    let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
+    let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
+    [path, file, stem].into_iter().filter(|name| !name.is_empty())
+}
+
+/// The programs and types of a scene, each once.
+fn known(scene: &SceneSpec) -> String {
+    let list = |names: BTreeSet<&str>| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    let programs: BTreeSet<&str> =
+        scene.robots.iter().map(RobotSpec::program_name).filter(|name| !name.is_empty()).collect();
+    let types: BTreeSet<&str> = scene.robots.iter().map(|robot| robot.robi.name.as_str()).collect();
+    match (programs.is_empty(), types.is_empty()) {
+        (_, true) => "no robots".to_owned(),
+        (true, false) => format!("no programs, and the types {}", list(types)),
+        (false, false) => format!("the programs {} and the types {}", list(programs), list(types)),
+    }
 }
 
 /// Replaces the arguments of the robots that `options` name; several for one robot follow each other.
@@ -231,7 +316,35 @@ mod tests {
         assert_eq!(programs(&["x.c"]).unwrap(), ["own.c", "x.c", "x.c"]);
         assert_eq!(programs(&["1=x.c"]).unwrap(), ["x.c", "", ""]);
         assert_eq!(programs(&["y.c", "r3=x.c"]).unwrap(), ["own.c", "y.c", "x.c"]);
-        assert_eq!(programs(&["./2=x.c"]).unwrap(), ["own.c", "./2=x.c", "./2=x.c"], "a file of that name");
+        assert_eq!(programs(&["=./2=x.c"]).unwrap(), ["own.c", "./2=x.c", "./2=x.c"], "a file of that name");
+    }
+
+    #[test]
+    fn programs_go_to_those_whose_program_or_type_is_named() {
+        let mut scene = scene();
+        scene.robots[1].program = Some(program_of_command_line(r"..\Progs\maze.x"));
+        scene.robots[2].program = Some(program_of_command_line("progs/maze.x"));
+        let programs = |options: &[&str]| {
+            let mut scene = scene.clone();
+            let options: Vec<_> = options.iter().map(|text| ProgramOption::parse(text).expect("a program")).collect();
+            give_programs(&mut scene, &options).map_err(|error| format!("{error:#}"))?;
+            Ok::<_, String>(scene.robots.iter().map(|robot| robot.program_name().to_owned()).collect::<Vec<_>>())
+        };
+        for name in ["maze", "maze.x"] {
+            assert_eq!(programs(&[&format!("{name}=x.c")]).unwrap(), ["own.c", "x.c", "x.c"], "{name}");
+        }
+        assert_eq!(programs(&["progs/maze.x=x.c"]).unwrap(), ["own.c", r"..\Progs\maze.x", "x.c"]);
+        assert_eq!(programs(&["r=x.c"]).unwrap(), ["x.c", "x.c", "x.c"], "a type");
+        // Whatever their order: number, program, type.
+        for options in [["r=t.c", "maze=p.c", "3=n.c"], ["3=n.c", "maze=p.c", "r=t.c"]] {
+            assert_eq!(programs(&options).unwrap(), ["t.c", "p.c", "n.c"]);
+        }
+        assert_eq!(programs(&["maze=x.c", "maze.x=y.c"]).unwrap_err(), "--program: robot 2 gets two programs");
+        assert_eq!(
+            programs(&["labyrinth=x.c"]).unwrap_err(),
+            "--program: no robot has a program or a type `labyrinth`: the scene has the programs `..\\Progs\\maze.x`, \
+             `own.c`, `progs/maze.x` and the types `r`"
+        );
     }
 
     #[test]

@@ -79,8 +79,8 @@ pub struct RunArgs {
     /// Processor time in seconds that a program may compute within one slot before it is stopped
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = parse_timeout, allow_hyphen_values = true)]
     pub timeout: f64,
-    /// Program of the robots that have none, or with a number that of one robot: `2=maze.c`
-    #[arg(long = "program", value_name = "[ROBOT=]PROGRAM", value_parser = ProgramOption::parse)]
+    /// Program of the robots that have none; of one robot: `2=maze.c`; in place of a program or for a type: `search.x=maze.c`
+    #[arg(long = "program", value_name = "[ROBOT|NAME=]PROGRAM", value_parser = ProgramOption::parse)]
     pub programs: Vec<ProgramOption>,
     /// RoBIOS generation that the programs are written for, 6 or 7 [default: that of the scene, else of the functions they call]
     #[arg(long, value_name = "GENERATION", value_parser = parse_api)]
