@@ -121,6 +121,14 @@ pub enum Device {
     Serial,
     /// The analogue inputs.
     Analog,
+    /// The laser scanner.
+    Lidar,
+    /// Images of files.
+    Image,
+    /// Commands of the machine that simulates.
+    Shell,
+    /// A device that RoBIOS-7 knows by number: what it is, and the number.
+    Numbered(&'static str, u8),
 }
 
 impl Display for Device {
@@ -143,6 +151,10 @@ impl Display for Device {
             Self::Microphone => f.write_str("microphone"),
             Self::Serial => f.write_str("serial interface"),
             Self::Analog => f.write_str("analogue input"),
+            Self::Lidar => f.write_str("laser scanner"),
+            Self::Image => f.write_str("image"),
+            Self::Shell => f.write_str("shell"),
+            Self::Numbered(kind, number) => write!(f, "{kind} {number}"),
         }
     }
 }

@@ -20,7 +20,8 @@ const EXIT_FAILED: c_int = 1;
 /// Makes a function the robot program of this library: exports it under the name that the simulator looks for.
 ///
 /// The function takes `&Robot` and returns nothing or a [`Result`](crate::Result), of whatever error (one of `anyhow`
-/// as well). Once in a library, whose `Cargo.toml` has `crate-type = ["cdylib"]`. The panic strategy must be
+/// as well). Its robot tells the generation of RoBIOS: [`robios_api::Robot`](crate::Robot) is one of RoBIOS 6,
+/// [`robios_api::robios7::Robot`](crate::robios7::Robot) one of RoBIOS-7. Once in a library, whose `Cargo.toml` has `crate-type = ["cdylib"]`. The panic strategy must be
 /// `unwind`, which is the default.
 ///
 /// ```standalone_crate
@@ -62,7 +63,7 @@ macro_rules! program {
 
             #[allow(non_upper_case_globals, reason = "the name that the host looks for")]
             #[unsafe(no_mangle)]
-            pub static eyesim_program: $crate::entry::Program = $crate::entry::program(run);
+            pub static eyesim_program: $crate::entry::Program = $crate::entry::program($main, run);
         };
     };
 }
@@ -95,21 +96,58 @@ impl<E: Into<Box<dyn StdError>>> Outcome for Result<(), E> {
     }
 }
 
-/// The description of a program that [`program!`](crate::program) exports.
-pub const fn program(run: robios_sys::Run) -> Program {
-    Program::robios6(robios_sys::language::RUST, run, call_site::of_library())
+/// A robot of one generation of RoBIOS: what a program's function gets.
+pub trait Machine: sealed::Sealed + Sized {
+    /// The generation, 6 or 7.
+    const GENERATION: u32;
+
+    /// The same robot, as this generation sees it.
+    #[doc(hidden)]
+    fn of(robot: &Robot) -> Self;
+}
+
+impl Machine for Robot {
+    const GENERATION: u32 = 6;
+
+    fn of(robot: &Robot) -> Self {
+        robot.clone()
+    }
+}
+
+impl Machine for crate::robios7::Robot {
+    const GENERATION: u32 = 7;
+
+    fn of(robot: &Robot) -> Self {
+        Self(robot.clone())
+    }
+}
+
+mod sealed {
+    /// Only the robots of this crate are machines.
+    pub trait Sealed {}
+    impl Sealed for crate::Robot {}
+    impl Sealed for crate::robios7::Robot {}
+}
+
+/// The description of a program that [`program!`](crate::program) exports; `main` tells its generation.
+pub const fn program<M: Machine, O: Outcome>(_main: fn(&M) -> O, run: robios_sys::Run) -> Program {
+    let (language, call_site) = (robios_sys::language::RUST, call_site::of_library());
+    match M::GENERATION {
+        6 => Program::robios6(language, run, call_site),
+        _ => Program::robios7(language, run, call_site),
+    }
 }
 
 /// Runs a program's `main` between the host and the library, and gives its exit code.
 ///
 /// # Safety
-/// The arguments are those of [`robios_sys::Run`], for a host of RoBIOS 6.
-pub unsafe fn run<O: Outcome>(
+/// The arguments are those of [`robios_sys::Run`], for a host of the robot's generation.
+pub unsafe fn run<M: Machine, O: Outcome>(
     host: *const Host,
     context: *mut c_void,
     argc: c_int,
     argv: *const *const c_char,
-    main: fn(&Robot) -> O,
+    main: fn(&M) -> O,
 ) -> c_int {
     // SAFETY: the caller vouches for the arguments.
     unsafe { run_for(call_site::Reader::Host, host, context, argc, argv, main) }
@@ -119,13 +157,13 @@ pub unsafe fn run<O: Outcome>(
 ///
 /// # Safety
 /// As of [`run`].
-pub(crate) unsafe fn run_for<O: Outcome>(
+pub(crate) unsafe fn run_for<M: Machine, O: Outcome>(
     reader: call_site::Reader,
     host: *const Host,
     context: *mut c_void,
     argc: c_int,
     argv: *const *const c_char,
-    main: impl FnOnce(&Robot) -> O,
+    main: impl FnOnce(&M) -> O,
 ) -> c_int {
     install_hook();
     // SAFETY: the caller vouches for the arguments.
@@ -134,7 +172,7 @@ pub(crate) unsafe fn run_for<O: Outcome>(
     let robot = unsafe { Robot::new(host, context, arguments, reader) };
     let outcome = {
         let _inside = Inside::enter();
-        panic::catch_unwind(AssertUnwindSafe(|| main(&robot).failure()))
+        panic::catch_unwind(AssertUnwindSafe(|| main(&M::of(&robot)).failure()))
     };
     let code = match outcome {
         Ok(None) => 0,

@@ -30,6 +30,9 @@
 //! # }
 //! ```
 //!
+//! This is RoBIOS 6; [`robios7`] is the other generation. What both have in common (quantities, errors, console, random numbers,
+//! time) is one. The robot that a program's function gets tells its generation.
+//!
 //! [`fake`] runs a program in a unit test without a simulator.
 //!
 //! # Outside the guarantee
@@ -64,6 +67,7 @@ mod os;
 mod port;
 mod psd;
 mod random;
+pub mod robios7;
 mod robot;
 mod sensor;
 mod serial;

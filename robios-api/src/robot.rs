@@ -5,7 +5,7 @@ use std::ffi::c_void;
 use std::panic::Location;
 use std::rc::Rc;
 
-use robios_sys::{Host, Robios6Table, Status, SupportTable};
+use robios_sys::{Host, Robios6Table, Robios7Table, Status, SupportTable};
 
 use crate::audio::Audio;
 use crate::call_site;
@@ -14,6 +14,7 @@ use crate::lcd::Lcd;
 use crate::port::Ports;
 use crate::psd::PsdState;
 use crate::random::Random;
+use crate::robios7::State as State7;
 
 /// The robot: every device and service is asked for here.
 ///
@@ -29,6 +30,7 @@ pub(crate) struct Inner {
     call_site: call_site::Reader,
     is_stopped: Cell<bool>,
     pub(crate) psd: RefCell<PsdState>,
+    pub(crate) robios7: State7,
     /// The exit code after a failure that has been reported already, as from within a timer's function.
     pub(crate) failure: Cell<Option<i32>>,
 }
@@ -37,7 +39,10 @@ pub(crate) struct Inner {
 #[derive(Clone, Copy)]
 pub(crate) struct Tables {
     pub support: *const SupportTable,
+    /// Null in a program of RoBIOS-7, which has no [`Robot`].
     pub robios: *const Robios6Table,
+    /// Null in a program of RoBIOS 6, which has no [`robios7::Robot`](crate::robios7::Robot).
+    pub robios7: *const Robios7Table,
     pub context: *mut c_void,
 }
 
@@ -48,7 +53,7 @@ impl Robot {
     /// The robot of a host.
     ///
     /// # Safety
-    /// `host` and `context` are what the program's `run` got, for RoBIOS 6, and [`close`](Self::close) is called
+    /// `host` and `context` are what the program's `run` got, for the generation that is called, and [`close`](Self::close) is called
     /// before it returns.
     pub(crate) unsafe fn new(
         host: *const Host,
@@ -59,11 +64,17 @@ impl Robot {
         // SAFETY: the caller vouches for `host`.
         let host = unsafe { &*host };
         Self(Rc::new(Inner {
-            tables: Cell::new(Some(Tables { support: host.support, robios: host.robios6, context })),
+            tables: Cell::new(Some(Tables {
+                support: host.support,
+                robios: host.robios6,
+                robios7: host.robios7,
+                context,
+            })),
             arguments,
             call_site,
             is_stopped: Cell::new(false),
             psd: RefCell::default(),
+            robios7: State7::default(),
             failure: Cell::new(None),
         }))
     }
@@ -150,6 +161,14 @@ macro_rules! robios {
 }
 pub(crate) use robios;
 
+/// Calls a function of the RoBIOS-7 table for a [`robios7::Robot`](crate::robios7::Robot), as [`robios!`] does.
+macro_rules! robios7 {
+    ($robot:expr, $name:ident($($argument:expr),* $(,)?)) => {
+        $crate::robot::call!(&$robot.0, robios7, $name($($argument),*))
+    };
+}
+pub(crate) use robios7;
+
 /// Calls a function of the support table, as [`robios!`] does.
 macro_rules! support {
     ($robot:expr, $name:ident($($argument:expr),* $(,)?)) => {
@@ -174,15 +193,18 @@ macro_rules! call {
 }
 pub(crate) use call;
 
-/// Calls a function of the RoBIOS table from a `drop`: never leaves the program. Gives whether the call was made.
+/// Calls a function of a RoBIOS table from a `drop`: never leaves the program. Gives whether the call was made.
 macro_rules! release {
-    ($robot:expr, $name:ident($($argument:expr),* $(,)?)) => {{
+    ($robot:expr, $name:ident($($argument:expr),* $(,)?)) => {
+        $crate::robot::release!($robot, robios, $name($($argument),*))
+    };
+    ($robot:expr, $table:ident, $name:ident($($argument:expr),* $(,)?)) => {{
         let robot: &$crate::Robot = $robot;
         match robot.tables() {
             Some(tables) => {
                 // SAFETY: as in `call!`; the result may be null.
                 let status = unsafe {
-                    ((*tables.robios).$name)(tables.context, $($argument,)* std::ptr::null_mut())
+                    ((*tables.$table).$name)(tables.context, $($argument,)* std::ptr::null_mut())
                 };
                 status == robios_sys::Status::OK
             }

@@ -93,13 +93,12 @@ impl Robot {
                 accepted: "multiples of 10 ms from 10 ms on",
             });
         }
-        let job = Rc::new(Job { robot: self.clone(), function: RefCell::new(Box::new(function)) });
-        let callback = Callback { code: Some(call_job), data: Rc::as_ptr(&job).cast_mut().cast() };
-        let handle: TimerHandle = robios!(self, OSAttachTimer(scale, callback));
-        match handle {
-            0 => Err(Error::Unavailable(Device::Timer)),
-            handle => Ok(Timer { robot: self.clone(), handle, job: Some(job) }),
-        }
+        Timer::attach(
+            self,
+            Box::new(function),
+            |callback| robios!(self, OSAttachTimer(scale, callback)),
+            |robot, handle| release!(robot, OSDetachTimer(handle)),
+        )
     }
 
     /// Holds timers back until the guard is dropped, as switching interrupts off does.
@@ -158,11 +157,31 @@ pub struct Timer {
     robot: Robot,
     handle: TimerHandle,
     job: Option<Rc<Job>>,
+    detach: fn(&Robot, TimerHandle) -> bool,
+}
+
+impl Timer {
+    /// A timer that the host attaches by `attach`, which gives its handle, and forgets by `detach`, which gives whether the call
+    /// was made.
+    #[track_caller]
+    pub(crate) fn attach(
+        robot: &Robot,
+        function: Box<Function>,
+        attach: impl FnOnce(Callback) -> TimerHandle,
+        detach: fn(&Robot, TimerHandle) -> bool,
+    ) -> Result<Self> {
+        let job = Rc::new(Job { robot: robot.clone(), function: RefCell::new(function) });
+        let callback = Callback { code: Some(call_job), data: Rc::as_ptr(&job).cast_mut().cast() };
+        match attach(callback) {
+            0 => Err(Error::Unavailable(Device::Timer)),
+            handle => Ok(Self { robot: robot.clone(), handle, job: Some(job), detach }),
+        }
+    }
 }
 
 impl Drop for Timer {
     fn drop(&mut self) {
-        if !release!(&self.robot, OSDetachTimer(self.handle)) {
+        if !(self.detach)(&self.robot, self.handle) {
             // The host has not said that it forgets the pointer: the function must live on.
             std::mem::forget(self.job.take());
         }
@@ -194,7 +213,8 @@ struct Job {
     function: RefCell<Box<Function>>,
 }
 
-type Function = dyn FnMut(&Robot);
+/// What a timer calls with its robot.
+pub(crate) type Function = dyn FnMut(&Robot);
 
 impl Job {
     fn run(&self) {

@@ -139,6 +139,40 @@ macro_rules! crossing {
 }
 crossing!(Length, Angle, Speed, TurnRate);
 
+macro_rules! crossing7 {
+    ($($Name:ident: $new:ident, $get:ident, $unit:literal;)*) => {$(
+        impl $Name {
+            #[doc = concat!("As it crosses to RoBIOS-7: whole ", $unit, ", rounded.")]
+            pub(crate) fn to_robios7(self) -> i32 {
+                self.$get().round() as i32
+            }
+
+            /// As it comes from RoBIOS-7.
+            pub(crate) fn from_robios7(value: i32) -> Self {
+                Self::$new(value.into())
+            }
+        }
+    )*};
+}
+crossing7! {
+    Length: millimetres, as_millimetres, "millimetres";
+    Angle: degrees, as_degrees, "degrees";
+    Speed: millimetres_per_second, as_millimetres_per_second, "millimetres per second";
+    TurnRate: degrees_per_second, as_degrees_per_second, "degrees per second";
+}
+
+impl Speed {
+    /// So much, in millimetres per second.
+    pub const fn millimetres_per_second(value: f64) -> Self {
+        Self(value / 1000.0)
+    }
+
+    /// Its value in millimetres per second.
+    pub const fn as_millimetres_per_second(self) -> f64 {
+        self.0 * 1000.0
+    }
+}
+
 impl Length {
     /// So much, in millimetres.
     pub const fn millimetres(value: f64) -> Self {
@@ -270,6 +304,10 @@ pub trait Units: Into<f64> {
     /// So many metres per second.
     fn metres_per_second(self) -> Speed {
         Speed::metres_per_second(self.into())
+    }
+    /// So many millimetres per second.
+    fn millimetres_per_second(self) -> Speed {
+        Speed::millimetres_per_second(self.into())
     }
     /// So many radians per second, counter-clockwise.
     fn radians_per_second(self) -> TurnRate {

@@ -5,7 +5,7 @@ use robios_sys::robios6::{LCD_COLUMNS, LCD_HEIGHT, LCD_ROWS, LCD_WIDTH};
 /// Text and pixels, kept apart: pixels are only what is drawn.
 #[derive(Debug)]
 pub struct Lcd {
-    text: [[u8; LCD_COLUMNS]; LCD_ROWS],
+    text: Vec<Vec<u8>>,
     pixels: Vec<bool>,
     row: usize,
     column: usize,
@@ -13,9 +13,19 @@ pub struct Lcd {
 }
 
 impl Lcd {
+    /// That of RoBIOS 6.
     pub fn new() -> Self {
+        Self::with_size(LCD_ROWS, LCD_COLUMNS)
+    }
+
+    /// That of RoBIOS-7, with characters of one width whatever the font.
+    pub fn large() -> Self {
+        Self::with_size(20, 40)
+    }
+
+    fn with_size(rows: usize, columns: usize) -> Self {
         Self {
-            text: [[b' '; LCD_COLUMNS]; LCD_ROWS],
+            text: vec![vec![b' '; columns]; rows],
             pixels: vec![false; LCD_WIDTH * LCD_HEIGHT],
             row: 0,
             column: 0,
@@ -24,7 +34,16 @@ impl Lcd {
     }
 
     pub fn clear(&mut self) {
-        *self = Self { is_scrolling: self.is_scrolling, ..Self::new() };
+        let is_scrolling = self.is_scrolling;
+        *self = Self { is_scrolling, ..Self::with_size(self.rows(), self.columns()) };
+    }
+
+    fn rows(&self) -> usize {
+        self.text.len()
+    }
+
+    fn columns(&self) -> usize {
+        self.text[0].len()
     }
 
     /// The lines without blanks at their ends.
@@ -35,7 +54,7 @@ impl Lcd {
     /// Moves the cursor; whether the place is on the display.
     pub fn move_cursor(&mut self, row: i32, column: i32) -> bool {
         let (Ok(row), Ok(column)) = (usize::try_from(row), usize::try_from(column)) else { return false };
-        let is_inside = row < LCD_ROWS && column < LCD_COLUMNS;
+        let is_inside = row < self.rows() && column < self.columns();
         if is_inside {
             (self.row, self.column) = (row, column);
         }
@@ -52,7 +71,7 @@ impl Lcd {
                 self.break_line();
                 continue;
             }
-            if self.column == LCD_COLUMNS {
+            if self.column == self.columns() {
                 self.break_line();
             }
             self.text[self.row][self.column] = *byte;
@@ -63,7 +82,7 @@ impl Lcd {
     fn break_line(&mut self) {
         self.column = 0;
         self.row += 1;
-        if self.row == LCD_ROWS {
+        if self.row == self.rows() {
             if self.is_scrolling {
                 self.text.rotate_left(1);
                 self.row -= 1;
@@ -76,9 +95,9 @@ impl Lcd {
 
     /// Writes the text of one of the four keys.
     pub fn menu(&mut self, key: usize, text: &[u8]) {
-        let width = LCD_COLUMNS / 4;
+        let (width, last) = (self.columns() / 4, self.rows() - 1);
         if !text.is_empty() {
-            let room = &mut self.text[LCD_ROWS - 1][key * width..][..width];
+            let room = &mut self.text[last][key * width..][..width];
             room.fill(b' ');
             let len = text.len().min(width);
             room[..len].copy_from_slice(&text[..len]);

@@ -32,6 +32,7 @@
 mod lcd;
 mod motion;
 mod robios;
+mod robios7;
 mod robot;
 
 use std::cell::Cell;
@@ -41,13 +42,14 @@ use std::panic::Location;
 use std::rc::Rc;
 use std::time::Duration;
 
-use robios_sys::{Host, Program, Robios6Table, SupportTable};
+use robios_sys::{Host, Program, Robios6Table, Robios7Table, SupportTable};
 
 use crate::device::{BumperAt, InfraredAt, PsdAt};
 use crate::drive::Position;
-use crate::entry::{self, Outcome};
+use crate::entry::{self, Machine, Outcome};
 use crate::key::Key;
-use crate::unit::Length;
+use crate::lcd::Pixel;
+use crate::unit::{Angle, Length};
 use crate::{Robot, call_site};
 use robot::FakeRobot;
 
@@ -65,9 +67,32 @@ type LastPlace = Rc<Cell<Option<&'static Location<'static>>>>;
 
 type Script<T> = Box<dyn Fn(&Moment) -> T>;
 
+/// What a generation of RoBIOS calls a distance sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PsdName {
+    /// RoBIOS 6: its name.
+    At(PsdAt),
+    /// RoBIOS-7: its number.
+    Number(u8),
+}
+
+impl From<PsdAt> for PsdName {
+    fn from(at: PsdAt) -> Self {
+        Self::At(at)
+    }
+}
+
+impl From<crate::robios7::PsdAt> for PsdName {
+    fn from(at: crate::robios7::PsdAt) -> Self {
+        Self::Number(at.number())
+    }
+}
+
 /// What a robot has and what happens to it.
 pub struct Fake {
-    psds: Vec<(PsdAt, Script<Option<Length>>)>,
+    psds: Vec<(PsdName, Script<Option<Length>>)>,
+    lidar: Option<robios7::Scanner>,
+    touches: robios7::Touches,
     bumpers: Vec<(BumperAt, Vec<Duration>)>,
     infrareds: Vec<(InfraredAt, Script<bool>)>,
     keys: Vec<(Duration, Key)>,
@@ -96,6 +121,8 @@ impl Fake {
     pub fn new() -> Self {
         Self {
             psds: Vec::new(),
+            lidar: None,
+            touches: Vec::new(),
             bumpers: Vec::new(),
             infrareds: Vec::new(),
             keys: Vec::new(),
@@ -107,9 +134,22 @@ impl Fake {
 
     /// Gives it a distance sensor and what it measures; `None` is nothing within range.
     ///
-    /// As the real one it measures every 60 ms and gives whole millimetres.
-    pub fn psd(mut self, at: PsdAt, distance: impl Fn(&Moment) -> Option<Length> + 'static) -> Self {
-        self.psds.push((at, Box::new(distance)));
+    /// As the real one it gives whole millimetres; in RoBIOS 6 it measures every 60 ms, in RoBIOS-7 when it is asked.
+    pub fn psd(mut self, at: impl Into<PsdName>, distance: impl Fn(&Moment) -> Option<Length> + 'static) -> Self {
+        self.psds.push((at.into(), Box::new(distance)));
+        self
+    }
+
+    /// Gives it a laser scanner and what it measures in each direction of the robot; RoBIOS-7 alone.
+    pub fn lidar(mut self, distance: impl Fn(&Moment, Angle) -> Option<Length> + 'static) -> Self {
+        self.lidar = Some(Box::new(distance));
+        self
+    }
+
+    /// Touches the display at a time; RoBIOS-7 alone.
+    pub fn touch(mut self, time: Duration, at: Pixel) -> Self {
+        self.touches.push((time, at));
+        self.touches.sort_by_key(|(time, _)| *time);
         self
     }
 
@@ -152,9 +192,18 @@ impl Fake {
         self
     }
 
-    /// Runs a program.
+    /// Runs a program of RoBIOS 6.
     pub fn run<O: Outcome>(self, main: impl FnOnce(&Robot) -> O) -> Run {
-        self.run_with(|last_place, host, context, argc, argv| {
+        self.run_machine(main)
+    }
+
+    /// Runs a program of RoBIOS-7.
+    pub fn run_robios7<O: Outcome>(self, main: impl FnOnce(&crate::robios7::Robot) -> O) -> Run {
+        self.run_machine(main)
+    }
+
+    fn run_machine<M: Machine, O: Outcome>(self, main: impl FnOnce(&M) -> O) -> Run {
+        self.run_with(M::GENERATION, |last_place, host, context, argc, argv| {
             let reader = call_site::Reader::Fake(last_place);
             // SAFETY: host, context and arguments live until the call returns, and are as `robios_sys::Run` says.
             unsafe { entry::run_for(reader, host, context, argc, argv, main) }
@@ -172,7 +221,7 @@ impl Fake {
         if let Err(misfit) = program.check() {
             panic!("{misfit}");
         }
-        self.run_with(|_, host, context, argc, argv| {
+        self.run_with(program.generation, |_, host, context, argc, argv| {
             // SAFETY: the caller vouches for the program; host, context and arguments live until the call returns.
             unsafe { (program.run)(host, context, argc, argv) }
         })
@@ -180,20 +229,24 @@ impl Fake {
 
     fn run_with(
         mut self,
+        generation: u32,
         program: impl FnOnce(LastPlace, *const Host, *mut c_void, c_int, *const *const c_char) -> c_int,
     ) -> Run {
         static SUPPORT: SupportTable = SupportTable::of::<FakeRobot>();
         static ROBIOS: Robios6Table = Robios6Table::of::<FakeRobot>();
+        static ROBIOS7: Robios7Table = Robios7Table::of::<FakeRobot>();
         static HOST: Host = Host::of_robios6(&SUPPORT, &ROBIOS);
+        static HOST7: Host = Host::of_robios7(&SUPPORT, &ROBIOS7);
+        let host = if generation == 7 { &HOST7 } else { &HOST };
         let arguments: Vec<CString> = std::iter::once("program".to_owned())
             .chain(std::mem::take(&mut self.arguments))
             .map(|argument| CString::new(argument.replace('\0', "")).unwrap_or_default())
             .collect();
         let mut argv: Vec<*const c_char> = arguments.iter().map(|argument| argument.as_ptr()).collect();
         argv.push(std::ptr::null());
-        let robot = FakeRobot::new(self);
+        let robot = FakeRobot::new(self, generation);
         let context = std::ptr::from_ref(&robot).cast_mut().cast();
-        let code = program(robot.last_place.clone(), &HOST, context, arguments.len() as c_int, argv.as_ptr());
+        let code = program(robot.last_place.clone(), host, context, arguments.len() as c_int, argv.as_ptr());
         robot.finish(code)
     }
 }
@@ -311,7 +364,10 @@ impl Run {
         self.position
     }
 
-    /// A line of the display at the end, 0 (top) to 6, without blanks at its end; empty for another row.
+    /// A line of the display at the end, from 0 at the top, without blanks at its end; empty for another row.
+    ///
+    /// The display has 7 lines of 16 characters in RoBIOS 6, and 20 lines of 40 in RoBIOS-7, whatever the font; the last one is
+    /// that of the menu.
     pub fn lcd_line(&self, row: usize) -> &str {
         self.lcd.get(row).map_or("", String::as_str)
     }

@@ -147,6 +147,11 @@ impl Motion {
         self.piece(now_us).end_us().filter(|end| *end > now_us)
     }
 
+    /// Whether the last drive was a turn on the spot.
+    pub fn is_turn(&self, now_us: u64) -> bool {
+        self.piece(now_us).length == 0.0
+    }
+
     /// What remains of the drive in progress: its length, or its angle if it has no length.
     pub fn remaining(&self, now_us: u64) -> f64 {
         let piece = self.piece(now_us);

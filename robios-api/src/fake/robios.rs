@@ -8,12 +8,10 @@ use robios_sys::robios6::{
 };
 use robios_sys::{Callback, Out, OutBytes, Robios6, Stop};
 
+use super::PsdName;
 use super::motion::Pose;
-use super::robot::{FakeRobot, PSD_CYCLE_US, PsdRun, TIMER_TICK_US, Timer, VW};
+use super::robot::{FakeRobot, PSD_CYCLE_US, PsdRun, TICKS_PER_METRE, TIMER_TICK_US, Timer, VW};
 use crate::device::{BumperAt, InfraredAt, PsdAt};
-
-/// Ticks of the encoders.
-const TICKS_PER_METRE: f64 = 1000.0;
 
 impl Robios6 for FakeRobot {
     fn OSVersion(&self, text: &mut OutBytes) -> Result<i32, Stop> {
@@ -259,7 +257,7 @@ impl Robios6 for FakeRobot {
 
     fn PSDInit(&self, semantics: i32) -> Result<i32, Stop> {
         let wanted = PsdAt::from_semantics(semantics);
-        self.act(|_| Self::handle_of(self.fake.psds.iter().position(|(at, _)| *at == wanted)))
+        self.act(|_| Self::handle_of(self.fake.psds.iter().position(|(at, _)| *at == PsdName::At(wanted))))
     }
 
     fn PSDRelease(&self) -> Result<i32, Stop> {

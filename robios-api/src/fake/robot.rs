@@ -11,11 +11,14 @@ use robios_sys::{CallContext, CallRecord, Callback, OutBytes, Stop, Support};
 use super::lcd::Lcd;
 use super::motion::{FULL_SPEED_MPS, Motion, Pose, TRACK_M};
 use super::{Call, End, Fake, LastPlace, Moment, Run};
+use crate::robios7::Color;
 
 /// Virtual time of a call that does not wait, in microseconds: as of a slow processor, so that loops that poll end.
 const COST_US: u64 = 100;
 pub(super) const PSD_CYCLE_US: u64 = 60_000;
 pub(super) const TIMER_TICK_US: u64 = 10_000;
+/// Ticks of the encoders.
+pub(super) const TICKS_PER_METRE: f64 = 1000.0;
 /// The only handle of the driving interface.
 pub(super) const VW: i32 = 1;
 
@@ -43,6 +46,12 @@ pub(super) struct State {
     pub psd: Option<PsdRun>,
     pub bumps_read: Vec<usize>,
     pub keys_read: usize,
+    pub touches_read: usize,
+    pub pixels: BTreeMap<(i32, i32), Color>,
+    /// Angle in degrees, and points, of a scan.
+    pub scan: (i32, i32),
+    /// The digital lines, line 1 in the lowest bit.
+    pub lines: i32,
     pub is_compass_ready: bool,
     pub timers: Vec<Timer>,
     pub next_timer: i32,
@@ -81,7 +90,7 @@ pub(super) struct Timer {
 }
 
 impl FakeRobot {
-    pub(super) fn new(fake: Fake) -> Self {
+    pub(super) fn new(fake: Fake, generation: u32) -> Self {
         let state = State {
             now_us: 0,
             is_over: false,
@@ -96,12 +105,16 @@ impl FakeRobot {
             psd: None,
             bumps_read: vec![0; fake.bumpers.len()],
             keys_read: 0,
+            touches_read: 0,
+            pixels: BTreeMap::new(),
+            scan: (360, 360),
+            lines: 0,
             is_compass_ready: false,
             timers: Vec::new(),
             next_timer: 1,
             are_timers_held: false,
             is_in_callback: false,
-            lcd: Lcd::new(),
+            lcd: if generation == 7 { Lcd::large() } else { Lcd::new() },
             console: String::new(),
             random: BTreeMap::new(),
             variables: [0; 16],

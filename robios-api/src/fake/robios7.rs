@@ -1,0 +1,515 @@
+//! What each RoBIOS-7 call does on the fake robot; those left out fail as documented.
+
+use std::time::Duration;
+
+use robios_sys::robios7::{Char, Flag, NOKEY, Timer as TimerNumber, VEHICLE};
+use robios_sys::{Callback, Out, OutBytes, OutInts, Robios7, Stop};
+
+use super::motion::Pose;
+use super::robot::{FakeRobot, State, TICKS_PER_METRE, Timer};
+use super::{Moment, PsdName};
+use crate::robios7::Color;
+use crate::unit::{Angle, Length};
+
+/// Timers are on a grid of 1 ms.
+const TICK_US: u64 = 1_000;
+/// What sensors give where nothing is within range.
+const OUT_OF_RANGE_MM: i32 = 9999;
+
+fn millimetres(distance: Option<Length>) -> i32 {
+    // 0 would say that there is no sensor.
+    distance.map_or(OUT_OF_RANGE_MM, |distance| (distance.as_millimetres().round() as i32).clamp(1, OUT_OF_RANGE_MM))
+}
+
+/// A pose in millimetres and degrees, the heading from -180 to 180.
+fn shown(pose: Pose) -> [i32; 3] {
+    let position = pose.position();
+    [position.x.to_robios7(), position.y.to_robios7(), position.phi.wrapped().to_robios7()]
+}
+
+fn side(number: i32) -> Option<usize> {
+    matches!(number, 1 | 2).then(|| number as usize - 1)
+}
+
+impl FakeRobot {
+    fn drive7(&self, length_mm: i32, angle_deg: i32, span_s: f64) -> Result<i32, Stop> {
+        self.act(|state| {
+            if !(span_s.is_finite() && span_s >= 0.0) {
+                return 1;
+            }
+            let (length, angle) = (Length::from_robios7(length_mm), Angle::from_robios7(angle_deg));
+            state.motion.drive(state.now_us, length.as_metres(), angle.as_radians(), span_s);
+            0
+        })
+    }
+
+    fn touch_before(&self, state: &mut State) -> Option<(i32, i32)> {
+        let (time, pixel) = self.fake.touches.get(state.touches_read)?;
+        if time.as_micros() > u128::from(state.now_us) {
+            return None;
+        }
+        state.touches_read += 1;
+        Some((pixel.x, pixel.y))
+    }
+}
+
+/// Seconds of a drive at a pace; infinite for a pace that is not above 0.
+fn span_s(way: i32, pace: i32) -> f64 {
+    if pace > 0 { f64::from(way).abs() / f64::from(pace) } else { f64::INFINITY }
+}
+
+impl Robios7 for FakeRobot {
+    fn LCDPrintf(&self, text: Option<&[u8]>) -> Result<i32, Stop> {
+        self.act(|state| state.lcd.write(text.unwrap_or_default()))?;
+        Ok(0)
+    }
+
+    fn LCDSetPrintf(&self, row: i32, column: i32, text: Option<&[u8]>) -> Result<i32, Stop> {
+        self.act(|state| {
+            if !state.lcd.move_cursor(row, column) {
+                return 1;
+            }
+            state.lcd.write(text.unwrap_or_default());
+            0
+        })
+    }
+
+    fn LCDClear(&self) -> Result<i32, Stop> {
+        self.act(|state| {
+            state.lcd.clear();
+            state.pixels.clear();
+        })?;
+        Ok(0)
+    }
+
+    fn LCDSetPos(&self, row: i32, column: i32) -> Result<i32, Stop> {
+        self.act(|state| if state.lcd.move_cursor(row, column) { 0 } else { 1 })
+    }
+
+    fn LCDGetPos(&self, row: &mut Out<i32>, column: &mut Out<i32>) -> Result<i32, Stop> {
+        let (at_row, at_column) = self.act(|state| state.lcd.cursor())?;
+        row.set(at_row);
+        column.set(at_column);
+        Ok(0)
+    }
+
+    fn LCDSetColor(&self, _: i32, _: i32) -> Result<i32, Stop> {
+        self.act(|_| 0)
+    }
+
+    fn LCDSetFont(&self, font: i32, variation: i32) -> Result<i32, Stop> {
+        self.act(|_| i32::from(!(0..=2).contains(&font) || !(0..=2).contains(&variation)))
+    }
+
+    fn LCDSetFontSize(&self, size: i32) -> Result<i32, Stop> {
+        self.act(|_| i32::from(![8, 12, 14, 18, 24].contains(&size)))
+    }
+
+    fn LCDMenu(
+        &self,
+        st1: Option<&[u8]>,
+        st2: Option<&[u8]>,
+        st3: Option<&[u8]>,
+        st4: Option<&[u8]>,
+    ) -> Result<i32, Stop> {
+        self.act(|state| {
+            for (key, text) in [st1, st2, st3, st4].into_iter().enumerate() {
+                state.lcd.menu(key, text.unwrap_or_default());
+            }
+        })?;
+        Ok(0)
+    }
+
+    fn LCDMenuI(&self, pos: i32, text: Option<&[u8]>, _: i32, _: i32) -> Result<i32, Stop> {
+        self.act(|state| match pos {
+            1..=4 => {
+                state.lcd.menu(pos as usize - 1, text.unwrap_or_default());
+                0
+            }
+            _ => 1,
+        })
+    }
+
+    fn LCDGetSize(&self, x: &mut Out<i32>, y: &mut Out<i32>) -> Result<i32, Stop> {
+        self.act(|_| ())?;
+        x.set(320);
+        y.set(240);
+        Ok(0)
+    }
+
+    fn LCDPixel(&self, x: i32, y: i32, color: i32) -> Result<i32, Stop> {
+        self.act(|state| state.pixels.insert((x, y), Color::from_robios(color)))?;
+        Ok(0)
+    }
+
+    fn LCDGetPixel(&self, x: i32, y: i32) -> Result<i32, Stop> {
+        self.act(|state| state.pixels.get(&(x, y)).map_or(0, |color| color.to_robios()))
+    }
+
+    fn LCDLine(&self, _: i32, _: i32, _: i32, _: i32, _: i32) -> Result<i32, Stop> {
+        self.act(|_| 0)
+    }
+
+    fn LCDArea(&self, _: i32, _: i32, _: i32, _: i32, _: i32, _: i32) -> Result<i32, Stop> {
+        self.act(|_| 0)
+    }
+
+    fn LCDCircle(&self, _: i32, _: i32, _: i32, _: i32, _: i32) -> Result<i32, Stop> {
+        self.act(|_| 0)
+    }
+
+    fn LCDRefresh(&self) -> Result<i32, Stop> {
+        self.act(|_| 0)
+    }
+
+    fn KEYGet(&self) -> Result<i32, Stop> {
+        self.wait_for_key("KEYGet", !0)
+    }
+
+    fn KEYRead(&self) -> Result<i32, Stop> {
+        self.act(|state| match self.fake.keys.get(state.keys_read) {
+            Some((time, key)) if time.as_micros() <= u128::from(state.now_us) => {
+                state.keys_read += 1;
+                key.code()
+            }
+            _ => NOKEY,
+        })
+    }
+
+    fn KEYWait(&self, key: i32) -> Result<i32, Stop> {
+        self.wait_for_key("KEYWait", key)?;
+        Ok(0)
+    }
+
+    fn KEYGetXY(&self, x: &mut Out<i32>, y: &mut Out<i32>) -> Result<i32, Stop> {
+        self.act(|_| ())?;
+        let read = self.state.borrow().touches_read;
+        let time_us = self.fake.touches.get(read).map(|(time, _)| time.as_micros() as u64);
+        let now_us = self.state.borrow().now_us;
+        if time_us.is_none_or(|time_us| time_us > now_us) {
+            self.wait("KEYGetXY", time_us)?;
+        }
+        if let Some((at_x, at_y)) = self.touch_before(&mut self.state.borrow_mut()) {
+            x.set(at_x);
+            y.set(at_y);
+        }
+        Ok(0)
+    }
+
+    fn KEYReadXY(&self, x: &mut Out<i32>, y: &mut Out<i32>) -> Result<i32, Stop> {
+        let touch = self.act(|state| self.touch_before(state))?;
+        let Some((at_x, at_y)) = touch else { return Ok(1) };
+        x.set(at_x);
+        y.set(at_y);
+        Ok(0)
+    }
+
+    fn OSVersion(&self, text: &mut OutBytes) -> Result<i32, Stop> {
+        self.act(|_| text.set(b"1.0\0"))?;
+        Ok(0)
+    }
+
+    fn OSMachineName(&self, text: &mut OutBytes) -> Result<i32, Stop> {
+        self.act(|_| text.set(b"Fake\0"))?;
+        Ok(0)
+    }
+
+    fn OSMachineID(&self) -> Result<i32, Stop> {
+        self.act(|_| 1)
+    }
+
+    fn OSMachineType(&self) -> Result<i32, Stop> {
+        self.act(|_| VEHICLE)
+    }
+
+    fn OSMachineSpeed(&self) -> Result<i32, Stop> {
+        self.act(|_| 700_000_000)
+    }
+
+    fn OSError(&self, message: Option<&[u8]>, number: i32, dead: i32) -> Result<i32, Stop> {
+        self.act(|state| {
+            let text = String::from_utf8_lossy(message.unwrap_or_default()).into_owned();
+            state.lcd.write(format!("{text}{number}").as_bytes());
+        })?;
+        if dead != 0 {
+            self.wait("OSError", None)?;
+        }
+        self.wait_for_key("OSError", !0)?;
+        Ok(0)
+    }
+
+    fn OSWait(&self, n: i32) -> Result<i32, Stop> {
+        let end_us = self.state.borrow().now_us + n.max(0) as u64 * 1_000;
+        self.wait("OSWait", Some(end_us))?;
+        Ok(0)
+    }
+
+    fn OSAttachTimer(&self, scale: i32, function: Option<Callback>) -> Result<TimerNumber, Stop> {
+        self.act(|state| {
+            let (Ok(scale @ 1..), Some(callback)) = (u64::try_from(scale), function) else { return 0 };
+            let period_us = scale * TICK_US;
+            let handle = state.next_timer;
+            state.next_timer += 1;
+            let next_us = state.now_us / TICK_US * TICK_US + period_us;
+            state.timers.push(Timer { handle, period_us, next_us, callback });
+            handle
+        })
+    }
+
+    fn OSDetachTimer(&self, handle: TimerNumber) -> Result<i32, Stop> {
+        self.act(|state| {
+            let count = state.timers.len();
+            state.timers.retain(|timer| timer.handle != handle);
+            i32::from(state.timers.len() == count)
+        })
+    }
+
+    fn OSSetTime(&self, hrs: i32, mins: i32, secs: i32) -> Result<i32, Stop> {
+        self.act(|state| {
+            if !((0..24).contains(&hrs) && (0..60).contains(&mins) && (0..60).contains(&secs)) {
+                return 1;
+            }
+            state.clock_offset_us = i64::from(hrs * 3600 + mins * 60 + secs) * 1_000_000 - state.now_us as i64;
+            0
+        })
+    }
+
+    fn OSGetTime(
+        &self,
+        hrs: &mut Out<i32>,
+        mins: &mut Out<i32>,
+        secs: &mut Out<i32>,
+        ticks: &mut Out<i32>,
+    ) -> Result<i32, Stop> {
+        let millis = self.act(|state| (state.now_us as i64 + state.clock_offset_us) / 1_000)?;
+        hrs.set((millis / 3_600_000 % 24) as i32);
+        mins.set((millis / 60_000 % 60) as i32);
+        secs.set((millis / 1_000 % 60) as i32);
+        ticks.set((millis % 1_000) as i32);
+        Ok(0)
+    }
+
+    fn OSGetCount(&self) -> Result<i32, Stop> {
+        self.act(|state| (state.now_us / 1_000) as i32)
+    }
+
+    fn SERCheck(&self, _: i32) -> Result<Flag, Stop> {
+        self.act(|_| 0)
+    }
+
+    fn AUBeep(&self) -> Result<i32, Stop> {
+        self.act(|_| 0)
+    }
+
+    fn AUTone(&self, freq_hz: i32, _: i32) -> Result<i32, Stop> {
+        self.act(|_| i32::from(!(65..=21_000).contains(&freq_hz)))
+    }
+
+    fn PSDGet(&self, psd: i32) -> Result<i32, Stop> {
+        self.act(|state| {
+            let named = self
+                .fake
+                .psds
+                .iter()
+                .find(|(name, _)| matches!(name, PsdName::Number(number) if i32::from(*number) == psd));
+            named.map_or(0, |(_, distance)| millimetres(distance(&state.moment(state.now_us))))
+        })
+    }
+
+    fn LIDARGet(&self, distance: &mut OutInts) -> Result<i32, Stop> {
+        self.act(|state| {
+            let Some(scanner) = &self.fake.lidar else { return 1 };
+            let (range_deg, points) = state.scan;
+            let spacings = if range_deg == 360 || points % 2 == 0 { points } else { points - 1 };
+            let spacing = Angle::degrees(f64::from(range_deg) / f64::from(spacings.max(1)));
+            let moment = state.moment(state.now_us);
+            let direction = |index: i32| spacing * f64::from(points / 2 - index);
+            let distances: Vec<i32> =
+                (0..points).map(|index| millimetres(scanner(&moment, direction(index)))).collect();
+            distance.set(&distances);
+            0
+        })
+    }
+
+    fn LIDARSet(&self, range: i32, _: i32, points: i32) -> Result<(), Stop> {
+        self.act(|state| state.scan = (range, points))
+    }
+
+    fn SERVOSet(&self, servo: i32, angle: i32) -> Result<i32, Stop> {
+        self.act(|_| i32::from(!(1..=14).contains(&servo) || !(0..=255).contains(&angle)))
+    }
+
+    fn MOTORDrive(&self, motor: i32, speed: i32) -> Result<i32, Stop> {
+        self.act(|state| match side(motor) {
+            Some(side) if (-100..=100).contains(&speed) => {
+                state.power[side] = f64::from(speed) / 100.0;
+                state.follow_power();
+                0
+            }
+            _ => 1,
+        })
+    }
+
+    fn ENCODERRead(&self, quad: i32) -> Result<i32, Stop> {
+        self.act(|state| {
+            let ticks =
+                |side: usize| (state.motion.rolled(state.now_us)[side] - state.ticks_zero[side]) * TICKS_PER_METRE;
+            side(quad).map_or(0, |side| ticks(side).floor() as i32)
+        })
+    }
+
+    fn ENCODERReset(&self, quad: i32) -> Result<i32, Stop> {
+        self.act(|state| {
+            let Some(side) = side(quad) else { return 1 };
+            state.ticks_zero[side] = state.motion.rolled(state.now_us)[side];
+            0
+        })
+    }
+
+    fn VWSetSpeed(&self, lin_speed: i32, ang_speed: i32) -> Result<i32, Stop> {
+        self.act(|state| {
+            let (v, w) = (f64::from(lin_speed) / 1000.0, f64::from(ang_speed).to_radians());
+            state.motion.set_speed(state.now_us, v, w);
+            0
+        })
+    }
+
+    fn VWGetSpeed(&self, lin_speed: &mut Out<i32>, ang_speed: &mut Out<i32>) -> Result<i32, Stop> {
+        let (v, w) = self.act(|state| state.motion.speed(state.now_us))?;
+        lin_speed.set((v * 1000.0).round() as i32);
+        ang_speed.set(w.to_degrees().round() as i32);
+        Ok(0)
+    }
+
+    fn VWSetPosition(&self, x: i32, y: i32, phi: i32) -> Result<i32, Stop> {
+        self.act(|state| {
+            let said = Pose { x: f64::from(x) / 1000.0, y: f64::from(y) / 1000.0, phi: f64::from(phi).to_radians() };
+            state.origin = (state.motion.pose(state.now_us), said);
+            0
+        })
+    }
+
+    fn VWGetPosition(&self, x: &mut Out<i32>, y: &mut Out<i32>, phi: &mut Out<i32>) -> Result<i32, Stop> {
+        let [at_x, at_y, at_phi] = shown(self.act(|state| state.belief())?);
+        x.set(at_x);
+        y.set(at_y);
+        phi.set(at_phi);
+        Ok(0)
+    }
+
+    fn VWStraight(&self, dist: i32, lin_speed: i32) -> Result<i32, Stop> {
+        self.drive7(dist, 0, span_s(dist, lin_speed))
+    }
+
+    fn VWTurn(&self, angle: i32, ang_speed: i32) -> Result<i32, Stop> {
+        self.drive7(0, angle, span_s(angle, ang_speed))
+    }
+
+    fn VWCurve(&self, dist: i32, angle: i32, lin_speed: i32) -> Result<i32, Stop> {
+        self.drive7(dist, angle, span_s(dist, lin_speed))
+    }
+
+    fn VWDrive(&self, dx: i32, dy: i32, lin_speed: i32) -> Result<i32, Stop> {
+        // The arc that leaves along x and passes through (dx, dy): it turns by twice the direction of that place.
+        let direction = Angle::towards(Length::from_robios7(dx), Length::from_robios7(dy));
+        let chord = Length::of_vector(Length::from_robios7(dx), Length::from_robios7(dy));
+        let is_straight = direction.abs() < Angle::degrees(1e-9);
+        let length = if is_straight { chord } else { chord * (direction.as_radians() / direction.sin()) };
+        let span_s = if lin_speed > 0 { length.as_millimetres() / f64::from(lin_speed) } else { f64::INFINITY };
+        self.act(|state| {
+            if dx <= dy.abs() || !span_s.is_finite() {
+                return 1;
+            }
+            state.motion.drive(state.now_us, length.as_metres(), 2.0 * direction.as_radians(), span_s);
+            0
+        })
+    }
+
+    fn VWRemain(&self) -> Result<i32, Stop> {
+        self.act(|state| {
+            let remaining = state.motion.remaining(state.now_us);
+            let is_turn = state.motion.is_turn(state.now_us);
+            (if is_turn { remaining.to_degrees() } else { remaining * 1000.0 }).round() as i32
+        })
+    }
+
+    fn VWDone(&self) -> Result<i32, Stop> {
+        self.act(|state| i32::from(state.motion.drive_end_us(state.now_us).is_none()))
+    }
+
+    fn VWWait(&self) -> Result<i32, Stop> {
+        let end_us = self.act(|state| state.motion.drive_end_us(state.now_us))?;
+        if end_us.is_some() {
+            self.wait("VWWait", end_us)?;
+        }
+        Ok(0)
+    }
+
+    fn VWStalled(&self) -> Result<i32, Stop> {
+        self.act(|_| 0)
+    }
+
+    fn VWControl(&self, _: i32, _: i32, _: i32, _: i32) -> Result<i32, Stop> {
+        self.act(|_| 0)
+    }
+
+    fn VWControlOff(&self) -> Result<i32, Stop> {
+        self.act(|_| 0)
+    }
+
+    fn DIGITALSetup(&self, io: i32, _: Char) -> Result<i32, Stop> {
+        self.act(|_| i32::from(!(1..=16).contains(&io)))
+    }
+
+    fn DIGITALRead(&self, io: i32) -> Result<i32, Stop> {
+        self.act(|state| if (1..=16).contains(&io) { i32::from(state.lines & (1 << (io - 1)) != 0) } else { -1 })
+    }
+
+    fn DIGITALReadAll(&self) -> Result<i32, Stop> {
+        self.act(|state| state.lines)
+    }
+
+    fn DIGITALWrite(&self, io: i32, value: i32) -> Result<i32, Stop> {
+        self.act(|state| {
+            if !(1..=16).contains(&io) {
+                return 1;
+            }
+            let line = 1 << (io - 1);
+            state.lines = if value == 0 { state.lines & !line } else { state.lines | line };
+            0
+        })
+    }
+
+    fn SIMGetRobot(
+        &self,
+        id: i32,
+        x: &mut Out<i32>,
+        y: &mut Out<i32>,
+        z: &mut Out<i32>,
+        phi: &mut Out<i32>,
+    ) -> Result<(), Stop> {
+        let pose = self.act(|state| state.motion.pose(state.now_us))?;
+        if matches!(id, 0 | 1) {
+            let [at_x, at_y, at_phi] = shown(pose);
+            x.set(at_x);
+            y.set(at_y);
+            z.set(0);
+            phi.set(at_phi);
+        }
+        Ok(())
+    }
+
+    fn SIMGetRobotCount(&self) -> Result<i32, Stop> {
+        self.act(|_| 1)
+    }
+
+    fn SIMGetObjectCount(&self) -> Result<i32, Stop> {
+        self.act(|_| 0)
+    }
+}
+
+/// What a laser scanner measures in a direction of the robot.
+pub type Scanner = Box<dyn Fn(&Moment, Angle) -> Option<Length>>;
+
+/// Times and places of touches.
+pub type Touches = Vec<(Duration, crate::Pixel)>;

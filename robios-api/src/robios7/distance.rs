@@ -1,0 +1,176 @@
+//! Distances: PSD sensors, which measure when they are asked, and the laser scanner.
+
+use robios_sys::ByteRoom;
+
+use super::Robot;
+use crate::device::Device;
+use crate::error::checked;
+use crate::psd::RawDistance;
+use crate::robot::robios7;
+use crate::unit::{Angle, Length};
+use crate::{Error, Result};
+
+/// What sensors give where nothing is within range, in millimetres.
+const OUT_OF_RANGE_MM: i32 = 9999;
+
+/// Which PSD sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum PsdAt {
+    /// `PSD_FRONT`
+    Front,
+    /// `PSD_LEFT`
+    Left,
+    /// `PSD_RIGHT`
+    Right,
+    /// `PSD_BACK`
+    Back,
+    /// One that only the robi file names: its number, 1 to 6.
+    Other(u8),
+}
+
+impl PsdAt {
+    /// Its number.
+    pub const fn number(self) -> u8 {
+        match self {
+            Self::Front => 1,
+            Self::Left => 2,
+            Self::Right => 3,
+            Self::Back => 4,
+            Self::Other(number) => number,
+        }
+    }
+
+    const fn device(self) -> Device {
+        Device::Numbered("PSD sensor", self.number())
+    }
+}
+
+/// A PSD distance sensor.
+#[derive(Clone, Copy, Debug)]
+pub struct Psd<'r> {
+    robot: &'r Robot,
+    at: PsdAt,
+}
+
+/// The laser scanner.
+#[derive(Clone, Copy, Debug)]
+pub struct Lidar<'r>(&'r Robot);
+
+/// A scan: distances from left to right.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scan {
+    distances: Vec<Option<Length>>,
+    spacing: Angle,
+}
+
+impl Robot {
+    /// A distance sensor; measures once, to see whether it is there.
+    ///
+    /// # Errors
+    /// [`Error::Unavailable`] if the robot has no such sensor.
+    #[track_caller]
+    pub fn psd(&self, at: PsdAt) -> Result<Psd<'_>> {
+        let distance_mm: i32 = robios7!(self, PSDGet(at.number().into()));
+        if distance_mm == 0 { Err(Error::Unavailable(at.device())) } else { Ok(Psd { robot: self, at }) }
+    }
+
+    /// The laser scanner: 360 points all around, until [`Lidar::set`] says otherwise.
+    pub fn lidar(&self) -> Lidar<'_> {
+        Lidar(self)
+    }
+}
+
+impl Psd<'_> {
+    /// Which sensor it is.
+    pub fn at(&self) -> PsdAt {
+        self.at
+    }
+
+    /// The distance now; `None` if nothing is within range.
+    #[track_caller]
+    pub fn distance(&self) -> Option<Length> {
+        within_range(robios7!(self.robot, PSDGet(self.at.number().into())))
+    }
+
+    /// The sensor's own number now.
+    #[track_caller]
+    pub fn raw(&self) -> RawDistance {
+        let raw: i32 = robios7!(self.robot, PSDGetRaw(self.at.number().into()));
+        RawDistance(raw.clamp(0, 255) as u8)
+    }
+}
+
+impl Lidar<'_> {
+    /// Sets the angle that a scan covers, half of it to either side; how far the scanner is tilted upwards; and the number of
+    /// points, as most 65,535.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for another angle than 1 to 360 degrees, or no points.
+    #[track_caller]
+    pub fn set(&self, range: Angle, tilt: Angle, points: u16) -> Result {
+        let range_deg = range.to_robios7();
+        let Some(kept) = u16::try_from(range_deg).ok().filter(|range| (1..=360).contains(range) && points > 0) else {
+            return Err(Error::OutOfRange {
+                what: "setting of a scan",
+                value: format!("{range:.0} in {points} points"),
+                accepted: "1 to 360 degrees in 1 to 65535 points",
+            });
+        };
+        let () = robios7!(self.0, LIDARSet(range_deg, tilt.to_robios7(), points.into()));
+        self.0.state().scan.set((kept, points));
+        Ok(())
+    }
+
+    /// Scans once.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if the robot has no scanner.
+    #[track_caller]
+    pub fn scan(&self) -> Result<Scan> {
+        let (range_deg, points) = self.0.state().scan.get();
+        let mut distances_mm = vec![0_i32; points.into()];
+        let room = ByteRoom { data: distances_mm.as_mut_ptr().cast(), len: distances_mm.len() };
+        checked("LIDARGet", Device::Lidar, robios7!(self.0, LIDARGet(room)))?;
+        let spacings = if range_deg == 360 || points % 2 == 0 { points } else { points - 1 };
+        Ok(Scan {
+            distances: distances_mm.into_iter().map(within_range).collect(),
+            spacing: Angle::degrees(f64::from(range_deg) / f64::from(spacings.max(1))),
+        })
+    }
+}
+
+impl Scan {
+    /// The distances from left to right; `None` where nothing is within range.
+    pub fn distances(&self) -> &[Option<Length>] {
+        &self.distances
+    }
+
+    /// Direction and distance of each point, from left to right; directions are the robot's, 0 straight ahead.
+    pub fn points(&self) -> impl Iterator<Item = (Angle, Option<Length>)> {
+        let middle = self.distances.len() / 2;
+        let direction = move |index: usize| self.spacing * (middle as f64 - index as f64);
+        self.distances.iter().enumerate().map(move |(index, distance)| (direction(index), *distance))
+    }
+
+    /// The distance of the point that is nearest to a direction; `None` if nothing is within range, or the scan does not reach
+    /// that far.
+    pub fn towards(&self, direction: Angle) -> Option<Length> {
+        let steps = (direction.wrapped() / self.spacing).round();
+        let count = self.distances.len() as i64;
+        let index = count / 2 - steps as i64;
+        // A whole turn has its end where it begins.
+        let is_closed = (self.spacing * count as f64 - Angle::degrees(360.0)).abs() < Angle::degrees(1e-6);
+        let index = if is_closed { index.rem_euclid(count) } else { index };
+        usize::try_from(index).ok().and_then(|index| self.distances.get(index).copied()).flatten()
+    }
+
+    /// The shortest distance within two directions, `right` to `left`; `None` if nothing is within range there.
+    pub fn nearest(&self, right: Angle, left: Angle) -> Option<Length> {
+        let inside = self.points().filter(|(direction, _)| (right..=left).contains(direction));
+        inside.filter_map(|(_, distance)| distance).reduce(Length::min)
+    }
+}
+
+fn within_range(distance_mm: i32) -> Option<Length> {
+    (distance_mm < OUT_OF_RANGE_MM).then(|| Length::from_robios7(distance_mm))
+}

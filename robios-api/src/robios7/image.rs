@@ -1,0 +1,253 @@
+//! Images and what RoBIOS does with them: files and filters.
+
+use robios_sys::{ByteRoom, ByteSlice};
+
+use super::{Color, Robot};
+use crate::device::Device;
+use crate::error::checked;
+use crate::lcd::Pixel;
+use crate::robot::robios7;
+use crate::{Error, Result};
+
+/// Size of an image in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ImageSize {
+    columns: u16,
+    rows: u16,
+}
+
+impl ImageSize {
+    /// 160 x 120 pixels.
+    pub const QQVGA: Self = Self { columns: 160, rows: 120 };
+    /// 320 x 240 pixels.
+    pub const QVGA: Self = Self { columns: 320, rows: 240 };
+    /// 640 x 480 pixels.
+    pub const VGA: Self = Self { columns: 640, rows: 480 };
+
+    /// A size of columns and rows.
+    pub const fn new(columns: u16, rows: u16) -> Self {
+        Self { columns, rows }
+    }
+
+    /// Pixels of a row.
+    pub const fn columns(self) -> u16 {
+        self.columns
+    }
+
+    /// Pixels of a column.
+    pub const fn rows(self) -> u16 {
+        self.rows
+    }
+
+    /// All pixels.
+    pub const fn pixels(self) -> usize {
+        self.columns as usize * self.rows as usize
+    }
+
+    fn index_of(self, pixel: Pixel) -> Option<usize> {
+        let (x, y) = (u16::try_from(pixel.x).ok()?, u16::try_from(pixel.y).ok()?);
+        (x < self.columns && y < self.rows).then(|| usize::from(y) * usize::from(self.columns) + usize::from(x))
+    }
+
+    pub(super) fn to_robios7(self) -> (i32, i32) {
+        (self.columns.into(), self.rows.into())
+    }
+}
+
+/// A grey image: a byte a pixel, 0 is black, row 0 on top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GrayImage {
+    size: ImageSize,
+    bytes: Vec<u8>,
+}
+
+/// A colour image: red, green and blue of each pixel, row 0 on top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ColorImage {
+    size: ImageSize,
+    bytes: Vec<u8>,
+}
+
+impl GrayImage {
+    /// A black image.
+    pub fn new(size: ImageSize) -> Self {
+        Self { size, bytes: vec![0; size.pixels()] }
+    }
+
+    /// Its size.
+    pub fn size(&self) -> ImageSize {
+        self.size
+    }
+
+    /// All of its pixels, row by row.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// All of its pixels, row by row.
+    pub fn bytes_mut(&mut self) -> &mut [u8] {
+        &mut self.bytes
+    }
+
+    /// One pixel; `None` outside of the image.
+    pub fn pixel(&self, at: Pixel) -> Option<u8> {
+        self.size.index_of(at).map(|index| self.bytes[index])
+    }
+}
+
+impl ColorImage {
+    /// A black image.
+    pub fn new(size: ImageSize) -> Self {
+        Self { size, bytes: vec![0; 3 * size.pixels()] }
+    }
+
+    /// Its size.
+    pub fn size(&self) -> ImageSize {
+        self.size
+    }
+
+    /// Red, green and blue of all of its pixels, row by row.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// Red, green and blue of all of its pixels, row by row.
+    pub fn bytes_mut(&mut self) -> &mut [u8] {
+        &mut self.bytes
+    }
+
+    /// One pixel; `None` outside of the image.
+    pub fn pixel(&self, at: Pixel) -> Option<Color> {
+        let start = 3 * self.size.index_of(at)?;
+        let [red, green, blue] = [0, 1, 2].map(|part| self.bytes[start + part]);
+        Some(Color { red, green, blue })
+    }
+}
+
+/// Images: files and filters, which take their virtual time as calls of RoBIOS do.
+#[derive(Clone, Copy, Debug)]
+pub struct Images<'r>(pub(super) &'r Robot);
+
+impl Images<'_> {
+    /// Reads a colour image of PNM; another size than this is cut, or filled up with black.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if the file cannot be read.
+    #[track_caller]
+    pub fn read_color(&self, path: &str, size: ImageSize) -> Result<ColorImage> {
+        let mut image = ColorImage::new(size);
+        self.read(path, size, &mut image.bytes)?;
+        Ok(image)
+    }
+
+    /// Reads a grey image of PNM; another size than this is cut, or filled up with black.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if the file cannot be read.
+    #[track_caller]
+    pub fn read_gray(&self, path: &str, size: ImageSize) -> Result<GrayImage> {
+        let mut image = GrayImage::new(size);
+        self.read(path, size, &mut image.bytes)?;
+        Ok(image)
+    }
+
+    #[track_caller]
+    fn read(&self, path: &str, size: ImageSize, room: &mut [u8]) -> Result {
+        let (columns, rows) = size.to_robios7();
+        let code = robios7!(self.0, IPReadFile(ByteSlice::from(path), columns, rows, ByteRoom::from(room)));
+        checked("IPReadFile", Device::Image, code)
+    }
+
+    /// Writes a colour image as PPM.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if the file cannot be written.
+    #[track_caller]
+    pub fn write_color(&self, path: &str, image: &ColorImage) -> Result {
+        let (columns, rows) = image.size.to_robios7();
+        let bytes = ByteSlice::from(image.bytes());
+        checked(
+            "IPWriteFile",
+            Device::Image,
+            robios7!(self.0, IPWriteFile(ByteSlice::from(path), columns, rows, bytes)),
+        )
+    }
+
+    /// Writes a grey image as PGM.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if the file cannot be written.
+    #[track_caller]
+    pub fn write_gray(&self, path: &str, image: &GrayImage) -> Result {
+        let (columns, rows) = image.size.to_robios7();
+        let bytes = ByteSlice::from(image.bytes());
+        let code = robios7!(self.0, IPWriteFileGray(ByteSlice::from(path), columns, rows, bytes));
+        checked("IPWriteFileGray", Device::Image, code)
+    }
+
+    /// Laplace edges.
+    #[track_caller]
+    pub fn laplace(&self, image: &GrayImage) -> GrayImage {
+        let mut edges = GrayImage::new(image.size);
+        let (columns, rows) = image.size.to_robios7();
+        let (from, to) = (ByteSlice::from(image.bytes()), ByteRoom::from(&mut edges.bytes[..]));
+        let () = robios7!(self.0, IPLaplace(columns, rows, from, to));
+        edges
+    }
+
+    /// Sobel edges.
+    #[track_caller]
+    pub fn sobel(&self, image: &GrayImage) -> GrayImage {
+        let mut edges = GrayImage::new(image.size);
+        let (columns, rows) = image.size.to_robios7();
+        let (from, to) = (ByteSlice::from(image.bytes()), ByteRoom::from(&mut edges.bytes[..]));
+        let () = robios7!(self.0, IPSobel(columns, rows, from, to));
+        edges
+    }
+
+    /// The grey image of a colour image.
+    #[track_caller]
+    pub fn to_gray(&self, image: &ColorImage) -> GrayImage {
+        let mut gray = GrayImage::new(image.size);
+        let (from, to) = (ByteSlice::from(image.bytes()), ByteRoom::from(&mut gray.bytes[..]));
+        let () = robios7!(self.0, IPCol2Gray(from, to));
+        gray
+    }
+
+    /// A colour image that looks like a grey one.
+    #[track_caller]
+    pub fn to_color(&self, image: &GrayImage) -> ColorImage {
+        let mut color = ColorImage::new(image.size);
+        let (from, to) = (ByteSlice::from(image.bytes()), ByteRoom::from(&mut color.bytes[..]));
+        let () = robios7!(self.0, IPGray2Col(from, to));
+        color
+    }
+
+    /// Hue, saturation and intensity of a colour image, an image each.
+    #[track_caller]
+    pub fn to_hsi(&self, image: &ColorImage) -> [GrayImage; 3] {
+        let mut parts = [(); 3].map(|()| GrayImage::new(image.size));
+        let [hue, saturation, intensity] = parts.each_mut().map(|part| ByteRoom::from(&mut part.bytes[..]));
+        let () = robios7!(self.0, IPCol2HSI(ByteSlice::from(image.bytes()), hue, saturation, intensity));
+        parts
+    }
+
+    /// The second colour image over the first, where it is not black.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] if their sizes differ.
+    #[track_caller]
+    pub fn overlay(&self, below: &ColorImage, above: &ColorImage) -> Result<ColorImage> {
+        if below.size != above.size {
+            return Err(Error::OutOfRange {
+                what: "image to lay over another",
+                value: format!("{}x{}", above.size.columns, above.size.rows),
+                accepted: "one of the same size",
+            });
+        }
+        let mut both = ColorImage::new(below.size);
+        let (from, over) = (ByteSlice::from(below.bytes()), ByteSlice::from(above.bytes()));
+        let () = robios7!(self.0, IPOverlay(from, over, ByteRoom::from(&mut both.bytes[..])));
+        Ok(both)
+    }
+}

@@ -1,0 +1,54 @@
+//! The four keys under the display, and touches of the display.
+
+use std::time::Duration;
+
+use super::Robot;
+use crate::key::Key;
+use crate::lcd::Pixel;
+use crate::robot::robios7;
+
+impl Robot {
+    /// Waits for any key.
+    #[track_caller]
+    pub fn wait_for_any_key(&self) -> Key {
+        loop {
+            if let Some(key) = Key::from_code(robios7!(self, KEYGet())) {
+                return key;
+            }
+            // A host without keys fails at once: time must pass all the same.
+            self.sleep(Duration::from_millis(10));
+        }
+    }
+
+    /// Waits for a certain key; others are dropped.
+    #[track_caller]
+    pub fn wait_for_key(&self, key: Key) {
+        while robios7!(self, KEYWait(key.code())) != 0 {
+            self.sleep(Duration::from_millis(10));
+        }
+    }
+
+    /// The key that is pressed and has not been read yet, without waiting.
+    #[track_caller]
+    pub fn key(&self) -> Option<Key> {
+        Key::from_code(robios7!(self, KEYRead()))
+    }
+
+    /// Waits for a touch of the display, and gives its place.
+    #[track_caller]
+    pub fn wait_for_touch(&self) -> Pixel {
+        let mut pixel = Pixel { x: 0, y: 0 };
+        while robios7!(self, KEYGetXY(&mut pixel.x, &mut pixel.y)) != 0 {
+            self.sleep(Duration::from_millis(10));
+        }
+        pixel
+    }
+
+    /// The place of a touch of the display that has not been read yet, without waiting.
+    #[track_caller]
+    pub fn touch(&self) -> Option<Pixel> {
+        let mut pixel = Pixel { x: 0, y: 0 };
+        let code: i32 = robios7!(self, KEYReadXY(&mut pixel.x, &mut pixel.y));
+        (code == 0).then_some(pixel)
+    }
+}

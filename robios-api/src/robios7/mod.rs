@@ -1,0 +1,70 @@
+//! RoBIOS-7: what is of this generation alone, or differs from RoBIOS 6.
+//!
+//! A program whose function gets this module's [`Robot`] is one of RoBIOS-7. Devices are numbered from 1, and are there without
+//! being made ready. Lengths, angles, speeds and times have their units, as in RoBIOS 6; they cross to RoBIOS as whole
+//! millimetres, degrees, mm/s, degrees/s and milliseconds, rounded.
+//!
+//! ```standalone_crate
+//! # mod program {
+//! use robios_api::robios7::prelude::*;
+//!
+//! robios_api::program!(main);
+//!
+//! fn main(robot: &Robot) -> Result {
+//!     let drive = robot.drive();
+//!     let front = robot.psd(PsdAt::Front)?;
+//!     drive.set_speed(0.2.metres_per_second(), 0.degrees_per_second())?;
+//!     while front.distance().is_none_or(|distance| distance > 0.1.metres()) {
+//!         robot.sleep(50.millis());
+//!     }
+//!     drive.stop()?;
+//!     writeln!(robot.lcd(), "stopped at x = {:.2}", drive.position().x);
+//!     Ok(())
+//! }
+//! # pub fn check() {
+//! #     let fake = robios_api::fake::Fake::new().psd(PsdAt::Front, |now| Some(1.metres() - now.position.x));
+//! #     assert!(fake.run_robios7(main).expect_finished().lcd_line(0).starts_with("stopped at x = "));
+//! # }
+//! # }
+//! # fn main() {
+//! #     program::check();
+//! # }
+//! ```
+//!
+//! Camera and radio are not offered yet.
+
+mod actuator;
+mod audio;
+mod distance;
+mod drive;
+mod image;
+mod key;
+mod lcd;
+mod os;
+mod port;
+mod robot;
+mod serial;
+mod simulation;
+mod tv_remote;
+
+pub use actuator::{Encoder, Motor, MotorGains, Servo};
+pub use audio::{Audio, SoundLevel};
+pub use distance::{Lidar, Psd, PsdAt, Scan};
+pub use drive::{Drive, Stall};
+pub use image::{ColorImage, GrayImage, ImageSize, Images};
+pub use lcd::{Color, Fill, Font, FontSize, FontStyle, Lcd, LcdMode, LcdPlace};
+pub use port::{Direction, Ports, Voltage};
+pub use robot::Robot;
+pub use serial::{Baud, Serial};
+pub use simulation::{ObjectNumber, Simulation, TruePose};
+pub use tv_remote::TvRemote;
+
+pub(crate) use robot::State;
+
+/// What most programs use: `use robios_api::robios7::prelude::*;`.
+pub mod prelude {
+    pub use std::time::Duration;
+
+    pub use super::{Color, PsdAt, Robot};
+    pub use crate::{Angle, Error, Key, Length, Pixel, Position, Result, Speed, TurnRate, Units};
+}

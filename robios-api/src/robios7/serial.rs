@@ -1,0 +1,85 @@
+//! Serial interfaces.
+
+use robios_sys::robios7::MAX_SERIAL;
+use robios_sys::{ByteRoom, ByteSlice};
+
+use super::Robot;
+use crate::Result;
+use crate::device::Device;
+use crate::error::checked;
+use crate::robot::{release, robios7};
+use crate::serial::Handshake;
+
+/// Rate of a serial interface, in baud.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Baud(pub u32);
+
+/// A serial interface that is open; dropping it closes it.
+#[derive(Debug)]
+pub struct Serial {
+    robot: Robot,
+    number: u8,
+}
+
+impl Robot {
+    /// Opens serial interface 1 to 16.
+    ///
+    /// # Errors
+    /// [`Error::Refused`](crate::Error::Refused) if the robot does not have it.
+    #[track_caller]
+    pub fn serial(&self, number: u8, baud: Baud, handshake: Handshake) -> Result<Serial> {
+        let handshake = i32::from(handshake == Handshake::RtsCts);
+        let baud = i32::try_from(baud.0).unwrap_or(i32::MAX);
+        let code = robios7!(self, SERInit(number.into(), baud, handshake));
+        checked("SERInit", Device::Numbered("serial interface", number), code)?;
+        Ok(Serial { robot: self.clone(), number })
+    }
+}
+
+impl Serial {
+    /// Sends bytes.
+    ///
+    /// # Errors
+    /// [`Error::Refused`](crate::Error::Refused) if they are not taken.
+    #[track_caller]
+    pub fn send(&self, bytes: &[u8]) -> Result {
+        let code = robios7!(self.robot, SERSend(self.number.into(), ByteSlice::from(bytes)));
+        checked("SERSend", Device::Numbered("serial interface", self.number), code)
+    }
+
+    /// Waits for a byte.
+    #[track_caller]
+    pub fn wait(&self) -> u8 {
+        robios7!(self.robot, SERReceiveChar(self.number.into()))
+    }
+
+    /// What has been received and not read, without waiting: at most 255 bytes.
+    #[track_caller]
+    pub fn read(&self) -> Vec<u8> {
+        let mut room = [0; MAX_SERIAL];
+        let len: i32 = robios7!(self.robot, SERReceive(self.number.into(), ByteRoom::from(&mut room[..])));
+        room[..usize::try_from(len).unwrap_or(0).min(MAX_SERIAL)].to_vec()
+    }
+
+    /// Whether something has been received and not read.
+    #[track_caller]
+    pub fn has_received(&self) -> bool {
+        robios7!(self.robot, SERCheck(self.number.into())) != 0_u8
+    }
+
+    /// Drops what has been received.
+    ///
+    /// # Errors
+    /// [`Error::Refused`](crate::Error::Refused) if RoBIOS refuses it.
+    #[track_caller]
+    pub fn drop_received(&self) -> Result {
+        let code = robios7!(self.robot, SERFlush(self.number.into()));
+        checked("SERFlush", Device::Numbered("serial interface", self.number), code)
+    }
+}
+
+impl Drop for Serial {
+    fn drop(&mut self) {
+        release!(&self.robot.0, robios7, SERClose(self.number.into()));
+    }
+}

@@ -1,0 +1,165 @@
+//! The robot of RoBIOS-7 on the fake host: units, errors, and what each device does.
+
+use robios_api::fake::Fake;
+use robios_api::robios7::prelude::*;
+use robios_api::robios7::{ImageSize, MotorGains};
+use robios_api::{Frequency, Position, Ratio, Remaining};
+
+/// Runs a program that must end well.
+fn run(fake: Fake, main: impl FnOnce(&Robot) -> Result) -> robios_api::fake::Run {
+    fake.run_robios7(main).expect_finished()
+}
+
+#[test]
+fn drives_cross_in_whole_millimetres_and_degrees() {
+    let run = run(Fake::new(), |robot| {
+        let drive = robot.drive();
+        drive.straight(0.5004.metres(), 0.2.metres_per_second())?.wait()?;
+        drive.turn(90.degrees(), 60.degrees_per_second())?;
+        robot.sleep(750.millis());
+        assert_eq!(drive.remaining(), Remaining::Angle(45.degrees()));
+        assert!(!drive.is_done());
+        drive.wait()?;
+        drive.curve(300.millimetres(), -(90.degrees()), 100.millimetres_per_second())?.wait()?;
+        assert_eq!(drive.remaining(), Remaining::Length(0.metres()));
+        drive.drive_to(200.millimetres(), 100.millimetres(), 100.millimetres_per_second())?.wait()
+    });
+    let texts: Vec<&str> =
+        run.calls().iter().map(|call| call.text.as_str()).filter(|text| text.starts_with("VW")).collect();
+    assert_eq!(texts[0], "VWStraight(500, 200) = 0");
+    assert!(texts.contains(&"VWTurn(90, 60) = 0"), "{texts:?}");
+    assert!(texts.contains(&"VWCurve(300, -90, 100) = 0"), "{texts:?}");
+    // Straight to (0.5, 0), looking up, a quarter of a circle to the right, then 0.2 m ahead and 0.1 m to the left.
+    let radius = 0.3 / std::f64::consts::FRAC_PI_2;
+    let end = run.position();
+    assert!((end.x - (0.5 + radius + 0.2).metres()).abs() < 1e-6.metres(), "{end:?}");
+    assert!((end.y - (radius + 0.1).metres()).abs() < 1e-6.metres(), "{end:?}");
+}
+
+#[test]
+fn positions_come_and_go_in_whole_numbers() {
+    run(Fake::new(), |robot| {
+        let drive = robot.drive();
+        let said = Position { x: 1.metres(), y: -0.5.metres(), phi: 90.degrees() };
+        drive.set_position(said)?;
+        assert!(drive.position().distance_to(said) < 1e-9.metres());
+        drive.set_speed(0.25.metres_per_second(), 0.degrees_per_second())?;
+        robot.sleep(2.seconds());
+        assert_eq!(drive.velocity().forward, 0.25.metres_per_second());
+        let way = drive.position().y - said.y;
+        assert!((way - 0.5.metres()).abs() < 1.5.millimetres(), "{way}");
+        assert_eq!(drive.stall(), None);
+        let (ahead, left) =
+            drive.position().ahead_and_left_of(Position { x: 0.metres(), y: way + said.y, phi: 0.degrees() });
+        assert!(ahead.abs() < 2.millimetres() && (left - 1.metres()).abs() < 2.millimetres(), "{ahead} {left}");
+        drive.stop()
+    });
+}
+
+#[test]
+fn what_the_robot_does_not_have_is_named() {
+    let failed = |main: fn(&Robot) -> Result| Fake::new().run_robios7(main).expect_failed().to_owned();
+    let error = failed(|robot| robot.psd(PsdAt::Other(6)).map(|_| ()));
+    assert!(error.contains("no PSD sensor 6"), "{error}");
+    let error = failed(|robot| robot.motor(4).set(Ratio::percent(10.0)));
+    assert_eq!(error, "`MOTORDrive` was refused for the motor 4 with 1");
+    let error = failed(|robot| robot.motor(1).set(Ratio::percent(101.0)));
+    assert!(error.contains("accepted: -100 to 100 %"), "{error}");
+    let error = failed(|robot| robot.lidar().scan().map(|_| ()));
+    assert_eq!(error, "`LIDARGet` was refused for the laser scanner with 1");
+    let error = failed(|robot| robot.lidar().set(400.degrees(), 0.degrees(), 100));
+    assert!(error.contains("`400° in 100 points`"), "{error}");
+    let error = failed(|robot| robot.every(1.5.millis(), |_| ()).map(|_| ()));
+    assert!(error.contains("multiples of 1 ms"), "{error}");
+    let error = failed(|robot| robot.motor(1).start_control(MotorGains { p: 1, i: 2, d: 3 }));
+    assert_eq!(error, "`MOTORPID` was refused for the motor 1 with 1");
+}
+
+#[test]
+fn a_scan_goes_from_left_to_right_with_the_middle_ahead() {
+    // The corner of a room: a wall 1 m ahead, one 2 m to the left.
+    let corner = |_: &robios_api::fake::Moment, direction: Angle| {
+        let (sin, cos) = (direction.sin(), direction.cos());
+        let ahead = (cos > 1e-9).then(|| 1.metres() / cos);
+        let left = (sin > 1e-9).then(|| 2.metres() / sin);
+        let nearest = [ahead, left].into_iter().flatten().reduce(Length::min);
+        nearest.filter(|distance| *distance < 9.metres())
+    };
+    run(Fake::new().lidar(corner), |robot| {
+        let lidar = robot.lidar();
+        let whole = lidar.scan()?;
+        assert_eq!(whole.distances().len(), 360);
+        assert_eq!(whole.distances()[180], Some(1.metres()));
+        assert_eq!(whole.towards(90.degrees()), Some(2.metres()));
+        assert_eq!(whole.towards(-90.degrees()), None);
+        assert_eq!(whole.nearest(45.degrees(), 135.degrees()), Some(1.414.metres()));
+        lidar.set(180.degrees(), 0.degrees(), 181)?;
+        let half = lidar.scan()?;
+        let points: Vec<(Angle, Option<Length>)> = half.points().collect();
+        assert!((points[0].0 - 90.degrees()).abs() < 1e-9.degrees());
+        assert_eq!((points[0].1, points[90].1), (Some(2.metres()), Some(1.metres())));
+        assert_eq!(half.towards(120.degrees()), None);
+        Ok(())
+    });
+}
+
+#[test]
+fn keys_touches_and_colours_follow_the_script() {
+    let fake = Fake::new().key(1.seconds(), Key::Key2).touch(2.seconds(), Pixel { x: 30, y: 40 });
+    let run = run(fake, |robot| {
+        let lcd = robot.lcd();
+        assert_eq!(lcd.size(), Pixel { x: 320, y: 240 });
+        lcd.menu(["GO", "", "", "END"]);
+        assert_eq!(robot.wait_for_any_key(), Key::Key2);
+        assert_eq!(robot.touch(), None);
+        let touched = robot.wait_for_touch();
+        assert_eq!(touched, Pixel { x: 30, y: 40 });
+        lcd.set_pixel(touched, Color::ORANGE);
+        assert_eq!(lcd.pixel(touched), Color::rgb(255, 165, 0));
+        write!(lcd.at(2, 3), "at {:.0} s", robot.now().as_secs_f64())
+    });
+    assert_eq!(run.lcd_line(2), "   at 2 s");
+    assert!(run.lcd_line(19).starts_with("GO"));
+}
+
+#[test]
+fn motors_encoders_lines_and_the_clock_work() {
+    run(Fake::new(), |robot| {
+        let (left, right) = (robot.motor(1), robot.motor(2));
+        let encoder = robot.encoder(2);
+        encoder.reset()?;
+        left.set(Ratio::percent(100.0))?;
+        right.set(Ratio::percent(100.0))?;
+        robot.sleep(1.seconds());
+        // 0.5 m/s and 1,000 ticks a metre.
+        let ticks = encoder.ticks().0;
+        assert!((499..=501).contains(&ticks), "{ticks}");
+        assert_eq!(robot.simulation().own_pose().position.y, 0.metres());
+        assert_eq!(robot.simulation().robots().count(), 1);
+        let ports = robot.ports();
+        ports.set(3, true)?;
+        assert_eq!((ports.is_high(3)?, ports.is_high(4)?, ports.lines()), (true, false, 0b100));
+        assert!(ports.is_high(17).is_err());
+        robot.audio().tone(Frequency::hertz(440.0), 100.millis())?;
+        assert_eq!(robot.clock().seconds, 1);
+        assert_eq!((robot.id().0, robot.name().as_str()), (1, "Fake"));
+        assert_eq!(robot.machine_speed(), Frequency::hertz(700e6));
+        Ok(())
+    });
+}
+
+#[test]
+fn images_know_their_size() {
+    run(Fake::new(), |robot| {
+        let images = robot.images();
+        let small = robios_api::robios7::ColorImage::new(ImageSize::new(4, 3));
+        assert_eq!(small.bytes().len(), 36);
+        assert_eq!(small.pixel(Pixel { x: 3, y: 2 }), Some(Color::BLACK));
+        assert_eq!(small.pixel(Pixel { x: 4, y: 2 }), None);
+        let large = robios_api::robios7::ColorImage::new(ImageSize::QQVGA);
+        let error = images.overlay(&small, &large).expect_err("sizes differ");
+        assert!(error.to_string().contains("`160x120`"), "{error}");
+        assert!(images.read_color("nowhere.ppm", ImageSize::QVGA).is_err());
+        Ok(())
+    });
+}
