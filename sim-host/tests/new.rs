@@ -18,10 +18,10 @@ fn place(name: &str) -> PathBuf {
 }
 
 /// Writes a new program with the real command, reads its scene and builds the program that the scene names.
-fn new(place: &Path, name: &str, language: &str) -> Arc<Prepared> {
+fn new(place: &Path, name: &str, language: &str, api: &str) -> Arc<Prepared> {
     let folder = place.join("programs");
     let eyesim = Command::new(env!("CARGO_BIN_EXE_eyesim"))
-        .args(["new", name, "--lang", language, "--path"])
+        .args(["new", name, "--lang", language, "--api", api, "--path"])
         .arg(&folder)
         .output()
         .expect("eyesim runs");
@@ -67,28 +67,48 @@ fn is_there(tool: &str) -> bool {
     there
 }
 
-#[test]
-fn a_new_c_program_builds_and_runs() {
-    if !is_there("cc") {
+/// Writes, builds and runs a new program of each generation.
+fn check(language: &str, compiler: &str) {
+    if !is_there(compiler) {
         return;
     }
-    let place = place("new-c");
-    let prepared = new(&place, "maze", "c");
-    assert_eq!(prepared.name, "maze");
-    check_run(&place, "maze");
+    let place = place(&format!("new-{language}"));
+    for (api, name) in [("6", "maze"), ("7", "wall")] {
+        let prepared = new(&place, name, language, api);
+        assert_eq!(prepared.name, name);
+        let mut loader = Loader::new().expect("a run folder");
+        for _ in 0..12 {
+            loader.load(&prepared, &[]).unwrap_or_else(|error| panic!("{error}"));
+        }
+        if api == "6" {
+            check_run(&place, name);
+        }
+        check_editor_settings(&place.join("programs").join(name));
+    }
+}
+
+/// What `compile_flags.txt` says is enough for the compiler to find the API, as clangd does.
+fn check_editor_settings(folder: &Path) {
+    let Ok(flags) = fs::read_to_string(folder.join("compile_flags.txt")) else { return };
+    let sources = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+    let is_source = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "c" || extension == "cpp");
+    let source = sources.filter(is_source).next().expect("a source");
+    let compiler = Command::new("cc")
+        .current_dir(folder)
+        .args(flags.lines())
+        .args(["-Werror", "-fsyntax-only"])
+        .arg(source)
+        .output()
+        .expect("a compiler");
+    assert!(compiler.status.success(), "{}", String::from_utf8_lossy(&compiler.stderr));
 }
 
 #[test]
-fn a_new_rust_program_builds_and_runs() {
-    if !is_there("cargo") {
-        return;
-    }
-    let place = place("new-rust");
-    let prepared = new(&place, "wall", "rust");
-    assert_eq!(prepared.name, "wall");
-    let mut loader = Loader::new().expect("a run folder");
-    for _ in 0..12 {
-        loader.load(&prepared, &[]).unwrap_or_else(|error| panic!("{error}"));
-    }
-    check_run(&place, "wall");
+fn new_c_programs_build_and_run() {
+    check("c", "cc");
+}
+
+#[test]
+fn new_rust_programs_build_and_run() {
+    check("rust", "cargo");
 }

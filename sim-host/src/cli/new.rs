@@ -7,6 +7,8 @@ use std::process::ExitCode;
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 
+use crate::program::Generation;
+
 /// Arguments of `eyesim new`.
 #[derive(Args, Debug)]
 pub struct NewArgs {
@@ -16,6 +18,9 @@ pub struct NewArgs {
     /// Language of the program
     #[arg(long, value_enum, default_value_t = Language::C)]
     pub lang: Language,
+    /// RoBIOS generation of the program [default: 6 for C and Rust, 7 for C++]
+    #[arg(long, value_name = "GENERATION", value_parser = clap::value_parser!(u32).range(6..=7))]
+    pub api: Option<u32>,
     /// Folder in which the program's folder is made
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub path: PathBuf,
@@ -26,6 +31,8 @@ pub struct NewArgs {
 pub enum Language {
     /// C, compiled with the system's compiler
     C,
+    /// C++, compiled with the system's compiler
+    Cpp,
     /// Rust, built with cargo
     Rust,
 }
@@ -38,7 +45,8 @@ pub fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
     check_name(&args.name, args.lang)?;
     let folder = if args.path == Path::new(".") { PathBuf::from(&args.name) } else { args.path.join(&args.name) };
     let api = robios_api_folder();
-    write_folder(&folder, &files(&args.name, args.lang, api.as_deref()))?;
+    let project = Project { name: &args.name, lang: args.lang, generation: generation(args.lang, args.api) };
+    write_folder(&folder, &project.files(api.as_deref()))?;
     println!("wrote `{}`; run it with\n\n    eyesim run {}/{}.sim\n", folder.display(), folder.display(), args.name);
     if args.lang == Language::Rust && api.is_none() {
         println!(
@@ -134,47 +142,101 @@ fn robios_api_folder() -> Option<PathBuf> {
     folder.join("Cargo.toml").is_file().then_some(folder)
 }
 
-/// The files of a new program: path in its folder, and text. `api` is the folder of `robios-api`.
-fn files(name: &str, lang: Language, api: Option<&Path>) -> Vec<(String, String)> {
-    let source = api;
-    let (program, where_is_api) = match lang {
-        Language::C => (format!("{name}.c"), String::new()),
-        Language::Rust => {
-            ("Cargo.toml".to_owned(), if api.is_some() { "" } else { ", which you must enter" }.to_owned())
+/// The generation of a program in `lang`, if none is asked for: 7 where most programs are of that one.
+fn generation(lang: Language, asked: Option<u32>) -> Generation {
+    match asked {
+        Some(7) => Generation::Robios7,
+        Some(_) => Generation::Robios6,
+        None if lang == Language::Cpp => Generation::Robios7,
+        None => Generation::Robios6,
+    }
+}
+
+/// A new program.
+struct Project<'a> {
+    name: &'a str,
+    lang: Language,
+    generation: Generation,
+}
+
+impl Project<'_> {
+    /// Its files: path in its folder, and text. `api` is the folder of `robios-api`.
+    fn files(&self, api: Option<&Path>) -> Vec<(String, String)> {
+        let program = match self.lang {
+            Language::C => format!("{}.c", self.name),
+            Language::Cpp => format!("{}.cpp", self.name),
+            Language::Rust => "Cargo.toml".to_owned(),
+        };
+        let fill = |template: &str| self.fill(template, &program, api);
+        let mut files = vec![(format!("{}.wld", self.name), fill(include_str!("new/world.wld")))];
+        match self.generation {
+            Generation::Robios6 => {
+                files.push((format!("{}.robi", self.name), fill(include_str!("new/robot.robi"))));
+                files.push((format!("{}.sim", self.name), fill(include_str!("new/robios6.sim"))));
+            }
+            Generation::Robios7 => {
+                files.push((format!("{}.sim", self.name), fill(include_str!("new/robios7.sim"))));
+            }
         }
-    };
-    let api = api.map_or_else(|| "path/to/eyesim/robios-api".to_owned(), |api| toml_text(&api.display().to_string()));
-    let fill = |template: &str| {
-        template
-            .replace("@NAME@", name)
-            .replace("@PROGRAM@", &program)
-            .replace("@WHERE@", &where_is_api)
-            .replace("@API@", &api)
-    };
-    let mut files = vec![
-        (format!("{name}.robi"), fill(include_str!("new/robot.robi"))),
-        (format!("{name}.wld"), fill(include_str!("new/world.wld"))),
-        (format!("{name}.sim"), fill(include_str!("new/scene.sim"))),
-    ];
-    match lang {
-        Language::C => {
-            files.push((program.clone(), fill(include_str!("new/program.c"))));
-            files.push(("README.md".into(), fill(include_str!("new/readme-c.md"))));
-            files.push(("compile_flags.txt".into(), "-std=gnu17\n-Wall\n-Iinclude\n".into()));
-            let headers = robios_sys::c::HEADERS6.iter();
-            files.extend(headers.map(|header| (format!("include/{}", header.name), header.text.to_owned())));
+        match self.lang {
+            Language::C | Language::Cpp => {
+                files.push((program.clone(), fill(self.c_template())));
+                files.push(("README.md".into(), fill(include_str!("new/readme-c.md"))));
+                let standard = if self.lang == Language::C { "-std=gnu17" } else { "-xc++\n-std=gnu++17" };
+                files.push(("compile_flags.txt".into(), format!("{standard}\n-Wall\n-Iinclude\n")));
+                let headers = match self.generation {
+                    Generation::Robios6 => robios_sys::c::HEADERS6,
+                    Generation::Robios7 => robios_sys::c::HEADERS7,
+                };
+                files.extend(headers.iter().map(|header| (format!("include/{}", header.name), header.text.to_owned())));
+            }
+            Language::Rust => {
+                let source = match self.generation {
+                    Generation::Robios6 => include_str!("new/robios6.rs"),
+                    Generation::Robios7 => include_str!("new/robios7.rs"),
+                };
+                files.push((program.clone(), fill(include_str!("new/package.toml"))));
+                files.push(("src/lib.rs".into(), fill(source)));
+                files.push(("README.md".into(), fill(include_str!("new/readme-rust.md"))));
+                files.push((".gitignore".into(), "/target\n".into()));
+                // The versions of dependencies that this eyesim was built with; cargo leaves out what is not needed.
+                let lock = api.and_then(|api| fs::read_to_string(api.parent()?.join("Cargo.lock")).ok());
+                files.extend(lock.map(|lock| ("Cargo.lock".into(), lock)));
+            }
         }
-        Language::Rust => {
-            files.push((program.clone(), fill(include_str!("new/package.toml"))));
-            files.push(("src/lib.rs".into(), fill(include_str!("new/program.rs"))));
-            files.push(("README.md".into(), fill(include_str!("new/readme-rust.md"))));
-            files.push((".gitignore".into(), "/target\n".into()));
-            // The versions of dependencies that this eyesim was built with; cargo leaves out what is not needed.
-            let lock = source.and_then(|source| fs::read_to_string(source.parent()?.join("Cargo.lock")).ok());
-            files.extend(lock.map(|lock| ("Cargo.lock".into(), lock)));
+        files
+    }
+
+    /// The program in C or C++; what is C of RoBIOS 6 is C++, too.
+    fn c_template(&self) -> &'static str {
+        match (self.generation, self.lang) {
+            (Generation::Robios6, _) => include_str!("new/robios6.c"),
+            (Generation::Robios7, Language::Cpp) => include_str!("new/robios7.cpp"),
+            (Generation::Robios7, _) => include_str!("new/robios7.c"),
         }
     }
-    files
+
+    fn fill(&self, template: &str, program: &str, api: Option<&Path>) -> String {
+        let api_path =
+            api.map_or_else(|| "path/to/eyesim/robios-api".to_owned(), |api| toml_text(&api.display().to_string()));
+        let language = match self.lang {
+            Language::C => "C",
+            Language::Cpp => "C++",
+            Language::Rust => "Rust",
+        };
+        let (robios, robot) = match self.generation {
+            Generation::Robios6 => ("RoBIOS 6", format!("`{}.robi` is the robot, ", self.name)),
+            Generation::Robios7 => ("RoBIOS-7", String::new()),
+        };
+        template
+            .replace("@NAME@", self.name)
+            .replace("@PROGRAM@", program)
+            .replace("@LANGUAGE@", language)
+            .replace("@ROBIOS@", robios)
+            .replace("@ROBOT@", &robot)
+            .replace("@WHERE@", if api.is_some() { "" } else { ", which you must enter" })
+            .replace("@API@", &api_path)
+    }
 }
 
 /// `text` as the inside of a TOML string.
@@ -200,7 +262,9 @@ mod tests {
     use super::*;
 
     fn new(name: &str, lang: Language, path: &Path) -> Result<(), String> {
-        run(&NewArgs { name: name.into(), lang, path: path.into() }).map(drop).map_err(|error| error.to_string())
+        run(&NewArgs { name: name.into(), lang, api: None, path: path.into() })
+            .map(drop)
+            .map_err(|error| error.to_string())
     }
 
     #[test]
@@ -229,12 +293,12 @@ mod tests {
 
     #[test]
     fn every_place_in_the_templates_is_filled() {
-        for (lang, api) in
-            [(Language::C, None), (Language::Rust, None), (Language::Rust, Some(Path::new("/e/robios-api")))]
-        {
-            for (name, text) in files("maze", lang, api) {
-                assert!(!text.contains("@NAME@") && !text.contains("@PROGRAM@"), "{name}");
-                assert!(!text.contains("@WHERE@") && !text.contains("@API@"), "{name}");
+        let place = Some(Path::new("/e/robios-api"));
+        for lang in [Language::C, Language::Cpp, Language::Rust] {
+            for (generation, api) in [(Generation::Robios6, None), (Generation::Robios7, place)] {
+                for (name, text) in (Project { name: "maze", lang, generation }).files(api) {
+                    assert!(!text.contains('@'), "{name}: {text}");
+                }
             }
         }
     }
