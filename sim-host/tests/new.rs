@@ -80,9 +80,7 @@ fn check(language: &str, compiler: &str) {
         for _ in 0..12 {
             loader.load(&prepared, &[]).unwrap_or_else(|error| panic!("{error}"));
         }
-        if api == "6" {
-            check_run(&place, name);
-        }
+        check_run(&place, name);
         check_editor_settings(&place.join("programs").join(name));
     }
 }

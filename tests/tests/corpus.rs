@@ -99,9 +99,13 @@ const STAND_INS: &[(&str, &[&str])] = &[
     ("two-starts/01-w5_simulation.sim", &["02-prey", "03-predator.py"]),
     ("follow-leader/01-w5_simulation.sim", &["leader.py", "worker"]),
     ("maze-course/Maze.sim", &["maze_left"]),
+    ("vr-2018/Test Assets/examples/omni/ODW-maze.sim", &["odw.dll"]),
+    ("vr-2018/Test Assets/examples/omni/ODW-world.sim", &["odw"]),
+    ("vr-2018/Test Assets/examples/pantilt/PanTilt.sim", &["servo"]),
     ("vr-2018/Test Assets/examples/random/Random1.sim", &["/Users/student/eyesim/examples/random/random.x"]),
     ("vr-2018/Test Assets/examples/random/Random3.sim", &["random.x"]),
     ("vr-2018/older/3b2ffd9/Test Assets/test.sim", &["list.x"]),
+    ("vr-2018/older/7832648/RobotVR-Build/examples/SPEED.sim", &["speed.dll"]),
 ];
 
 /// Scenes without any robot: there is nothing to run.
