@@ -1,0 +1,123 @@
+/* A swarm collects balls: each robot drives to the nearest ball that lies about and that no other robot is nearer to, picks it up,
+ * and brings it to the depot. There is no gripper in the simulation: a ball that a robot carries is put down by SIMSetObject. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "eyebot.h"
+
+#define DEPOT_X 400     /* mm; balls lie in rows from here */
+#define DEPOT_Y 400
+#define DEPOT 900       /* balls and robots nearer to the corner than this are at the depot */
+#define REACH 160       /* of the gripper, from the robot's centre, mm */
+#define SPEED 300       /* mm/s */
+
+typedef struct { int x, y, phi; } Pose;
+
+static Pose robot_pose(int id)
+{
+  Pose pose = {0, 0, 0};
+  int z;
+  SIMGetRobot(id, &pose.x, &pose.y, &z, &pose.phi);
+  return pose;
+}
+
+static Pose object_pose(int id)
+{
+  Pose pose = {0, 0, 0};
+  int z;
+  SIMGetObject(id, &pose.x, &pose.y, &z, &pose.phi);
+  return pose;
+}
+
+static double distance(Pose a, Pose b)
+{
+  return hypot(a.x - b.x, a.y - b.y);
+}
+
+static int is_in_depot(Pose pose)
+{
+  return pose.x < DEPOT && pose.y < DEPOT;
+}
+
+/* The nearest ball that lies about and that is mine: no other robot is nearer to it. 0 if there is none. */
+static int choose(void)
+{
+  int robots = SIMGetRobotCount(), balls = SIMGetObjectCount(), me = OSMachineID(), best = 0, ball, other;
+  Pose own = robot_pose(0);
+  for (ball = robots + 1; ball <= robots + balls; ball++) {
+    Pose at = object_pose(ball);
+    int is_mine = !is_in_depot(at);
+    for (other = 1; other <= robots && is_mine; other++)
+      is_mine = other == me || distance(robot_pose(other), at) > distance(own, at);
+    if (is_mine && (best == 0 || distance(own, at) < distance(own, object_pose(best))))
+      best = ball;
+  }
+  return best;
+}
+
+/* One step towards a place. Keeps clear of whatever is ahead but the place itself. Returns whether it is within `near`. */
+static int step_to(Pose to, int near)
+{
+  Pose own = robot_pose(0);
+  double way = distance(own, to);
+  int turn = (int)lround(remainder(atan2(to.y - own.y, to.x - own.x) * 180 / M_PI - own.phi, 360));
+  int front = PSDGet(PSD_FRONT), left = PSDGet(PSD_LEFT), right = PSDGet(PSD_RIGHT);
+  int speed = SPEED, rate = turn * 2 > 90 ? 90 : turn * 2 < -90 ? -90 : turn * 2;
+
+  if (way < near) {
+    VWSetSpeed(0, 0);
+    return 1;
+  }
+  if (abs(turn) > 30)
+    speed = 0;
+  if (front < 200 && front < way - 150) { /* somebody is in the way: around him at the freer side */
+    speed = front < 100 ? 0 : 100;
+    rate = left > right ? 80 : -80;
+  } else if (left < 120 || right < 120) {
+    rate = left < right ? -40 : 40;
+    speed = 150;
+  }
+  VWSetSpeed(speed, rate);
+  OSWait(50);
+  return 0;
+}
+
+/* Drives to a place, for a time at most. Returns whether it got there. */
+static int go(Pose to, int near, int time)
+{
+  int end = OSGetCount() + time;
+  while (OSGetCount() < end)
+    if (step_to(to, near))
+      return 1;
+  VWSetSpeed(0, 0);
+  return 0;
+}
+
+int main(void)
+{
+  int robots = SIMGetRobotCount(), balls = SIMGetObjectCount(), collected = 0, idle = 0;
+  Pose depot = {DEPOT_X + 300, DEPOT_Y + 300, 0}, home = robot_pose(0);
+
+  while (idle < 20) {
+    int ball = choose(), slot = ball - robots - 1;
+    Pose at;
+    if (ball == 0) { /* nothing is left for me: out of the way of the others */
+      go(home, 100, 200);
+      idle++;
+      continue;
+    }
+    at = object_pose(ball);
+    if (!go(at, REACH, 1000) || distance(robot_pose(0), object_pose(ball)) > REACH + 20)
+      continue;
+    idle = 0;
+    LCDPrintf("ball %d of %d\n", slot + 1, balls);
+    /* Out of the others' sight while it is carried. */
+    SIMSetObject(ball, 60 + 60 * slot, 60, 0, 0);
+    go(depot, 250, 20000);
+    SIMSetObject(ball, DEPOT_X + slot % 4 * 90, DEPOT_Y - 120 + slot / 4 * 90, 0, 0);
+    collected++;
+  }
+  VWSetSpeed(0, 0);
+  LCDSetPrintf(0, 0, "collected %d\n", collected);
+  return 0;
+}
