@@ -1,0 +1,88 @@
+//! The example programs of RoBIOS-7 do in their scenes what they are said to do.
+
+use serde_json::Value;
+use tests::{Scratch, number, root};
+
+/// Runs a scene of ours; all of its robots have to come to an end without touching anything.
+fn run(scene: &str, args: &[&str]) -> Value {
+    let path = root().join("sims").join(scene);
+    let report = Scratch::new().report(path.to_str().expect("UTF-8"), args, 0);
+    for robot in report["robots"].as_array().expect("robots") {
+        assert_eq!(robot["outcome"], "finished", "{robot:#}");
+    }
+    report
+}
+
+fn place(robot: &Value) -> [f64; 2] {
+    ["pose.x_m", "pose.y_m"].map(|path| number(robot, path))
+}
+
+#[track_caller]
+fn assert_near(robot: &Value, goal: [f64; 2], within: f64) {
+    let [x, y] = place(robot);
+    assert!((x - goal[0]).hypot(y - goal[1]) < within, "{robot:#}");
+    assert_eq!(robot["contacts"], 0, "{robot:#}");
+}
+
+#[test]
+fn the_quad_tree_leads_through_the_flat() {
+    let report = run("quad-tree.sim", &[]);
+    let robot = &report["robots"][0];
+    assert_near(robot, [3.6, 2.6], 0.03);
+    // The air line is 3.9 m, around the walls some more; along the centres of squares not twice as far.
+    assert!((4.0..7.0).contains(&number(robot, "path_m")), "{robot:#}");
+}
+
+#[test]
+fn the_quad_tree_finds_no_way_out() {
+    let path = root().join("sims/quad-tree.sim");
+    let report = Scratch::new().report(path.to_str().expect("UTF-8"), &["--args", "5000 5000"], 1);
+    assert_eq!(report["robots"][0]["outcome"], "failed");
+    assert!(report["robots"][0]["lcd"].to_string().contains("no way"));
+}
+
+#[test]
+fn brushfire_leads_through_the_maze() {
+    let report = run("brushfire.sim", &[]);
+    assert_near(&report["robots"][0], [1.26, 1.26], 0.03);
+    let other = run("brushfire.sim", &["--args", "2340 2340"]);
+    assert_near(&other["robots"][0], [2.34, 2.34], 0.03);
+}
+
+#[test]
+fn distbug_gets_around_obstacles_that_it_does_not_know() {
+    let report = run("distbug.sim", &[]);
+    let robot = &report["robots"][0];
+    assert_near(robot, [3.6, 1.5], 0.05);
+    assert!(robot["lcd"].to_string().contains("goal after 2 hits"), "{robot:#}");
+    // A goal inside of the pocket's wall cannot be reached: it says so after having been around.
+    let path = root().join("sims/distbug.sim");
+    let report = Scratch::new().report(path.to_str().expect("UTF-8"), &["--args", "2350 -550"], 1);
+    assert!(report["robots"][0]["lcd"].to_string().contains("no way"), "{report:#}");
+}
+
+#[test]
+fn the_laser_scanner_leads_around_the_course() {
+    let report = run("follow-wall-lidar.sim", &[]);
+    let robot = &report["robots"][0];
+    assert_eq!(robot["contacts"], 0, "{robot:#}");
+    // There and back through three corridors.
+    assert!((15.0..40.0).contains(&number(robot, "path_m")), "{robot:#}");
+}
+
+#[test]
+fn the_swarm_collects_every_ball() {
+    let report = run("collect.sim", &[]);
+    let objects = report["objects"].as_array().expect("objects");
+    assert_eq!(objects.len(), 12);
+    for object in objects {
+        assert!(number(object, "pose.x_m") < 0.9 && number(object, "pose.y_m") < 0.9, "{object:#}");
+    }
+    let collected = |robot: &Value| -> u32 {
+        let line = robot["lcd"][0].as_str().expect("text").trim().strip_prefix("collected ").expect("a count").to_owned();
+        line.parse().expect("a number")
+    };
+    let counts: Vec<u32> = report["robots"].as_array().expect("robots").iter().map(collected).collect();
+    assert_eq!(counts.iter().sum::<u32>(), 12, "{counts:?}");
+    assert!(counts.iter().all(|count| *count > 0), "all of them work: {counts:?}");
+}
