@@ -5,15 +5,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
-use sim_core::ObjectId;
 use sim_core::build;
 use sim_core::drive::Motion;
 use sim_core::format::{ObjectSpec, PathRef, RobotSpec, SceneSpec, Span};
 use sim_core::time::Time;
 use sim_core::world::World;
+use sim_core::{ObjectId, RobotId};
 
-use crate::executive::process::Child;
 use crate::executive::process::serve::{Refusal, RemoteProgram};
+use crate::executive::process::{Child, Debugger};
 use crate::executive::program::{Exec, RobotProgram};
 use crate::program::build::Builder;
 use crate::program::find::{Found, SearchPath, find_program};
@@ -104,7 +104,12 @@ impl Programs {
     ///
     /// # Errors
     /// The first program that cannot be loaded, or all of them if the kernel has no room.
-    pub fn load(&self, scene: &SceneSpec, exec: Exec) -> anyhow::Result<Vec<Option<RobotProgram>>> {
+    pub fn load(
+        &self,
+        scene: &SceneSpec,
+        exec: Exec,
+        debug: Option<&Debug>,
+    ) -> anyhow::Result<Vec<Option<RobotProgram>>> {
         let copies = self.iter().filter(|_| exec == Exec::Thread).map(|program| (&program.image, 1));
         check_mappings(copies, MAPPINGS_PER_FLOW)?;
         let mut loader = Loader::new().context("no folder to load programs from")?;
@@ -115,9 +120,12 @@ impl Programs {
         // All processes start before the first one is waited for.
         let mut loading = Vec::with_capacity(scene.robots.len());
         for (robot, program) in scene.robots.iter().zip(&self.of_robots) {
+            let debugger = debug.filter(|debug| debug.robot == robot.id).map(|debug| &debug.debugger);
             let begun = program.as_ref().map(|program| match exec {
-                Exec::Thread => loader.load(program, &robot.arguments).map(RobotProgram::Thread).map(Loading::Done),
-                Exec::Process => Loading::begin(robot, program, &mut loader),
+                Exec::Thread if debugger.is_none() => {
+                    loader.load(program, &robot.arguments).map(RobotProgram::Thread).map(Loading::Done)
+                }
+                _ => Loading::begin(robot, program, &mut loader, debugger),
             });
             loading.push(begun.transpose().map_err(|error| named(robot, error))?);
         }
@@ -128,6 +136,15 @@ impl Programs {
     }
 }
 
+/// A robot whose program runs under a debugger.
+#[derive(Clone, Debug)]
+pub struct Debug {
+    /// The robot.
+    pub robot: RobotId,
+    /// What the debugger is told.
+    pub debugger: Debugger,
+}
+
 /// A program on its way.
 enum Loading {
     Done(RobotProgram),
@@ -136,10 +153,18 @@ enum Loading {
 }
 
 impl Loading {
-    fn begin(robot: &RobotSpec, program: &Arc<Prepared>, loader: &mut Loader) -> Result<Self, LoadError> {
+    fn begin(
+        robot: &RobotSpec,
+        program: &Arc<Prepared>,
+        loader: &mut Loader,
+        debugger: Option<&Debugger>,
+    ) -> Result<Self, LoadError> {
         let library = loader.library(program, &robot.arguments)?;
         let name = format!("{} {}", robot.id, program.name);
-        let child = Child::command(&name, &library).and_then(Child::start);
+        let child = match debugger {
+            Some(debugger) => Child::start_debugged(debugger, &library),
+            None => Child::command(&name, &library).and_then(Child::start),
+        };
         let child = child.map_err(|error| LoadError::Process {
             path: program.image.path().to_owned(),
             what: format!("{error} ({PROCESS_HINT})"),

@@ -13,6 +13,9 @@ use crate::executive::process::client;
 pub struct ChildArgs {
     /// The program, a shared library
     pub library: PathBuf,
+    /// A debugger has started it
+    #[arg(long)]
+    pub debugged: bool,
 }
 
 /// Runs the command; the standard input is the channel to the host.
@@ -20,5 +23,5 @@ pub struct ChildArgs {
 /// # Errors
 /// When `eyesim run` has not started it.
 pub fn run(args: &ChildArgs) -> anyhow::Result<ExitCode> {
-    client::run(&args.library).context("`eyesim child` is started by `eyesim run --exec process` alone")
+    client::run(&args.library, args.debugged).context("`eyesim child` is started by `eyesim run --exec process` alone")
 }

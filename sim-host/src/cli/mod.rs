@@ -11,6 +11,7 @@ pub mod cc;
 pub mod check;
 pub mod child;
 pub mod convert;
+pub mod debug;
 pub mod diagnostic;
 pub mod excerpt;
 pub mod explain;
@@ -64,6 +65,8 @@ enum Command {
     /// A robot's process of `eyesim run --exec process`
     #[command(hide = true)]
     Child(child::ChildArgs),
+    /// Run a scene with the program of one robot in gdb
+    Debug(debug::DebugArgs),
     /// Write a new robot program with a robi, a world and a sim that run at once
     New(new::NewArgs),
 }
@@ -80,6 +83,7 @@ pub fn main() -> ExitCode {
         Command::Schema => convert::schema(),
         Command::Cc(args) => cc::run(&args),
         Command::Child(args) => child::run(&args),
+        Command::Debug(args) => debug::run(&args),
         Command::New(args) => new::run(&args),
     };
     result.unwrap_or_else(|error| {

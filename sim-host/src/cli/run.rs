@@ -1,6 +1,7 @@
 //! `eyesim run`: a sim file from its first line to the last line of its report.
 
 use std::collections::BTreeSet;
+use std::ffi::OsStr;
 use std::io::Write as _;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -8,7 +9,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use anyhow::{Context, bail, ensure};
-use clap::Args;
+use clap::{Args, FromArgMatches as _};
 use glam::DVec2;
 use parking_lot::Mutex;
 use sim_core::build;
@@ -35,7 +36,7 @@ use crate::program::{Builder, Cache, Generation, Kits, SearchPath, Tools};
 use crate::record::report::{Input, ObjectReport, REPORT_SCHEMA, RobotReport};
 use crate::record::trace::{TraceHeader, TraceRobot};
 use crate::record::{Log, Outcome, Recorder, Report, Sink, Trace, Trails};
-use crate::setup::{Programs, RobotOptions, build_world};
+use crate::setup::{Debug, Programs, RobotOptions, build_world};
 
 /// Simulated seconds after which a run ends when the user says nothing and nobody watches.
 const DEFAULT_UNTIL: f64 = 600.0;
@@ -109,6 +110,20 @@ pub struct RunArgs {
     /// With -v only this robot
     #[arg(long, value_name = "NUMBER", requires = "verbose")]
     pub robot: Option<u32>,
+    /// The robot whose program `eyesim debug` opens in a debugger
+    #[arg(skip)]
+    pub debug: Option<Debug>,
+}
+
+impl RunArgs {
+    /// A run of `sim` as without any option.
+    ///
+    /// # Errors
+    /// When `sim` looks like an option.
+    pub fn of_scene(sim: &Path) -> anyhow::Result<Self> {
+        let words: [&OsStr; 2] = ["run".as_ref(), sim.as_os_str()];
+        Ok(Self::from_arg_matches(&Self::augment_args(clap::Command::new("run")).try_get_matches_from(words)?)?)
+    }
 }
 
 /// How fast a run goes.
@@ -231,7 +246,7 @@ fn simulate(args: &RunArgs, options: Options, files: &DiskFiles, loaded: Loaded)
     if programs.iter().next().is_none() {
         eprintln!("no robot has a program, so no time passes: `--program FILE` gives them one");
     }
-    let loaded_programs = match programs.load(scene, args.exec) {
+    let loaded_programs = match programs.load(scene, args.exec, args.debug.as_ref()) {
         Ok(loaded) => loaded,
         Err(error) => {
             eprintln!("error: {error:#}");
@@ -279,7 +294,12 @@ fn simulate(args: &RunArgs, options: Options, files: &DiskFiles, loaded: Loaded)
 /// Builds the programs of `scene`, and says on a terminal what takes so long.
 fn build_programs(args: &RunArgs, scene: &SceneSpec, search: &SearchPath) -> anyhow::Result<Programs> {
     let cache = Cache::of_user().context("no folder for built programs")?;
-    let mut builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
+    let mut tools = Tools::of_environment();
+    if args.debug.is_some() {
+        // Every line is there to stop at, and every variable to look at; what the user says of it goes behind.
+        tools.cflags = Some(format!("-O0 {}", tools.cflags.unwrap_or_default()));
+    }
+    let mut builder = Builder::new(cache, Kits::of_robios(), tools);
     if !args.quiet {
         builder = builder.watched_by(Box::new(Building::on_stderr()));
     }

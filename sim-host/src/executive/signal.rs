@@ -66,6 +66,8 @@ thread_local! {
 }
 
 static BELL: AtomicI32 = AtomicI32::new(-1);
+/// True while a debugger is to hear Ctrl-C.
+static IS_DEBUGGING: AtomicBool = AtomicBool::new(false);
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 impl Default for ThreadBlock {
@@ -272,7 +274,15 @@ fn end_with_foreign_fault() -> ! {
     }
 }
 
-extern "C" fn on_interrupt(_: i32) {
+/// From now on Ctrl-C is a debugger's alone, whose process group this process shares.
+pub fn leave_interrupts_to_debugger() {
+    IS_DEBUGGING.store(true, Ordering::Release);
+}
+
+extern "C" fn on_interrupt(signal: i32) {
+    if signal == libc::SIGINT && IS_DEBUGGING.load(Ordering::Acquire) {
+        return;
+    }
     if INTERRUPTED.swap(true, Ordering::AcqRel) {
         // The second Ctrl-C: the user does not want to wait for files to be closed.
         // SAFETY: _exit is async-signal-safe.

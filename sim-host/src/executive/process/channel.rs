@@ -6,9 +6,12 @@
 use std::fs::File;
 use std::io;
 use std::os::fd::{AsRawFd as _, FromRawFd as _};
+use std::path::PathBuf;
 use std::ptr;
 use std::sync::atomic::{AtomicU32, Ordering, fence};
 use std::time::Duration;
+
+use super::debugger;
 
 /// Bytes of a channel: two images of the largest camera and their call fit; only what is written to takes memory.
 pub const CHANNEL: usize = 32 << 20;
@@ -155,6 +158,11 @@ impl Channels {
             return Err(io::Error::other("the standard input is not a channel of eyesim"));
         }
         Ok(Self { file })
+    }
+
+    /// Where the file is found by a process that does not get it passed on; while this process lives.
+    pub fn path(&self) -> PathBuf {
+        debugger::file_of(self.file.as_raw_fd())
     }
 
     /// Makes room for `count` channels; a new one must be [set up](Channel::set_up) by the host.

@@ -14,6 +14,7 @@ use parking_lot::Mutex;
 use robios_sys::wire::Reader;
 
 use super::channel::{Channel, Channels, Message, Turn, kind};
+use super::debugger::Debugger;
 use crate::executive::fault::{Broken, SEARCH};
 use crate::executive::signal::{Fault, OVERDUE_SIGNAL};
 use crate::executive::watchdog;
@@ -36,6 +37,8 @@ pub struct Child {
     /// Since when the watchdog waits for an overdue child to tell its place.
     asked: Mutex<Option<Instant>>,
     is_ending: AtomicBool,
+    /// Its user looks at it in a debugger, which is the process: it has all the time of the world.
+    is_debugged: bool,
     lost: OnceLock<Broken>,
     /// Number of the last RoBIOS call, `u16::MAX` before the first.
     pub(super) last_call: AtomicU16,
@@ -62,10 +65,25 @@ impl Child {
     /// When the system has no room for another process, or the command is not there.
     pub fn start(mut command: Command) -> io::Result<Self> {
         let channels = Channels::new()?;
-        let first = channels.map(0)?;
         command.stdin(Stdio::from(channels.file()?)).stdout(Stdio::from(io::stderr())).process_group(0);
+        Self::spawn(command, channels, false)
+    }
+
+    /// Starts the program in the library `library` under a debugger, which gets the terminal.
+    ///
+    /// # Errors
+    /// When the debugger cannot be started.
+    pub fn start_debugged(debugger: &Debugger, library: &Path) -> io::Result<Self> {
+        let channels = Channels::new()?;
+        let command = debugger.command(library, &channels.path())?;
+        Self::spawn(command, channels, true)
+    }
+
+    fn spawn(mut command: Command, channels: Channels, is_debugged: bool) -> io::Result<Self> {
+        let first = channels.map(0)?;
         let handle = command.spawn()?;
         Ok(Self {
+            is_debugged,
             pid: handle.id() as i32,
             process: Mutex::new(Process { handle, status: None }),
             channels,
@@ -170,6 +188,9 @@ impl Child {
 
     /// Ends an overdue child: asks it for its place, and kills it when it does not tell.
     pub fn stop_overdue(&self) {
+        if self.is_debugged {
+            return;
+        }
         let mut asked = self.asked.lock();
         match *asked {
             None => {
@@ -190,11 +211,12 @@ impl Child {
         *self.asked.lock() = None;
     }
 
-    /// Ends the child: waits until `deadline` for it to end by itself, then kills it and whatever it has started.
+    /// Ends the child: waits until `deadline` for it to end by itself, then kills it and whatever it has started. A debugger is
+    /// waited for as long as its user needs it.
     pub fn end(&self, deadline: Instant) {
         self.is_ending.store(true, Ordering::Release);
         while self.exit_status().is_none() {
-            if Instant::now() >= deadline {
+            if Instant::now() >= deadline && !self.is_debugged {
                 self.kill();
             }
             std::thread::sleep(Duration::from_millis(1));
@@ -239,6 +261,9 @@ impl Child {
     }
 
     fn end_in_words(&self, status: ExitStatus) -> Broken {
+        if self.is_debugged {
+            return self.broken("the debugger was left before the program had ended");
+        }
         if self.asked.lock().is_some() {
             let fault = Fault { signal: OVERDUE_SIGNAL, address: 0, pc: 0, sp: 0 };
             return Broken::new(fault, [0; 2], self.last_call.load(Ordering::Relaxed), Vec::new());

@@ -38,15 +38,19 @@ static HOST7: Host = Host::of_robios7(&SUPPORT, &ROBIOS7);
 
 /// Runs the program in the library `library` for the host that has made this process, whose channels are the standard input.
 ///
+/// Where a debugger stands between the two (`is_debugged`), it ends the process.
+///
 /// # Errors
 /// When this process was not made by `eyesim run`.
-pub fn run(library: &Path) -> io::Result<ExitCode> {
+pub fn run(library: &Path, is_debugged: bool) -> io::Result<ExitCode> {
     let channels = Channels::of_standard_input()?;
     let first = channels.map(0)?;
     if !first.is_known() {
         return Err(io::Error::other("the standard input is not a channel of this eyesim"));
     }
-    die_with(first.host())?;
+    if !is_debugged {
+        die_with(first.host())?;
+    }
     signal::install_in_child()?;
     let library = library.to_owned();
     let own = channels.map(0)?;

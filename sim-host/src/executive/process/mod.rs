@@ -7,6 +7,8 @@
 pub mod channel;
 pub mod child;
 pub mod client;
+pub mod debugger;
 pub mod serve;
 
 pub use child::Child;
+pub use debugger::Debugger;

@@ -1,0 +1,76 @@
+//! gdb around a robot's process: how it is started, and what the user may tell it.
+
+use std::ffi::OsString;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// The debugger's name on the search path.
+const GDB: &str = "gdb";
+
+/// What a debugger is told.
+#[derive(Clone, Debug, Default)]
+pub struct Debugger {
+    /// Places at which the program stops: `FILE:LINE` or a function.
+    pub breakpoints: Vec<String>,
+    /// Further arguments of gdb; its commands run once the program has stopped or ended.
+    pub arguments: Vec<OsString>,
+}
+
+impl Debugger {
+    /// Whether gdb is there.
+    pub fn is_there() -> bool {
+        let version =
+            Command::new(GDB).arg("--version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        version.status().is_ok_and(|status| status.success())
+    }
+
+    /// The command that runs `eyesim child` for the program in `library` under gdb, its standard input the file `channels`.
+    ///
+    /// gdb has the terminal. It asks nothing: the program's library is loaded later than its breakpoints are set.
+    ///
+    /// # Errors
+    /// When this program does not know where it lies.
+    pub fn command(&self, library: &Path, channels: &Path) -> io::Result<Command> {
+        let mut command = Command::new(GDB);
+        command.arg("-q");
+        let child = format!("set args child --debugged {} <> {}", quoted(library), quoted(channels));
+        let settings = ["set breakpoint pending on", "set debuginfod enabled off", "set startup-with-shell on", &child];
+        let breakpoints = self.breakpoints.iter().map(|place| format!("break {place}"));
+        for line in settings.map(str::to_owned).into_iter().chain(breakpoints).chain(["run".to_owned()]) {
+            command.arg("-ex").arg(line);
+        }
+        // The shell that gdb starts the program with must know `<>`, as every POSIX shell does.
+        command.env("SHELL", "/bin/sh").args(&self.arguments).arg(std::env::current_exe()?);
+        Ok(command)
+    }
+}
+
+/// A path as one word of a shell.
+fn quoted(path: &Path) -> String {
+    format!("'{}'", path.display().to_string().replace('\'', r"'\''"))
+}
+
+/// The file that a debugged process gets as its standard input: descriptor `fd` of this process.
+pub fn file_of(fd: i32) -> PathBuf {
+    PathBuf::from(format!("/proc/{}/fd/{fd}", std::process::id()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gdb_is_told_everything_in_order() {
+        let debugger = Debugger { breakpoints: vec!["maze.c:12".into()], arguments: vec!["-batch".into()] };
+        let command = debugger.command(Path::new("/tmp/it's.so"), Path::new("/proc/1/fd/5")).expect("a command");
+        let arguments: Vec<String> =
+            command.get_args().map(|argument| argument.to_string_lossy().into_owned()).collect();
+        let place =
+            |text: &str| arguments.iter().position(|argument| argument == text).unwrap_or_else(|| panic!("{text}"));
+        assert!(place(r"set args child --debugged '/tmp/it'\''s.so' <> '/proc/1/fd/5'") < place("run"));
+        assert!(place("set breakpoint pending on") < place("break maze.c:12"));
+        assert!(place("break maze.c:12") < place("run"));
+        assert!(place("run") < place("-batch"));
+    }
+}
