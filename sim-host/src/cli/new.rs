@@ -18,7 +18,7 @@ pub struct NewArgs {
     /// Language of the program
     #[arg(long, value_enum, default_value_t = Language::C)]
     pub lang: Language,
-    /// RoBIOS generation of the program [default: 6 for C and Rust, 7 for C++]
+    /// RoBIOS generation of the program [default: 6 for C and Rust, 7 for C++ and Python]
     #[arg(long, value_name = "GENERATION", value_parser = clap::value_parser!(u32).range(6..=7))]
     pub api: Option<u32>,
     /// Folder in which the program's folder is made
@@ -33,6 +33,8 @@ pub enum Language {
     C,
     /// C++, compiled with the system's compiler
     Cpp,
+    /// Python, run by the system's python3
+    Python,
     /// Rust, built with cargo
     Rust,
 }
@@ -45,7 +47,7 @@ pub fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
     check_name(&args.name, args.lang)?;
     let folder = if args.path == Path::new(".") { PathBuf::from(&args.name) } else { args.path.join(&args.name) };
     let api = robios_api_folder();
-    let project = Project { name: &args.name, lang: args.lang, generation: generation(args.lang, args.api) };
+    let project = Project { name: &args.name, lang: args.lang, generation: generation(args.lang, args.api)? };
     write_folder(&folder, &project.files(api.as_deref()))?;
     println!("wrote `{}`; run it with\n\n    eyesim run {}/{}.sim\n", folder.display(), folder.display(), args.name);
     if args.lang == Language::Rust && api.is_none() {
@@ -143,12 +145,11 @@ fn robios_api_folder() -> Option<PathBuf> {
 }
 
 /// The generation of a program in `lang`, if none is asked for: 7 where most programs are of that one.
-fn generation(lang: Language, asked: Option<u32>) -> Generation {
-    match asked {
-        Some(7) => Generation::Robios7,
-        Some(_) => Generation::Robios6,
-        None if lang == Language::Cpp => Generation::Robios7,
-        None => Generation::Robios6,
+fn generation(lang: Language, asked: Option<u32>) -> anyhow::Result<Generation> {
+    match (asked, lang) {
+        (Some(6), Language::Python) => bail!("there is no RoBIOS 6 in Python: `--api 7`, or C, C++ or Rust"),
+        (Some(7), _) | (None, Language::Cpp | Language::Python) => Ok(Generation::Robios7),
+        _ => Ok(Generation::Robios6),
     }
 }
 
@@ -165,6 +166,7 @@ impl Project<'_> {
         let program = match self.lang {
             Language::C => format!("{}.c", self.name),
             Language::Cpp => format!("{}.cpp", self.name),
+            Language::Python => format!("{}.py", self.name),
             Language::Rust => "Cargo.toml".to_owned(),
         };
         let fill = |template: &str| self.fill(template, &program, api);
@@ -189,6 +191,11 @@ impl Project<'_> {
                     Generation::Robios7 => robios_sys::c::HEADERS7,
                 };
                 files.extend(headers.iter().map(|header| (format!("include/{}", header.name), header.text.to_owned())));
+            }
+            Language::Python => {
+                files.push((program.clone(), fill(include_str!("new/robios7.py"))));
+                files.push(("README.md".into(), fill(include_str!("new/readme-python.md"))));
+                files.push(("eye.py".into(), robios_sys::python::EYE.to_owned()));
             }
             Language::Rust => {
                 let source = match self.generation {
@@ -222,6 +229,7 @@ impl Project<'_> {
         let language = match self.lang {
             Language::C => "C",
             Language::Cpp => "C++",
+            Language::Python => "Python",
             Language::Rust => "Rust",
         };
         let (robios, robot) = match self.generation {
@@ -292,8 +300,19 @@ mod tests {
     }
 
     #[test]
+    fn python_has_no_robios_6() {
+        assert_eq!(generation(Language::Python, None).expect("7"), Generation::Robios7);
+        let message = generation(Language::Python, Some(6)).expect_err("refused").to_string();
+        assert!(message.contains("`--api 7`"), "{message}");
+    }
+
+    #[test]
     fn every_place_in_the_templates_is_filled() {
         let place = Some(Path::new("/e/robios-api"));
+        let python = Project { name: "maze", lang: Language::Python, generation: Generation::Robios7 };
+        for (name, text) in python.files(None).into_iter().filter(|(name, _)| name != "eye.py") {
+            assert!(!text.contains('@'), "{name}: {text}");
+        }
         for lang in [Language::C, Language::Cpp, Language::Rust] {
             for (generation, api) in [(Generation::Robios6, None), (Generation::Robios7, place)] {
                 for (name, text) in (Project { name: "maze", lang, generation }).files(api) {
