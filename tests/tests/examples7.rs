@@ -79,7 +79,8 @@ fn the_swarm_collects_every_ball() {
         assert!(number(object, "pose.x_m") < 0.9 && number(object, "pose.y_m") < 0.9, "{object:#}");
     }
     let collected = |robot: &Value| -> u32 {
-        let line = robot["lcd"][0].as_str().expect("text").trim().strip_prefix("collected ").expect("a count").to_owned();
+        let line =
+            robot["lcd"][0].as_str().expect("text").trim().strip_prefix("collected ").expect("a count").to_owned();
         line.parse().expect("a number")
     };
     let counts: Vec<u32> = report["robots"].as_array().expect("robots").iter().map(collected).collect();

@@ -10,7 +10,7 @@ use sim_core::RobotId;
 use sim_core::format::load_scene_with;
 use sim_core::time::Time;
 
-use super::options::{ProgramOption, place_of_robot};
+use super::options::{ProgramOption, index_of};
 use super::run::{self, RunArgs, parse_seconds};
 use crate::executive::process::Debugger;
 use crate::executive::signal;
@@ -87,11 +87,11 @@ pub fn run(args: &DebugArgs) -> anyhow::Result<ExitCode> {
 
 /// The robot that is debugged, and its program as it is named; mistakes of the scene are told by the run.
 fn choose(args: &DebugArgs) -> anyhow::Result<(RobotId, String)> {
-    let files = DiskFiles::of_environment();
+    let mut files = DiskFiles::of_environment();
     let mut scene = load_scene_with(&files.name(&args.sim), args.seed, &files).scene;
     super::options::give_programs(&mut scene, &args.programs)?;
     let index = match args.robot {
-        Some(robot) => place_of_robot(&scene, robot).context("--robot")?,
+        Some(robot) => index_of(&scene, robot).context("--robot")?,
         None => scene.robots.iter().position(|robot| robot.program.is_some()).unwrap_or(0),
     };
     match scene.robots.get(index).map(|robot| (robot.id, robot.program_name())) {

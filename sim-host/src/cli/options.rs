@@ -49,7 +49,7 @@ impl Options {
             keys.extend(parse_script(script).context("--keys")?);
         }
         for press in &keys {
-            press.robot.map_or(Ok(0), |robot| place_of_robot(scene, robot.0)).context("--keys")?;
+            press.robot.map_or(Ok(0), |robot| index_of(scene, robot.0)).context("--keys")?;
         }
         give_programs(scene, &args.programs)?;
         scene.robots.iter_mut().for_each(|robot| robot.api = args.api.map(Generation::number).or(robot.api));
@@ -62,7 +62,7 @@ impl Options {
         let seed = args.seed.or(run.seed).unwrap_or_default();
         let slot = args.slot.or(run.slot).unwrap_or(DEFAULT_SLOT);
         let until = args.until.or(run.until);
-        let robot = args.robot.map(|robot| place_of_robot(scene, robot).context("--robot")).transpose()?;
+        let robot = args.robot.map(|robot| index_of(scene, robot).context("--robot")).transpose()?;
         let filter = Filter {
             is_verbose: args.verbose,
             only: args.only.as_deref().map(Pattern::parse_list).unwrap_or_default(),
@@ -166,7 +166,7 @@ enum Rank {
 fn robots_of(scene: &SceneSpec, who: &Who) -> anyhow::Result<(Rank, Vec<usize>)> {
     match who {
         Who::Without => Ok((Rank::Type, Vec::new())),
-        Who::Robot(robot) => Ok((Rank::Number, vec![place_of_robot(scene, *robot)?])),
+        Who::Robot(robot) => Ok((Rank::Number, vec![index_of(scene, *robot)?])),
         Who::Name(name) => {
             let places = |fits: &dyn Fn(&RobotSpec) -> bool| -> Vec<usize> {
                 (0..scene.robots.len()).filter(|index| fits(&scene.robots[*index])).collect()
@@ -212,7 +212,7 @@ fn give_arguments(scene: &mut SceneSpec, options: &[String]) -> anyhow::Result<(
         let words = split_words(words).with_context(|| format!("--args {text}"))?;
         let robots = match robot {
             Some(robot) => {
-                let index = place_of_robot(scene, robot).context("--args")?;
+                let index = index_of(scene, robot).context("--args")?;
                 let has_program = scene.robots[index].program.is_some();
                 ensure!(has_program, "--args: robot {robot} has no program: `--program {robot}=FILE` gives it one");
                 index..index + 1
@@ -234,7 +234,7 @@ fn give_arguments(scene: &mut SceneSpec, options: &[String]) -> anyhow::Result<(
 ///
 /// # Errors
 /// There is none of that number.
-pub fn place_of_robot(scene: &SceneSpec, robot: u32) -> anyhow::Result<usize> {
+pub fn index_of(scene: &SceneSpec, robot: u32) -> anyhow::Result<usize> {
     let known = match scene.robots.len() {
         0 => "no robots".to_owned(),
         1 => "robot 1 alone".to_owned(),

@@ -20,9 +20,9 @@ pub struct Debugger {
 impl Debugger {
     /// Whether gdb is there.
     pub fn is_there() -> bool {
-        let version =
-            Command::new(GDB).arg("--version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-        version.status().is_ok_and(|status| status.success())
+        let mut command = Command::new(GDB);
+        command.arg("--version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        command.status().is_ok_and(|status| status.success())
     }
 
     /// The command that runs `eyesim child` for the program in `library` under gdb, its standard input the file `channels`.
