@@ -176,7 +176,7 @@ impl World {
         self.objects.as_ref().map_or(&[], |objects| objects.moved())
     }
 
-    /// True while a movable object moves.
+    /// True while a movable object moves, or has been placed so lately that it may yet be pushed out of something.
     pub fn is_object_moving(&self) -> bool {
         self.objects.as_ref().is_some_and(|objects| objects.is_moving())
     }

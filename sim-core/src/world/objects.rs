@@ -1,6 +1,6 @@
 //! The movable objects of a world: their rigid bodies, and what is public of each.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 
 use glam::DVec2;
@@ -40,6 +40,8 @@ pub(super) struct Objects {
     moved: Vec<ObjectId>,
     /// Where objects are to be put at the slot's end, in order.
     places: Vec<(ObjectId, Pose)>,
+    /// Objects that were put somewhere and have not slept since: what they stand in has yet to push them out.
+    unsettled: BTreeSet<ObjectId>,
     pushes: Vec<Push>,
 }
 
@@ -64,6 +66,7 @@ impl Objects {
             stepped: Time::ZERO,
             moved: Vec::new(),
             places: Vec::new(),
+            unsettled: BTreeSet::new(),
             pushes: Vec::new(),
         };
         objects.rebuild_index();
@@ -107,6 +110,7 @@ impl Objects {
         for (object, world_from_object) in self.places.drain(..) {
             self.bodies.place(object, world_from_object);
             self.tracks[object.index()].is_resting = false;
+            self.unsettled.insert(object);
         }
     }
 
@@ -114,9 +118,9 @@ impl Objects {
         &self.moved
     }
 
-    /// True while an object moves.
+    /// True while an object moves, or may yet be pushed out of where it was put.
     pub fn is_moving(&self) -> bool {
-        self.bodies.awake().any(|object| !self.bodies.state(object).is_resting())
+        !self.unsettled.is_empty() || self.bodies.awake().any(|object| !self.bodies.state(object).is_resting())
     }
 
     /// The first object that a ray meets, nearer than `reach` or at it, and at equal distances that of the lower id.
@@ -177,6 +181,7 @@ impl Objects {
     /// Makes public where the objects are at `now`, the start of the slot until `until`.
     pub fn publish(&mut self, now: Time, until: Time) {
         self.moved.clear();
+        self.unsettled.retain(|object| !self.bodies.is_asleep(*object));
         let mut has_changed = false;
         for (index, track) in self.tracks.iter_mut().enumerate() {
             let object = ObjectId::from_index(index);
