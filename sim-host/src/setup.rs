@@ -19,7 +19,7 @@ use crate::program::build::Builder;
 use crate::program::find::{Found, SearchPath, find_program};
 use crate::program::generation::{Generation, Wanted};
 use crate::program::load::{LoadError, Loader, OpenError, check_mappings};
-use crate::program::prepare::{Prepared, prepare};
+use crate::program::prepare::{Code, Prepared, prepare};
 use crate::robios::Devices;
 use crate::robios::irtv::Remote;
 use crate::robios::key::{Keys, Press};
@@ -110,18 +110,17 @@ impl Programs {
         exec: Exec,
         debug: Option<&Debug>,
     ) -> anyhow::Result<Vec<Option<RobotProgram>>> {
-        let copies = self.iter().filter(|_| exec == Exec::Thread).map(|program| (&program.image, 1));
+        let in_host = self.iter().filter(|program| exec_of(program, exec) == Exec::Thread);
+        let copies = in_host.filter_map(|program| Some((&**program.image()?, 1)));
         check_mappings(copies, MAPPINGS_PER_FLOW)?;
         let mut loader = Loader::new().context("no folder to load programs from")?;
         let named = |robot: &RobotSpec, error: LoadError| anyhow!("{} (`{}`): {error}", robot.id, robot.program_name());
-        if exec == Exec::Process {
-            Child::make_room(self.iter().count());
-        }
+        Child::make_room(self.iter().filter(|program| exec_of(program, exec) == Exec::Process).count());
         // All processes start before the first one is waited for.
         let mut loading = Vec::with_capacity(scene.robots.len());
         for (robot, program) in scene.robots.iter().zip(&self.of_robots) {
             let debugger = debug.filter(|debug| debug.robot == robot.id).map(|debug| &debug.debugger);
-            let begun = program.as_ref().map(|program| match exec {
+            let begun = program.as_ref().map(|program| match exec_of(program, exec) {
                 Exec::Thread if debugger.is_none() => {
                     loader.load(program, &robot.arguments).map(RobotProgram::Thread).map(Loading::Done)
                 }
@@ -145,6 +144,14 @@ pub struct Debug {
     pub debugger: Debugger,
 }
 
+/// Where a program runs when the user wants `exec`: a Python program has a process of its own in any case.
+fn exec_of(program: &Prepared, exec: Exec) -> Exec {
+    match program.code {
+        Code::Library(_) => exec,
+        Code::Python(_) => Exec::Process,
+    }
+}
+
 /// A program on its way.
 enum Loading {
     Done(RobotProgram),
@@ -159,16 +166,24 @@ impl Loading {
         loader: &mut Loader,
         debugger: Option<&Debugger>,
     ) -> Result<Self, LoadError> {
-        let library = loader.library(program, &robot.arguments)?;
-        let name = format!("{} {}", robot.id, program.name);
-        let child = match debugger {
-            Some(debugger) => Child::start_debugged(debugger, &library),
-            None => Child::command(&name, &library).and_then(Child::start),
+        let path = program.source.path().to_owned();
+        let (child, library) = match (&program.code, debugger) {
+            (Code::Python(_), Some(_)) => {
+                let what = "gdb debugs programs in C, C++ and Rust, and this one is in Python".to_owned();
+                return Err(LoadError::Misfit { path, what });
+            }
+            (Code::Python(python), None) => (Child::start(python.command(&path)), path.clone()),
+            (Code::Library(_), debugger) => {
+                let library = loader.library(program, &robot.arguments)?;
+                let name = format!("{} {}", robot.id, program.name);
+                let child = match debugger {
+                    Some(debugger) => Child::start_debugged(debugger, &library),
+                    None => Child::command(&name, &library).and_then(Child::start),
+                };
+                (child, library)
+            }
         };
-        let child = child.map_err(|error| LoadError::Process {
-            path: program.image.path().to_owned(),
-            what: format!("{error} ({PROCESS_HINT})"),
-        })?;
+        let child = child.map_err(|error| LoadError::Process { path, what: format!("{error} ({PROCESS_HINT})") })?;
         Ok(Self::InProcess(Box::new(child), Arc::clone(program), library))
     }
 
@@ -177,7 +192,7 @@ impl Loading {
             Self::Done(program) => return Ok(program),
             Self::InProcess(child, program, library) => (child, program, library),
         };
-        let path = program.image.path().to_owned();
+        let path = program.source.path().to_owned();
         RemoteProgram::new(*child, program, &robot.arguments).map(RobotProgram::Process).map_err(
             |refusal| match refusal {
                 Refusal::Linker(what) => OpenError::Linker(what).of(&path, &library),
@@ -248,7 +263,7 @@ pub fn build_world(
         let model = models.entry(&spec.robi.file).or_insert_with(|| Arc::new(build::model(&spec.robi)));
         model.check().with_context(|| format!("robot type `{}`", spec.robi.file))?;
         let presses = options.keys.iter().filter(|press| press.robot.is_none_or(|robot| robot == spec.id));
-        let generation = program.as_ref().and_then(|program| program.image.description()).map(|it| it.generation);
+        let generation = program.as_ref().and_then(|program| program.generation());
         let new_devices = if generation == Some(7) { Devices::of_robios7 } else { Devices::new };
         let (remote, keys): (Vec<&Press>, Vec<_>) = presses.partition(|press| press.touch.remote_key().is_some());
         let keys = Keys::scripted(keys.iter().map(|press| (press.at, press.touch)));

@@ -12,6 +12,7 @@ use super::compiler::{Compiler, CompilerError};
 use super::find::ProgramSource;
 use super::generation::{Choice, Generation, GenerationError, Wanted, choose};
 use super::language::Language;
+use super::python::{Python, PythonError};
 use super::words::{WordsError, split_words};
 
 /// Changes when the layout of the cache changes.
@@ -39,14 +40,16 @@ pub struct Tools {
     pub cflags: Option<String>,
     /// `$CARGO`: cargo, else `cargo` on the search path.
     pub cargo: Option<PathBuf>,
+    /// `$PYTHON`: the interpreter of Python programs, else `python3` on the search path.
+    pub python: Option<PathBuf>,
 }
 
 impl Tools {
     /// The tools that the environment of this process names.
     pub fn of_environment() -> Self {
         let text = |name: &str| std::env::var(name).ok().filter(|value| !value.trim().is_empty());
-        let cargo = text("CARGO").map(PathBuf::from);
-        Self { cc: text("CC"), cxx: text("CXX"), cflags: text("EYESIM_CFLAGS"), cargo }
+        let [cargo, python] = ["CARGO", "PYTHON"].map(|name| text(name).map(PathBuf::from));
+        Self { cc: text("CC"), cxx: text("CXX"), cflags: text("EYESIM_CFLAGS"), cargo, python }
     }
 
     fn compiler(&self, language: Language) -> Option<&str> {
@@ -60,7 +63,7 @@ impl Tools {
 /// A program that is ready to be loaded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Built {
-    /// The shared library.
+    /// The shared library; a Python program itself, which needs no building.
     pub library: PathBuf,
     /// What it was made from.
     pub source: ProgramSource,
@@ -98,12 +101,9 @@ pub enum BuildError {
         /// Why.
         error: io::Error,
     },
-    /// A Python program, which needs no building and cannot be run yet.
-    #[error("`{}` is a Python program, which eyesim cannot run yet", path.display())]
-    Python {
-        /// The program.
-        path: PathBuf,
-    },
+    /// There is no Python to run a program in Python.
+    #[error(transparent)]
+    Python(#[from] PythonError),
     /// The cache cannot be read or written.
     #[error("cannot use the cache `{}`: {error}", root.display())]
     Cache {
@@ -153,12 +153,11 @@ impl Builder {
     /// [`BuildError`], with the compiler's own messages where it is the compiler that refuses.
     pub fn build(&self, source: &ProgramSource) -> Result<Built, BuildError> {
         match source {
-            ProgramSource::Library(library) => {
+            ProgramSource::Library(library) | ProgramSource::Python(library) => {
                 let (library, source) = (library.clone(), source.clone());
                 Ok(Built { library, source, output: String::new(), compiled: false, choice: None })
             }
             ProgramSource::Sources { files, wanted } => self.build_sources(source, files, *wanted),
-            ProgramSource::Python(path) => Err(BuildError::Python { path: path.clone() }),
             ProgramSource::Cargo(folder) => {
                 let cargo = self.tools.cargo.as_deref();
                 let package = self.watched(source, || build_package(folder, cargo, &self.cache))?;
@@ -171,6 +170,14 @@ impl Builder {
                 })
             }
         }
+    }
+
+    /// What runs Python programs.
+    ///
+    /// # Errors
+    /// [`BuildError::Python`].
+    pub fn python(&self) -> Result<Python, BuildError> {
+        Ok(Python::find(self.tools.python.as_deref(), &self.cache)?)
     }
 
     /// Builds each of `sources` once, on as many threads as there are processors; the results are in their order.

@@ -275,7 +275,7 @@ impl Finder<'_> {
             return Ok(ProgramSource::of_files(vec![path.to_owned()]));
         }
         if has_extension(path, "py") {
-            return runnable(ProgramSource::Python(path.to_owned()));
+            return Ok(ProgramSource::Python(path.to_owned()));
         }
         if let Some(language) = source_language(path) {
             return Err(Some(language.to_owned()));
@@ -335,16 +335,6 @@ fn usable_folder(folder: &Path) -> Result<ProgramSource, Option<String>> {
     }
 }
 
-/// `source`, if programs of its kind can be run.
-fn runnable(source: ProgramSource) -> Result<ProgramSource, Option<String>> {
-    match source {
-        ProgramSource::Python(_) => {
-            Err(Some("a Python program, which eyesim cannot run yet: until then write it in C, C++ or Rust".into()))
-        }
-        source => Ok(source),
-    }
-}
-
 /// The sources that a program `maze` may have: `maze.c`, then those of C++.
 fn sources_of_name(stem: &Path) -> Vec<PathBuf> {
     let extensions = Language::ALL.into_iter().flat_map(Language::extensions);
@@ -374,7 +364,6 @@ fn places_beside(path: &Path) -> Vec<PathBuf> {
 fn source_language(path: &Path) -> Option<&'static str> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     match extension.as_str() {
-        "py" => Some("a Python program"),
         "rs" => Some("a Rust source: name the folder of its Cargo package"),
         "h" | "hh" | "hpp" | "hxx" => Some("a header: name the `.c` or `.cpp` file"),
         _ => None,
@@ -520,7 +509,6 @@ mod tests {
             ("a.x", "sims/a.c", "a.x` is an executable for "),
             ("b.x", "sims/b", "b.x` is a macOS library or program: "),
             ("c.exe", "sims/c.so", "c.exe` is a Windows library or program: "),
-            ("d.py", "sims/d.c", "d.py` is a Python program, which eyesim cannot run yet: "),
         ] {
             let found = place.check(name, &[expected]);
             assert!(found.notes[0].contains(note), "{:?}", found.notes);
@@ -596,9 +584,7 @@ mod tests {
     #[test]
     fn sources_of_other_languages_are_named() {
         let place = Place::with(&[("sims/a.py", b""), ("sims/b.rs", b""), ("sims/c.hpp", b""), ("sims/d/x.txt", b"")]);
-        let message = place.check_missing("a.py");
-        assert!(message.contains("a.py` is a Python program, which eyesim cannot run yet"), "{message}");
-        assert!(!message.contains("put its source beside it") && !message.contains("not found"), "{message}");
+        assert!(matches!(place.check("a.py", &["sims/a.py"]).source, ProgramSource::Python(_)));
         assert!(place.check_missing("b.rs").contains("name the folder of its Cargo package"));
         assert!(place.check_missing("c.hpp").contains("a header: name the `.c` or `.cpp` file"));
         assert!(place.check_missing("d").contains("a folder without `Cargo.toml`, `.c` or `.cpp` files"));

@@ -131,6 +131,7 @@ fn robios_hint(robios: &[String]) -> String {
 #[derive(Clone)]
 pub struct LoadedProgram {
     prepared: Arc<Prepared>,
+    image: Arc<ProgramImage>,
     arguments: Vec<CString>,
     base: usize,
     description: &'static Program,
@@ -189,14 +190,14 @@ impl LoadedProgram {
 
     /// The addresses at which the copy's code and variables lie.
     pub fn addresses(&self) -> Range<usize> {
-        let span = self.prepared.image.span();
+        let span = self.image.span();
         self.base + span.start..self.base + span.end
     }
 
     /// The line of the source at `address`, if it lies in this copy and the debug information tells it. See
     /// [`ProgramImage::source_line`].
     pub fn source_line(&self, address: usize) -> Option<SourceLine> {
-        self.prepared.image.source_line(self.offset(address)?)
+        self.image.source_line(self.offset(address)?)
     }
 
     /// The line in the program's own sources that a call stack leads to: `addresses` are the program counter, then return
@@ -204,7 +205,7 @@ impl LoadedProgram {
     pub fn own_source_line(&self, addresses: &[usize]) -> Option<SourceLine> {
         // An address outside of the copy becomes an offset outside of its code.
         let offsets = addresses.iter().map(|&address| self.offset(address).unwrap_or(usize::MAX));
-        self.prepared.image.own_source_line(offsets)
+        self.image.own_source_line(offsets)
     }
 
     /// Where the program called the function that it is in, if its shim tells. To be asked only while the program is in a call.
@@ -265,14 +266,14 @@ impl Loader {
     /// # Errors
     /// [`LoadError`] if it is no program for this eyesim or the dynamic linker refuses it.
     pub fn load(&mut self, prepared: &Arc<Prepared>, arguments: &[String]) -> Result<LoadedProgram, LoadError> {
-        let image = &prepared.image;
+        let image = library_of(prepared)?;
         check_description(image)?;
         let arguments = c_arguments(&prepared.name, arguments)
             .map_err(|argument| LoadError::Argument { path: image.path().to_owned(), argument })?;
         let (opened, copy) = self.map_copy(image)?;
-        self.share(prepared, opened.base, copy);
+        self.share(prepared, image, opened.base, copy);
         let Opened { base, description } = opened;
-        Ok(LoadedProgram { prepared: Arc::clone(prepared), arguments, base, description })
+        Ok(LoadedProgram { prepared: Arc::clone(prepared), image: Arc::clone(image), arguments, base, description })
     }
 
     /// The file from which processes of their own load `prepared`: one copy for all of them, whose pages they share. It is there as
@@ -281,7 +282,7 @@ impl Loader {
     /// # Errors
     /// [`LoadError`] if it is no program for this eyesim, as far as that can be seen without loading it.
     pub fn library(&mut self, prepared: &Arc<Prepared>, arguments: &[String]) -> Result<PathBuf, LoadError> {
-        let image = &prepared.image;
+        let image = library_of(prepared)?;
         check_description(image)?;
         c_arguments(&prepared.name, arguments)
             .map_err(|argument| LoadError::Argument { path: image.path().to_owned(), argument })?;
@@ -322,13 +323,13 @@ impl Loader {
     }
 
     /// Lets the copy at `base`, loaded from the file `copy`, use the code and constants of the program's first copy.
-    fn share(&mut self, prepared: &Arc<Prepared>, base: usize, copy: File) {
+    fn share(&mut self, prepared: &Arc<Prepared>, image: &ProgramImage, base: usize, copy: File) {
         match self.first_copies.entry(Arc::as_ptr(prepared).addr()) {
             Entry::Vacant(first) => {
                 first.insert((Arc::clone(prepared), copy));
             }
             Entry::Occupied(first) => {
-                let segments = prepared.image.read_only_segments();
+                let segments = image.read_only_segments();
                 // SAFETY: both files were written from this image, and differ at most in where the header says that the
                 // table of sections is, which the dynamic linker does not read; they have no name any more and no other
                 // owner. The segments are those of the image, which stays loaded at `base`.
@@ -393,6 +394,14 @@ pub fn open(path: &Path) -> Result<Opened, OpenError> {
     description.check().map_err(|why| misfit(&why.to_string()))?;
     let base = base_of(std::ptr::from_ref(description).addr()).ok_or_else(|| misfit("its address is unknown"))?;
     Ok(Opened { base, description })
+}
+
+/// The library of a program that is one.
+fn library_of(prepared: &Prepared) -> Result<&Arc<ProgramImage>, LoadError> {
+    let path = || prepared.source.path().to_owned();
+    let none =
+        || LoadError::Misfit { path: path(), what: "it is no library and runs in a process of its own only".into() };
+    prepared.image().ok_or_else(none)
 }
 
 /// Checks what can be seen in the file, before any of the library's code runs.

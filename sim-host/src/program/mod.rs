@@ -18,6 +18,7 @@ pub mod kind;
 pub mod language;
 pub mod load;
 pub mod prepare;
+pub mod python;
 mod share;
 pub mod symbols;
 #[cfg(test)]

@@ -7,6 +7,7 @@ use super::build::{BuildError, Builder, Built};
 use super::find::{Found, ProgramSource};
 use super::generation::Choice;
 use super::image::{ImageError, ProgramImage};
+use super::python::Python;
 use super::symbols::warnings_about;
 
 /// A program that is built and read, for every robot that runs it.
@@ -16,8 +17,8 @@ pub struct Prepared {
     pub name: String,
     /// What it was made from.
     pub source: ProgramSource,
-    /// The library.
-    pub image: ProgramImage,
+    /// What robots load of it.
+    pub code: Code,
     /// What the compiler said, now or when the library was built.
     pub output: String,
     /// Whether a compiler ran now.
@@ -28,7 +29,32 @@ pub struct Prepared {
     pub warnings: Vec<String>,
 }
 
+/// What robots load of a program.
+#[derive(Debug)]
+pub enum Code {
+    /// A shared library.
+    Library(Arc<ProgramImage>),
+    /// A Python program, and what runs it, always in a process of its own.
+    Python(Python),
+}
+
 impl Prepared {
+    /// The library; none of a Python program.
+    pub fn image(&self) -> Option<&Arc<ProgramImage>> {
+        match &self.code {
+            Code::Library(image) => Some(image),
+            Code::Python(_) => None,
+        }
+    }
+
+    /// The generation of RoBIOS that it was built for, where that is known.
+    pub fn generation(&self) -> Option<u32> {
+        match &self.code {
+            Code::Library(image) => image.description().map(|description| description.generation),
+            Code::Python(_) => Some(7),
+        }
+    }
+
     /// What is told when it is compiled: `maze.c: RoBIOS-7 (VWStraight, VWWait)`.
     pub fn generation_remark(&self) -> Option<String> {
         self.choice.as_ref()?.remark(self.source.path())
@@ -39,7 +65,7 @@ impl Prepared {
         match &self.source {
             ProgramSource::Sources { files, .. } => files.clone(),
             ProgramSource::Library(path) | ProgramSource::Python(path) => vec![path.clone()],
-            ProgramSource::Cargo(_) => vec![self.image.path().to_owned()],
+            ProgramSource::Cargo(_) => self.image().map(|image| image.path().to_owned()).into_iter().collect(),
         }
     }
 }
@@ -75,11 +101,17 @@ pub fn prepare(builder: &Builder, found: &[Found]) -> Vec<Result<Arc<Prepared>, 
         .map(|(program, built)| {
             let prepare = || {
                 let built = built?;
-                let image = ProgramImage::read(&built.library, source_folder(&program.source))?;
-                let warnings = warnings_about(&image, &program.name);
+                let (code, warnings) = match &program.source {
+                    ProgramSource::Python(_) => (Code::Python(builder.python()?), Vec::new()),
+                    source => {
+                        let image = ProgramImage::read(&built.library, source_folder(source))?;
+                        let warnings = warnings_about(&image, &program.name);
+                        (Code::Library(Arc::new(image)), warnings)
+                    }
+                };
                 let name = program.name.clone();
                 let Built { source, output, compiled, choice, .. } = built;
-                Ok(Prepared { name, source, image, output, compiled, choice, warnings })
+                Ok(Prepared { name, source, code, output, compiled, choice, warnings })
             };
             prepare().map(Arc::new).map_err(Arc::new)
         })

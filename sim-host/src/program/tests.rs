@@ -16,7 +16,7 @@ use super::find::ProgramSource;
 use super::image::{ImageError, ProgramImage};
 use super::language::Language;
 use super::load::{LoadError, LoadedProgram, Loader, check_mappings};
-use super::prepare::{Prepared, prepare};
+use super::prepare::{Code, Prepared, prepare};
 use super::symbols::warnings_about;
 
 /// `run` calls `main` and returns what it returns.
@@ -145,10 +145,22 @@ impl Robios6 for NoHost {}
 
 impl Robios7 for NoHost {}
 
+fn image_of(prepared: &Prepared) -> &ProgramImage {
+    prepared.image().expect("a library")
+}
+
 fn prepared(image: ProgramImage) -> Arc<Prepared> {
     let source = ProgramSource::Library(image.path().to_owned());
     let (output, warnings) = (String::new(), Vec::new());
-    Arc::new(Prepared { name: "program".into(), source, image, output, compiled: true, choice: None, warnings })
+    Arc::new(Prepared {
+        name: "program".into(),
+        source,
+        code: Code::Library(Arc::new(image)),
+        output,
+        compiled: true,
+        choice: None,
+        warnings,
+    })
 }
 
 fn run(program: &LoadedProgram) -> i32 {
@@ -327,7 +339,7 @@ fn each_copy_has_its_own_globals() {
         assert_eq!(run(program), 212);
     }
     // Code and constants are those of the first copy, variables are not.
-    assert!(!prepared.image.read_only_segments().is_empty());
+    assert!(!image_of(&prepared).read_only_segments().is_empty());
     if let Ok(maps) = fs::read_to_string("/proc/self/maps") {
         let of_copy = |program: &LoadedProgram| {
             let start = format!("{:x}-", program.addresses().start);
@@ -416,8 +428,8 @@ fn files_that_are_no_library_are_refused() {
 fn too_many_copies_are_refused_before_the_run() {
     let Some(bench) = Bench::with(&[("a.c", "int main(void) { return 5; }\n")]) else { return };
     let prepared = bench.prepared(&["a.c"]);
-    assert!(check_mappings([(&prepared.image, 10)], 2).is_ok());
-    match check_mappings([(&prepared.image, 10), (&prepared.image, 100_000_000)], 2) {
+    assert!(check_mappings([(image_of(&prepared), 10)], 2).is_ok());
+    match check_mappings([(image_of(&prepared), 10), (image_of(&prepared), 100_000_000)], 2) {
         Err(LoadError::TooManyMappings { robots, needed, allowed, advised }) => {
             assert_eq!(robots, 100_000_010);
             assert!(allowed < needed && needed <= advised);

@@ -98,7 +98,7 @@ impl RemoteProgram {
     /// As of a program in the host.
     pub fn own_source_line(&self, addresses: &[usize]) -> Option<SourceLine> {
         let offsets = addresses.iter().map(|&address| self.offset(address).unwrap_or(usize::MAX));
-        self.prepared.image.own_source_line(offsets)
+        self.prepared.image()?.own_source_line(offsets)
     }
 
     /// Where the program called the function that it is in, as it has told.
@@ -114,12 +114,12 @@ impl RemoteProgram {
         }
         // A return address lies behind the call.
         let offset = self.offset(usize::try_from(*address).ok()?.checked_sub(1)?)?;
-        self.prepared.image.source_line(offset).map(|line| line.to_string())
+        self.prepared.image()?.source_line(offset).map(|line| line.to_string())
     }
 
     fn offset(&self, address: usize) -> Option<usize> {
         let offset = address.checked_sub(usize::try_from(self.base).ok()?)?;
-        self.prepared.image.span().contains(&offset).then_some(offset)
+        self.prepared.image()?.span().contains(&offset).then_some(offset)
     }
 }
 

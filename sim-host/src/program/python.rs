@@ -1,0 +1,82 @@
+//! Python programs: not built, but run by an interpreter, each in a process of its own, through the module `eye`.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use super::cache::Cache;
+
+/// Oldest minor version of Python 3 that `eye.py` is written for.
+const MINOR: u32 = 7;
+
+/// What runs a Python program.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Python {
+    /// The interpreter: `$PYTHON`, else `python3` on the search path.
+    interpreter: PathBuf,
+    /// The module `eye`, which runs a program when it is run as a script.
+    eye: PathBuf,
+}
+
+/// There is no Python that can be used.
+#[derive(Debug, thiserror::Error)]
+pub enum PythonError {
+    /// It cannot be started.
+    #[error("`{}`, which Python programs need, cannot be run ({error}): install it (Debian: the package `python3`), or name another one in $PYTHON", interpreter.display())]
+    Missing {
+        /// The interpreter.
+        interpreter: PathBuf,
+        /// Why.
+        error: io::Error,
+    },
+    /// It is too old, or is no Python.
+    #[error("`{}` is no Python 3.{MINOR} or newer: it says `{said}`", interpreter.display())]
+    Unfit {
+        /// The interpreter.
+        interpreter: PathBuf,
+        /// What it said to the question for its version.
+        said: String,
+    },
+    /// The module `eye` cannot be written into the cache.
+    #[error("cannot write `eye.py` into the cache: {0}")]
+    Cache(io::Error),
+}
+
+impl Python {
+    /// The user's interpreter, and `eye.py` written into `cache`.
+    ///
+    /// # Errors
+    /// [`PythonError`].
+    pub fn find(interpreter: Option<&Path>, cache: &Cache) -> Result<Self, PythonError> {
+        let interpreter = interpreter.unwrap_or(Path::new("python3")).to_owned();
+        let asked = Command::new(&interpreter)
+            .args(["-c", "import sys; print(*sys.version_info[:2])"])
+            .stdin(Stdio::null())
+            .output()
+            .map_err(|error| PythonError::Missing { interpreter: interpreter.clone(), error })?;
+        let said = String::from_utf8_lossy(&asked.stdout).trim().to_owned();
+        let mut version = said.split(' ').map(str::parse);
+        let fits = matches!((version.next(), version.next()), (Some(Ok(3)), Some(Ok(minor))) if minor >= MINOR);
+        if !asked.status.success() || !fits {
+            return Err(PythonError::Unfit { interpreter, said });
+        }
+        Ok(Self { interpreter, eye: write_eye(cache).map_err(PythonError::Cache)? })
+    }
+
+    /// The command that runs `program` as a robot's child process. What a run must not depend on is fixed in its environment.
+    pub fn command(&self, program: &Path) -> Command {
+        let mut command = Command::new(&self.interpreter);
+        command.arg("-B").arg(&self.eye).arg(program).env("PYTHONHASHSEED", "0").env("TZ", "UTC0");
+        command
+    }
+}
+
+fn write_eye(cache: &Cache) -> io::Result<PathBuf> {
+    let text = robios_sys::python::EYE;
+    let digest = &blake3::hash(text.as_bytes()).to_hex()[..32];
+    let path = cache.folder("kits")?.join(digest).join("eye.py");
+    if !std::fs::read(&path).is_ok_and(|there| there == text.as_bytes()) {
+        cache.write_atomically(&path, text.as_bytes())?;
+    }
+    Ok(path)
+}
