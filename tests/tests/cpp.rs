@@ -280,3 +280,36 @@ fn names_of_other_systems_lead_to_the_cpp_source_beside() {
         assert_eq!(report["robots"][0]["outcome"], "finished", "{program}");
     }
 }
+
+#[test]
+fn a_function_of_c_that_is_declared_as_one_of_cpp_is_told_with_its_file() {
+    let scratch = Scratch::new();
+    scratch.write("main.cpp", "int map_size(int);\nint main() { return map_size(1); }\n");
+    scratch.write("map.c", "int map_size(int x) { return x; }\n");
+    let ran = scratch.eyesim(&["cc", "main.cpp", "map.c", "-o", "maze.so"]);
+    assert_eq!(ran.code, Some(2), "{ran:#?}");
+    let hint = "`map_size` is defined in map.c as C and used from main.cpp as C++: declare it `extern \"C\"` for C++";
+    assert!(ran.stderr.contains(hint), "{ran:#?}");
+    assert!(!ran.stderr.contains("not defined:"), "{ran:#?}");
+}
+
+#[test]
+fn cpp_of_its_time_still_compiles() {
+    let source = r#"
+        #include <iostream>
+        #include <vector>
+        #include "eyebot.h"
+        using namespace std;
+        class Cell { public: int x, y; Cell(int x, int y) : x(x), y(y) {} };
+        int main()
+        {
+            int ratio[2] = { 3.5, 2 };
+            vector<Cell> path;
+            path.push_back(Cell(ratio[0], ratio[1]));
+            LCDPutString("plain text");
+            cout << path[0].x << endl;
+        }"#;
+    let (_, ran) = run_cpp(source, 1, &[], 0);
+    assert_eq!(lines(&ran, 1), ["3"], "{ran:#?}");
+    assert!(ran.stderr.contains("-Wnarrowing") && !ran.stderr.contains("LCDPutString"), "{ran:#?}");
+}
