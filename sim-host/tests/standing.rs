@@ -68,7 +68,7 @@ fn run(folder: &Path, scene: &SceneSpec, lanes: usize) -> Ended {
     let cache = Cache::open(&Path::new(env!("CARGO_TARGET_TMPDIR")).join("standing-cache")).expect("a cache");
     let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
     let programs = Programs::build(scene, &search, &builder).unwrap_or_else(|error| panic!("{error:#}"));
-    let loaded = programs.load(scene, Exec::Thread).unwrap_or_else(|error| panic!("{error:#}"));
+    let loaded = programs.load(scene, Exec::Thread, None).unwrap_or_else(|error| panic!("{error:#}"));
     let slot = Time::from_millis(50);
     let options = RobotOptions { seed: 0, slot, keys: &[], may_execute: false, is_verbose: false };
     let (world, robots) = build_world(scene, &programs, &options).unwrap_or_else(|error| panic!("{error:#}"));
