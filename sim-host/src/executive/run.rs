@@ -257,6 +257,8 @@ impl Run {
             self.end_tasks(id);
             let ending = match result {
                 Err(broken) if !program.child().is_some_and(|child| child.is_ending()) => {
+                    let task = self.robot(id).tasks.first_to_leave();
+                    let broken = if let Some(task) = task { broken.in_task(task) } else { broken };
                     let ending = Ending::broken(&broken);
                     self.lost.lock().push((id, broken));
                     ending

@@ -29,8 +29,8 @@ pub struct Tasks {
     slice_end: Time,
     /// How many waits in queues have begun.
     queued: u64,
-    /// True once the program is to be left: nobody gets on any more, everybody leaves.
-    is_leaving: bool,
+    /// The task that left first, once the program is to be left: nobody gets on any more, everybody leaves.
+    first_to_leave: Option<u32>,
 }
 
 /// One task.
@@ -73,7 +73,7 @@ impl Default for Tasks {
             last_number: MAIN,
             slice_end: TICK,
             queued: 0,
-            is_leaving: false,
+            first_to_leave: None,
         }
     }
 }
@@ -260,20 +260,26 @@ impl Tasks {
         self.list.iter().map(|task| if waits_for_drive(task) { drive_end } else { task.wake }).min()
     }
 
-    /// The program is to be left.
+    /// The program is to be left, the task that runs being the first to go.
     pub fn begin_leaving(&mut self) {
-        self.is_leaving = true;
+        let number = self.current().number;
+        self.first_to_leave.get_or_insert(number);
+    }
+
+    /// The task that left first, where the program had several.
+    pub fn first_to_leave(&self) -> Option<u32> {
+        self.first_to_leave.filter(|_| self.has_others())
     }
 
     /// True once the program is to be left.
     pub fn is_leaving(&self) -> bool {
-        self.is_leaving
+        self.first_to_leave.is_some()
     }
 
     /// The task that runs, which is not `main`'s, has ended; the number of the one that goes on. While the program is left that
     /// is `main`'s, and what the one that has left waited for stays known.
     pub fn end_current(&mut self, now: Time) -> u32 {
-        if self.is_leaving {
+        if self.is_leaving() {
             self.list[self.current].has_left = true;
             self.switch_to(MAIN, now);
             return MAIN;

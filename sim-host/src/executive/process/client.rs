@@ -59,7 +59,7 @@ pub fn run(library: &Path, is_debugged: bool) -> io::Result<ExitCode> {
     for number in 1.. {
         first.wait_for_more_than(number);
         let channel = channels.map(number)?;
-        start("task", move || ProgramLine::adopt(channel).run_tasks())?;
+        start("tasks", move || ProgramLine::leaked(channel).run_tasks())?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -82,14 +82,26 @@ fn start(name: &str, body: impl FnOnce() + Send + 'static) -> io::Result<()> {
 impl ProgramLine {
     /// Makes the calling thread the one of `channel`: its faults are reported there.
     fn adopt(channel: Channel) -> &'static Self {
-        let line: &'static Self = Box::leak(Box::new(Self { channel }));
-        line.channel.attach();
-        LINE.set(line);
-        let block: &'static ThreadBlock = Box::leak(Box::new(ThreadBlock::reporting(report_fault)));
-        if let Err(error) = block.adopt_current_thread() {
-            line.refuse(refusal::OTHER, &format!("no stack for signals: {error}"));
-        }
+        let line = Self::leaked(channel);
+        line.adopt_thread(Self::leaked_block());
         line
+    }
+
+    fn leaked(channel: Channel) -> &'static Self {
+        Box::leak(Box::new(Self { channel }))
+    }
+
+    fn leaked_block() -> &'static ThreadBlock {
+        Box::leak(Box::new(ThreadBlock::reporting(report_fault)))
+    }
+
+    /// Makes the calling thread the one of this line; one that had line and `block` before has ended.
+    fn adopt_thread(&'static self, block: &'static ThreadBlock) {
+        self.channel.attach();
+        LINE.set(self);
+        if let Err(error) = block.adopt_current_thread() {
+            self.refuse(refusal::OTHER, &format!("no stack for signals: {error}"));
+        }
     }
 
     /// The life of the thread that runs `main`.
@@ -111,13 +123,32 @@ impl ProgramLine {
         std::process::exit(0);
     }
 
-    /// The life of a thread that runs tasks: it is called back until the process ends.
-    fn run_tasks(&self) {
-        self.converse(kind::READY, &[0; 8]);
+    /// The life of a line for tasks until the process ends: each task has a thread of its own, as it has thread-locals of its own.
+    fn run_tasks(&'static self) {
+        let block = Self::leaked_block();
+        self.channel.attach();
+        self.converse_with(kind::READY, &[0; 8], |body| {
+            let run = move || {
+                self.adopt_thread(block);
+                call_back(&body)
+            };
+            let task = thread::Builder::new().name("task".to_owned()).stack_size(STACK).spawn(run);
+            task.map_or(None, |task| task.join().ok()).unwrap_or_else(|| self.break_off("no room for another task"))
+        });
     }
 
     /// Sends a message and does what the host asks for until it answers.
-    fn converse(&self, mut kind: u32, body: &[u8]) -> Message {
+    fn converse(&self, kind: u32, body: &[u8]) -> Message {
+        self.converse_with(kind, body, |body| call_back(&body))
+    }
+
+    /// The same, where `call_back` calls the function that the body of a message names.
+    fn converse_with(
+        &self,
+        mut kind: u32,
+        body: &[u8],
+        call_back: impl Fn(Vec<u8>) -> Result<Status, Malformed>,
+    ) -> Message {
         let mut returned;
         let mut body = body;
         loop {
@@ -129,7 +160,7 @@ impl ProgramLine {
             if message.kind != kind::CALL_BACK {
                 return message;
             }
-            let Ok(status) = call_back(&message.body) else { self.break_off("a call back without its function") };
+            let Ok(status) = call_back(message.body) else { self.break_off("a call back without its function") };
             returned = status.0.to_le_bytes();
             (kind, body) = (kind::RETURNED, &returned);
         }
