@@ -73,6 +73,10 @@ impl Generation {
 
 /// Functions of older headers of RoBIOS-7, which lead to others of the list. Source: `include/robios7/variants.h`.
 const VARIANTS_OF_7: &[&str] = &[
+    "LCDGetList",
+    "LCDList",
+    "LCDListActiveItem",
+    "LCDSetList",
     "MOTORPIDoff",
     "MTExit",
     "MTGetUID",
