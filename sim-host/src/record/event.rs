@@ -304,14 +304,14 @@ events! {
     }
     /// Bytes leave by a serial interface.
     SerialSent = "serial_sent" {
-        /// `SERIAL1` to `SERIAL3`.
+        /// `SERIAL1` to `SERIAL16`.
         port: &'a str,
         /// The bytes.
         data: &'a [u8],
     }
     /// The program takes bytes from a serial interface.
     SerialReceived = "serial_received" {
-        /// `SERIAL1` to `SERIAL3`.
+        /// `SERIAL1` to `SERIAL16`.
         port: &'a str,
         /// The bytes.
         data: &'a [u8],
