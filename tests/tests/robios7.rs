@@ -272,7 +272,8 @@ fn robots_see_files_of_others_from_the_next_slot_on() {
             sprintf(name, \"%d.pgm\", other);
             printf(\"%d \", IPReadFile(name, image));
             OSWait(100);
-            printf(\"%d %d\\n\", IPReadFile(name, image), image[0]);
+            printf(\"%d \", IPReadFile(name, image));
+            printf(\"%d\\n\", image[0]);
             /* Both write one file: the later one stays. */
             OSWait(me);
             image[0] = (BYTE)me;
