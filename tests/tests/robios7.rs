@@ -147,7 +147,7 @@ fn a_timer_at_1_khz_leaves_waits_as_they_are() {
             /* A call's own work goes on between them. */
             start = OSGetCount();
             LCDClear();
-            CAMGet(NULL);
+            CAMGetGray(NULL);
             printf(\"%s\\n\", OSGetCount() - start < 200 ? \"goes on\" : \"starves\");
             OSDetachTimer(timer);
             ticks = 0;
@@ -165,7 +165,7 @@ fn a_timer_at_1_khz_leaves_waits_as_they_are() {
 fn waiting_in_a_timer_is_an_error() {
     let scratch = scene_of(
         "static void wait(void) { OSWait(1); }
-        int main(void) { OSAttachTimer(10, wait); OSWait(100); return 0; }",
+        int main(void) { OSAttachTimer(10, wait); OSWait(100); return VWDone(); }",
     );
     let (_, messages) = printed(&scratch, &[], 1);
     assert!(messages.contains("`OSWait` would wait inside a timer callback"), "{messages}");
