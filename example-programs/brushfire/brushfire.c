@@ -1,8 +1,8 @@
 /* Plans with brushfire: a fire starts at all walls at once; where fronts from different sides meet is the Voronoi diagram, as far
  * from all walls as can be. The robot drives along it. The goal, in mm, may be given as arguments. */
+#define WORLD "../../worlds/small.maz"
 #include "../plan/plan.h"
 
-#define WORLD "../../worlds/small.maz"
 #define RADIUS 105      /* of the robot, with a margin, mm */
 #define OFF_RIDGE 10.0  /* a step beside the diagram costs so many on it */
 
@@ -155,10 +155,8 @@ int main(int argc, char *argv[])
 
   if (argc == 3)
     goal = (Point){atof(argv[1]), atof(argv[2])};
-  if (read_world(__FILE__, WORLD, RADIUS) == 0) {
-    LCDPrintf("no world\n");
-    return 1;
-  }
+  LCDSetColor(YELLOW, BLACK);
+  read_world(RADIUS);
   burn();
   find_ridges();
   for (row = 0; row < GRID; row++)

@@ -10,8 +10,11 @@
 #define DEPOT 900       /* balls and robots nearer to the corner than this are at the depot */
 #define REACH 160       /* of the gripper, from the robot's centre, mm */
 #define SPEED 300       /* mm/s */
+#define CLEAR 320       /* distance from walls and other robots, mm */
 
 typedef struct { int x, y, phi; } Pose;
+
+static int scan[360];
 
 static Pose robot_pose(int id)
 {
@@ -48,20 +51,34 @@ static int choose(void)
     Pose at = object_pose(ball);
     int is_mine = !is_in_depot(at);
     for (other = 1; other <= robots && is_mine; other++)
-      is_mine = other == me || distance(robot_pose(other), at) > distance(own, at);
+      is_mine = other == me || distance(robot_pose(other), at) > distance(own, at)
+                || (distance(robot_pose(other), at) == distance(own, at) && other > me);
     if (is_mine && (best == 0 || distance(own, at) < distance(own, object_pose(best))))
       best = ball;
   }
   return best;
 }
 
-/* One step towards a place. Keeps clear of whatever is ahead but the place itself. Returns whether it is within `near`. */
+/* The nearest thing ahead and where, by the laser scanner; the place that is headed for, `way` mm away at `goal` degrees, is none. */
+static int obstacle(int goal, double way, int *direction)
+{
+  int at, best = 9999;
+  LIDARGet(scan);
+  for (at = -70; at <= 70; at++)
+    if (scan[180 - at] < best && (abs(at - goal) > 30 || scan[180 - at] < way - 100)) {
+      best = scan[180 - at];
+      *direction = at;
+    }
+  return best;
+}
+
+/* One step towards a place, clear of walls and other robots. Returns whether it is within `near`. */
 static int step_to(Pose to, int near)
 {
   Pose own = robot_pose(0);
   double way = distance(own, to);
   int turn = (int)lround(remainder(atan2(to.y - own.y, to.x - own.x) * 180 / M_PI - own.phi, 360));
-  int front = PSDGet(PSD_FRONT), left = PSDGet(PSD_LEFT), right = PSDGet(PSD_RIGHT);
+  int direction = 0, ahead = obstacle(turn, way, &direction);
   int speed = SPEED, rate = turn * 2 > 90 ? 90 : turn * 2 < -90 ? -90 : turn * 2;
 
   if (way < near) {
@@ -70,12 +87,9 @@ static int step_to(Pose to, int near)
   }
   if (abs(turn) > 30)
     speed = 0;
-  if (front < 200 && front < way - 150) { /* somebody is in the way: around him at the freer side */
-    speed = front < 100 ? 0 : 100;
-    rate = left > right ? 80 : -80;
-  } else if (left < 120 || right < 120) {
-    rate = left < right ? -40 : 40;
-    speed = 150;
+  if (ahead < CLEAR) { /* all robots pass each other at the right */
+    rate = direction > -40 ? -80 : 80;
+    speed = ahead < CLEAR - 80 ? 0 : 120;
   }
   VWSetSpeed(speed, rate);
   OSWait(50);
@@ -93,23 +107,31 @@ static int go(Pose to, int near, int time)
   return 0;
 }
 
+/* How many balls lie about. */
+static int balls_left(void)
+{
+  int robots = SIMGetRobotCount(), ball, count = 0;
+  for (ball = robots + 1; ball <= robots + SIMGetObjectCount(); ball++)
+    count += !is_in_depot(object_pose(ball));
+  return count;
+}
+
 int main(void)
 {
-  int robots = SIMGetRobotCount(), balls = SIMGetObjectCount(), collected = 0, idle = 0;
+  int robots = SIMGetRobotCount(), balls = SIMGetObjectCount(), collected = 0;
   Pose depot = {DEPOT_X + 300, DEPOT_Y + 300, 0}, home = robot_pose(0);
 
-  while (idle < 20) {
+  while (balls_left() > 0) {
     int ball = choose(), slot = ball - robots - 1;
     Pose at;
     if (ball == 0) { /* nothing is left for me: out of the way of the others */
-      go(home, 100, 200);
-      idle++;
+      go(home, 100, 1000);
+      OSWait(200);
       continue;
     }
     at = object_pose(ball);
     if (!go(at, REACH, 1000) || distance(robot_pose(0), object_pose(ball)) > REACH + 20)
       continue;
-    idle = 0;
     LCDPrintf("ball %d of %d\n", slot + 1, balls);
     /* Out of the others' sight while it is carried. */
     SIMSetObject(ball, 60 + 60 * slot, 60, 0, 0);
@@ -118,6 +140,7 @@ int main(void)
     collected++;
   }
   VWSetSpeed(0, 0);
-  LCDSetPrintf(0, 0, "collected %d\n", collected);
+  LCDClear();
+  LCDPrintf("collected %d\n", collected);
   return 0;
 }

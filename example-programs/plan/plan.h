@@ -1,6 +1,6 @@
 /* For programs that plan in a world that they know: its walls as a grid of cells, and driving along a path. RoBIOS-7.
  *
- * Reads plain worlds: `floor` and walls of a .wld file (no `push`), and the walls of a .maz file. */
+ * A program defines WORLD, the name of its world, before it includes this. Plain worlds are read: `floor` and walls of a .wld file (no `push`), and the walls of a .maz file. */
 #ifndef PLAN_H
 #define PLAN_H
 
@@ -61,23 +61,21 @@ static inline Point cell_centre(int row, int column)
   return (Point){(column + 0.5) * CELL, (row + 0.5) * CELL};
 }
 
-/* Reads a world beside the program and marks the cells that a robot's centre must not enter. `source` is __FILE__, `name` is
- * relative to its folder, `radius` the robot's in mm with its margin. Returns the number of walls, 0 if there is no world. */
-static inline int read_world(const char *source, const char *name, double radius)
+/* The file WORLD, relative to the program's folder, is built into the program: it is found from wherever a run is started. */
+__asm__(".pushsection .rodata\nworld_text: .incbin \"" WORLD "\"\n.byte 0\n.popsection");
+extern const char world_text[] __attribute__((visibility("hidden")));
+
+/* Reads the world and marks the cells that a robot's centre must not enter; `radius` is the robot's in mm with its margin. */
+static inline void read_world(double radius)
 {
   static char rows[64][128];
-  char path[1024], line[256];
-  const char *slash = strrchr(source, '/');
-  int is_maze = strstr(name, ".maz") != NULL, count = 0, row, column, wall;
+  char line[256];
+  const char *at = world_text;
+  int is_maze = strstr(WORLD, ".maz") != NULL, count = 0, row, column, wall;
   double width = 0, height = 0, x1, y1, x2, y2, size = 360;
-  FILE *file;
 
-  snprintf(path, sizeof path, "%.*s%s", slash ? (int)(slash - source + 1) : 0, source, name);
-  file = fopen(path, "r");
-  if (!file)
-    return 0;
-  while (fgets(line, sizeof line, file)) {
-    line[strcspn(line, "\r\n")] = 0;
+  for (; *at; at += strcspn(at, "\n"), at += *at == '\n') {
+    snprintf(line, sizeof line, "%.*s", (int)strcspn(at, "\r\n"), at);
     if (is_maze) {
       if (isdigit((unsigned char)line[0]))
         size = atof(line);
@@ -90,7 +88,6 @@ static inline int read_world(const char *source, const char *name, double radius
       add_wall(x1, y1, x2, y2);
     }
   }
-  fclose(file);
   if (is_maze && count > 1) { /* the first row is the upper border */
     add_maze(rows + 1, count - 1, size);
     width = size * (strlen(rows[1]) / 2);
@@ -104,7 +101,6 @@ static inline int read_world(const char *source, const char *name, double radius
       for (wall = 0; wall < wall_count && !occupied[row][column]; wall++)
         occupied[row][column] = wall_distance(p, wall) < radius;
     }
-  return wall_count;
 }
 
 static inline double degrees(double radians)

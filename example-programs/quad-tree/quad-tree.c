@@ -1,8 +1,8 @@
 /* Plans with a quad-tree: splits the world into free squares, finds the shortest way from square to square with A*, and drives
  * along their centres. The goal, in mm, may be given as arguments. */
+#define WORLD "../../worlds/rooms.wld"
 #include "../plan/plan.h"
 
-#define WORLD "../../worlds/rooms.wld"
 #define RADIUS 130      /* of the robot, with a margin, mm */
 #define MAX_SQUARES 4096
 
@@ -120,10 +120,8 @@ int main(int argc, char *argv[])
 
   if (argc == 3)
     goal = (Point){atof(argv[1]), atof(argv[2])};
-  if (read_world(__FILE__, WORLD, RADIUS) == 0) {
-    LCDPrintf("no world\n");
-    return 1;
-  }
+  LCDSetColor(YELLOW, BLACK);
+  read_world(RADIUS);
   split(0, 0, GRID);
   draw_squares();
   from = square_at(start);

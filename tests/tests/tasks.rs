@@ -311,8 +311,7 @@ int main(void) {
 }
 ",
     );
-    // Those of a broadcast are ready all at once, and take turns by number.
-    let expected = ["sem 2", "sem 1", "sem 0", "left 1, 1", "condition 2", "condition 0", "condition 1"];
+    let expected = ["sem 2", "sem 1", "sem 0", "left 1, 1", "condition 2", "condition 1", "condition 0"];
     assert_eq!(lines, expected);
 }
 
