@@ -664,6 +664,58 @@ LIBC(int, pthread_cond_broadcast, (pthread_cond_t *condition))
     return 0;
 }
 
+/* ---- streams that a task has locked: the system's locks would stop the whole robot ---- */
+
+struct stream_lock {
+    struct stream_lock *next;
+    FILE *stream;
+    int32_t owner;
+    unsigned count;
+};
+
+static struct stream_lock *stream_locks;
+
+static struct stream_lock **lock_of(const FILE *stream)
+{
+    struct stream_lock **place = &stream_locks;
+    while (*place != NULL && (*place)->stream != stream)
+        place = &(*place)->next;
+    return place;
+}
+
+static int lock_stream(struct task *me, FILE *stream, int may_wait)
+{
+    struct stream_lock **place = lock_of(stream), *lock = *place;
+    if (lock == NULL) {
+        if ((lock = calloc(1, sizeof *lock)) == NULL)
+            return ENOMEM;
+        lock->stream = stream;
+        lock->owner = me->number;
+        *place = lock;
+    }
+    if (lock->owner != me->number) {
+        if (!may_wait)
+            return EBUSY;
+        wait_for(lock, STREAM, lock->owner, FOREVER);
+    }
+    lock->count++;
+    return 0;
+}
+
+LIBC(void, flockfile, (FILE *stream)) { lock_stream(BEGIN(), stream, 1); }
+LIBC(int, ftrylockfile, (FILE *stream)) { return lock_stream(BEGIN(), stream, 0); }
+LIBC(void, funlockfile, (FILE *stream))
+{
+    struct task *me = BEGIN();
+    struct stream_lock **place = lock_of(stream), *lock = *place;
+    if (lock == NULL || lock->owner != me->number || --lock->count > 0)
+        return;
+    if ((lock->owner = wake(lock)) == 0) {
+        *place = lock->next;
+        free(lock);
+    }
+}
+
 /* ---- semaphores ---- */
 
 struct semaphore {

@@ -36,7 +36,7 @@ fn scene_of(body: &str) -> Scratch {
 }
 
 fn program_of(body: &str) -> String {
-    format!("#include \"eyebot.h\"\n\nstatic int ticks;\nint count(void) {{ return ticks; }}\n{body}\n")
+    format!("#include \"eyebot.h\"\n\n{body}\n")
 }
 
 /// What robot 1 has printed in a run that ends with this code.
@@ -128,7 +128,8 @@ fn a_course_program_runs() {
 #[test]
 fn a_timer_at_1_khz_leaves_waits_as_they_are() {
     let scratch = scene_of(
-        "static void tick(void) { ticks++; }
+        "static int ticks;
+        static void tick(void) { ticks++; }
         static void look(void) { ticks++; PSDGet(1); }
         int main(void)
         {
@@ -146,7 +147,7 @@ fn a_timer_at_1_khz_leaves_waits_as_they_are() {
             /* A call's own work goes on between them. */
             start = OSGetCount();
             LCDClear();
-            CAMGet(NULL);
+            CAMGetGray(NULL);
             printf(\"%s\\n\", OSGetCount() - start < 200 ? \"goes on\" : \"starves\");
             OSDetachTimer(timer);
             ticks = 0;
@@ -164,7 +165,7 @@ fn a_timer_at_1_khz_leaves_waits_as_they_are() {
 fn waiting_in_a_timer_is_an_error() {
     let scratch = scene_of(
         "static void wait(void) { OSWait(1); }
-        int main(void) { OSAttachTimer(10, wait); OSWait(100); return 0; }",
+        int main(void) { OSAttachTimer(10, wait); OSWait(100); return VWDone(); }",
     );
     let (_, messages) = printed(&scratch, &[], 1);
     assert!(messages.contains("`OSWait` would wait inside a timer callback"), "{messages}");
@@ -271,7 +272,8 @@ fn robots_see_files_of_others_from_the_next_slot_on() {
             sprintf(name, \"%d.pgm\", other);
             printf(\"%d \", IPReadFile(name, image));
             OSWait(100);
-            printf(\"%d %d\\n\", IPReadFile(name, image), image[0]);
+            printf(\"%d \", IPReadFile(name, image));
+            printf(\"%d\\n\", image[0]);
             /* Both write one file: the later one stays. */
             OSWait(me);
             image[0] = (BYTE)me;

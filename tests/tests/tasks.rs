@@ -311,7 +311,8 @@ int main(void) {
 }
 ",
     );
-    let expected = ["sem 2", "sem 1", "sem 0", "left 1, 1", "condition 2", "condition 1", "condition 0"];
+    // Those of a broadcast are ready all at once, and take turns by number.
+    let expected = ["sem 2", "sem 1", "sem 0", "left 1, 1", "condition 2", "condition 0", "condition 1"];
     assert_eq!(lines, expected);
 }
 

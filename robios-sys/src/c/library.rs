@@ -189,6 +189,9 @@ pub const REPLACED: &[(&str, &str)] = &[
     ("pthread_cond_clockwait", WAITS_TASK),
     ("pthread_cond_signal", OF_TASKS),
     ("pthread_cond_broadcast", OF_TASKS),
+    ("flockfile", LOCKS_STREAM),
+    ("ftrylockfile", LOCKS_STREAM),
+    ("funlockfile", LOCKS_STREAM),
     ("sem_init", OF_TASKS),
     ("sem_destroy", OF_TASKS),
     ("sem_wait", WAITS_TASK),
@@ -273,6 +276,8 @@ const UTC: &str = "local time is UTC, on every machine; state and result belong 
 const STARTS_TASK: &str = "starts a task of the robot, see [Tasks](programs.md#tasks)";
 const WAITS_TASK: &str = "lets the robot's other tasks run meanwhile";
 const OF_TASKS: &str = "among the robot's tasks, in virtual time";
+const LOCKS_STREAM: &str =
+    "locks a stream for a task against others that ask for the lock; what is printed is whole without it";
 const CANCELS: &str = "takes effect at calls of RoBIOS, and at those of the C library that may wait";
 const ACCEPTED: &str = "accepted: names and attributes of tasks, without an effect";
 const REFUSES_SIGNAL: &str = "does nothing and says so on the console, unless the signal is 0";
@@ -364,7 +369,8 @@ const STREAMS: &str = "streams of C++ print to the host's standard output";
 /// what matters only when the program is broken.
 pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
     let reason = |list: &[(&str, &'static str)]| list.iter().find(|(name, _)| *name == symbol).map(|(_, why)| *why);
-    let is_harmless = |what: &str| [PRINTS_ANY, CHECKS, STATE_GIVEN, OF_TASKS, CANCELS, ACCEPTED].contains(&what);
+    let is_harmless =
+        |what: &str| [PRINTS_ANY, CHECKS, STATE_GIVEN, OF_TASKS, LOCKS_STREAM, CANCELS, ACCEPTED].contains(&what);
     let is_everywhere = ["__cxa_atexit", "__cxa_thread_atexit_impl", "__stack_chk_fail", "__chk_fail", "__longjmp_chk"]
         .contains(&symbol);
     match reason(REPLACED) {
