@@ -1,4 +1,5 @@
 //! Programs of RoBIOS-7 that drive, measure and look at the truth: what they are told, and where they really are.
+#![allow(clippy::disallowed_methods, reason = "arcs by hand, compared within a micrometre")]
 
 use std::f64::consts::{PI, TAU};
 
@@ -40,7 +41,7 @@ fn run_until(scratch: &Scratch, until: &str) -> (Value, Vec<Value>) {
     let args = ["run", "scene.sim", "--report", "report.json", "--trace", "trace.jsonl", "--until", until];
     let ran = scratch.eyesim(&args);
     assert_eq!(ran.code, Some(0), "{ran:#?}");
-    (serde_json::from_str(&scratch.read("report.json")).unwrap(), scratch.trace("trace.jsonl"))
+    (serde_json::from_str(&scratch.read("report.json")).expect("a report is JSON"), scratch.trace("trace.jsonl"))
 }
 
 /// What is said of a robot S4 in the room, and the exit code.
