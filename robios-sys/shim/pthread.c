@@ -234,6 +234,7 @@ static int32_t run_task(void *data)
         /* fall through */
     case TASK_ENDS:
         task->refuses_cancel = 1;
+        end_thread();
         call_destructors(task);
         if (--other_tasks == 0)
             wake(&other_tasks);
