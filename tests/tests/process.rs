@@ -125,8 +125,8 @@ fn break_one(source: &str, args: &[&str]) -> (Value, Ran) {
     scratch.write("broken.c", source);
     scratch.write(
         "good.c",
-        "#include \"eyebot.h\"\nint main(void) { VWHandle vw = VWInit(VW_DRIVE, 1); VWDriveStraight(vw, 0.5, 0.1);\n\
-         VWDriveWait(vw); return 0; }\n",
+        "#include \"eyebot.h\"\nint main(void) { VWHandle vw = VWInit(VW_DRIVE, 1); VWDriveTurn(vw, 1.5708, 1);\n\
+         VWDriveWait(vw); VWDriveStraight(vw, 0.5, 0.1); VWDriveWait(vw); return 0; }\n",
     );
     write_scene(&scratch, &["good.c", "broken.c", "good.c"]);
     let mut all = vec!["run", "scene.sim", "--exec", "process", "--report", "r.json"];

@@ -11,9 +11,9 @@ use robios_sys::{Callback, Stop};
 use sim_core::RobotId;
 
 use super::Executor;
-use super::fault::Broken;
-use super::fault::stack_words;
+use super::fault::{Broken, stack_words};
 use super::process::Child;
+use super::process::child::Release;
 use super::signal::{self, ThreadBlock};
 use super::watchdog::{Look, Watch};
 use crate::robios::caller::Call;
@@ -97,6 +97,11 @@ impl Flow {
     fn current() -> &'static Self {
         let Some(flow) = FLOW.get() else { unreachable!("only flows of robots come here") };
         flow
+    }
+
+    /// What tells its present release from all others.
+    fn release(&self) -> Release {
+        Release { thread: self.block.tid.load(Ordering::Relaxed), number: self.block.releases.load(Ordering::Relaxed) }
     }
 }
 
@@ -264,22 +269,19 @@ impl Executor for ThreadExecutor {
         let threads = self.robot(robot);
         let Some(flow) = threads.working() else { return false };
         let look = match threads.child.get() {
+            Some(child) if child.is_asked(flow.release()) => return true,
             Some(child) => Look::at_process(child.pid(), &flow.block),
             None => Look::at_thread(&flow.block),
         };
-        let is_overdue = look.is_some_and(|look| flow.watch.lock().is_overdue(&look, timeout));
-        if let Some(child) = threads.child.get().filter(|_| !is_overdue) {
-            child.forgive();
-        }
-        is_overdue
+        look.is_some_and(|look| flow.watch.lock().is_overdue(&look, timeout))
     }
 
     fn break_overdue(&self, robot: RobotId) {
         let threads = self.robot(robot);
         match (threads.child.get(), threads.working()) {
-            (Some(child), _) => child.stop_overdue(),
+            (Some(child), Some(flow)) => child.stop_overdue(flow.release()),
             (None, Some(flow)) => signal::stop_overdue(&flow.block),
-            (None, None) => {}
+            (_, None) => {}
         }
     }
 }

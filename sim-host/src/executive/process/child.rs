@@ -34,8 +34,8 @@ pub struct Child {
     first: Channel,
     /// Channels of tasks, and how many there are besides the first.
     tasks: Mutex<Tasks>,
-    /// Since when the watchdog waits for an overdue child to tell its place.
-    asked: Mutex<Option<Instant>>,
+    /// The last time that the watchdog asked for the program's place.
+    asked: Mutex<Option<Asked>>,
     is_ending: AtomicBool,
     /// Its user looks at it in a debugger, which is the process: it has all the time of the world.
     is_debugged: bool,
@@ -50,6 +50,23 @@ struct Process {
     handle: std::process::Child,
     /// How it ended, once it has.
     status: Option<ExitStatus>,
+}
+
+/// One release of one of a robot's flows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Release {
+    /// The flow's thread in the host.
+    pub thread: i32,
+    /// Number of the release.
+    pub number: u64,
+}
+
+struct Asked {
+    since: Instant,
+    /// In which release.
+    release: Release,
+    /// True once the child was killed because it did not answer.
+    is_killed: bool,
 }
 
 #[derive(Default)]
@@ -186,29 +203,33 @@ impl Child {
         self.tasks.lock().idle.push(channel);
     }
 
-    /// Ends an overdue child: asks it for its place, and kills it when it does not tell.
-    pub fn stop_overdue(&self) {
+    /// Ends a child that is overdue in this release: asks it for its place, and kills it when it does not tell.
+    pub fn stop_overdue(&self, release: Release) {
         if self.is_debugged {
             return;
         }
         let mut asked = self.asked.lock();
-        match *asked {
-            None => {
-                *asked = Some(Instant::now());
+        match &mut *asked {
+            Some(asked) if asked.release == release => {
+                if asked.since.elapsed() > GRACE {
+                    asked.is_killed = true;
+                    self.kill();
+                }
+            }
+            asked => {
+                *asked = Some(Asked { since: Instant::now(), release, is_killed: false });
                 // Those for whose call the host works, or who are none of the robot's, pass it over.
                 for thread in watchdog::threads(self.pid) {
                     // SAFETY: tgkill takes no pointer; a thread that is gone is an error.
                     unsafe { libc::syscall(libc::SYS_tgkill, self.pid, thread, OVERDUE_SIGNAL) };
                 }
             }
-            Some(since) if since.elapsed() > GRACE => self.kill(),
-            Some(_) => {}
         }
     }
 
-    /// A child that is not overdue after all is asked anew when it is.
-    pub fn forgive(&self) {
-        *self.asked.lock() = None;
+    /// True when the child was found overdue in this release: the question itself takes processor time.
+    pub fn is_asked(&self, release: Release) -> bool {
+        self.asked.lock().as_ref().is_some_and(|asked| asked.release == release)
     }
 
     /// Ends the child: waits until `deadline` for it to end by itself, then kills it and whatever it has started. A debugger is
@@ -264,7 +285,7 @@ impl Child {
         if self.is_debugged {
             return self.broken("the debugger was left before the program had ended");
         }
-        if self.asked.lock().is_some() {
+        if self.asked.lock().as_ref().is_some_and(|asked| asked.is_killed) {
             let fault = Fault { signal: OVERDUE_SIGNAL, address: 0, pc: 0, sp: 0 };
             return Broken::new(fault, [0; 2], self.last_call.load(Ordering::Relaxed), Vec::new());
         }
