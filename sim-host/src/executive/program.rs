@@ -64,7 +64,7 @@ impl RobotProgram {
         }
     }
 
-    /// Waits until `deadline` for its process to end, then kills it; nothing where it has none of its own.
+    /// Ends its process, which has until `deadline` to close its files; nothing where it has none of its own.
     pub fn end(&self, deadline: Instant) {
         if let Some(child) = self.child() {
             child.end(deadline);

@@ -275,6 +275,9 @@ impl Run {
         } else {
             self.bury(id);
         }
+        if let Some(program) = self.program(id) {
+            program.end(Instant::now() + LEAVE);
+        }
         None
     }
 

@@ -39,6 +39,8 @@ pub struct Child {
     is_ending: AtomicBool,
     /// Its user looks at it in a debugger, which is the process: it has all the time of the world.
     is_debugged: bool,
+    /// True once its `main` has returned.
+    has_exited: AtomicBool,
     lost: OnceLock<Broken>,
     /// Number of the last RoBIOS call, `u16::MAX` before the first.
     pub(super) last_call: AtomicU16,
@@ -108,6 +110,7 @@ impl Child {
             tasks: Mutex::default(),
             asked: Mutex::new(None),
             is_ending: AtomicBool::new(false),
+            has_exited: AtomicBool::new(false),
             lost: OnceLock::new(),
             last_call: AtomicU16::new(u16::MAX),
             callbacks: Mutex::default(),
@@ -166,7 +169,10 @@ impl Child {
         }
         match channel.message() {
             Some(message) if message.kind == kind::FAULT => Err(self.lose(self.fault(&message.body))),
-            Some(message) => Ok(message),
+            Some(message) => {
+                self.has_exited.fetch_or(message.kind == kind::EXITED, Ordering::AcqRel);
+                Ok(message)
+            }
             None => Err(self.malformed()),
         }
     }
@@ -232,10 +238,11 @@ impl Child {
         self.asked.lock().as_ref().is_some_and(|asked| asked.release == release)
     }
 
-    /// Ends the child: waits until `deadline` for it to end by itself, then kills it and whatever it has started. A debugger is
-    /// waited for as long as its user needs it.
+    /// Ends the child: one whose `main` has returned may end by itself until `deadline`, as it has files to close; others are killed
+    /// with whatever they have started. A debugger is waited for as long as its user needs it.
     pub fn end(&self, deadline: Instant) {
         self.is_ending.store(true, Ordering::Release);
+        let deadline = if self.has_exited.load(Ordering::Acquire) { deadline } else { Instant::now() };
         while self.exit_status().is_none() {
             if Instant::now() >= deadline && !self.is_debugged {
                 self.kill();
