@@ -376,7 +376,7 @@ macro_rules! function_table {
         mod client {
             use super::*;
             use $crate::param::{Param, Return};
-            use $crate::wire::{Line, Malformed, Reader};
+            use $crate::wire::{Line, Reader};
             $($(
                 /// # Safety
                 /// `context` is what was passed to the program's `run`; every other pointer is null or valid as its
@@ -395,11 +395,12 @@ macro_rules! function_table {
                     });
                     let Ok(reply) = reply else { return $crate::abi::Status::STOP };
                     let mut reply = Reader::new(&reply);
-                    let heard = (|| -> Result<$result, Malformed> {
-                        $(<$kind as Param>::hear(&mut $parameter.1, &mut reply)?;)*
-                        <$result as Return>::hear(&mut reply)
-                    })();
-                    let Ok(value) = heard else { return $crate::abi::Status::STOP };
+                    $(
+                        if <$kind as Param>::hear(&mut $parameter.1, &mut reply).is_err() {
+                            return $crate::abi::Status::STOP;
+                        }
+                    )*
+                    let Ok(value) = <$result as Return>::hear(&mut reply) else { return $crate::abi::Status::STOP };
                     // SAFETY: the caller vouches for the pointers.
                     $(unsafe { <$kind as Param>::give($parameter.0, $parameter.1) };)*
                     if !result.is_null() {

@@ -160,14 +160,11 @@ impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
             let back = match message.kind {
                 kind::CALL => {
                     reply.clear();
-                    self.call(&message.body, &mut reply)
-                        .map(|status| {
-                            let kind = if status == Status::OK { kind::OK } else { kind::STOP };
-                            // A reply is no longer than the outputs that the request had room for.
-                            self.channel.send(kind, &[&reply]).then_some(()).ok_or(Malformed)
-                        })
-                        .flatten()
-                        .map(|()| None)
+                    self.call(&message.body, &mut reply).and_then(|status| {
+                        let kind = if status == Status::OK { kind::OK } else { kind::STOP };
+                        // Too long only where the child has asked for more bytes than a message can bring.
+                        if self.channel.send(kind, &[&reply]) { Ok(None) } else { Err(Malformed) }
+                    })
                 }
                 kind::RETURNED => code().map(|status| Some(Back::Returned(Status(status)))),
                 kind::EXITED => code().map(|code| Some(Back::Exited(code))),
