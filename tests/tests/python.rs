@@ -1,0 +1,214 @@
+//! Programs in Python: RoBIOS-7 through `eye.py`, each in a process of its own, as deterministic as one in C.
+
+use std::process::Command;
+
+use serde_json::Value;
+use tests::Scratch;
+
+/// Whether there is a Python; prints why a test is skipped if not.
+fn has_python() -> bool {
+    let has = Command::new("python3").arg("--version").output().is_ok_and(|out| out.status.success());
+    if !has {
+        println!("skipped: there is no `python3`");
+    }
+    has
+}
+
+/// A room of 4 m by 4 m with robots of these programs, 1 m apart, in a scene `a.sim`.
+fn scratch(programs: &[&str]) -> Scratch {
+    let scratch = Scratch::new();
+    let robot = |(index, program): (usize, &&str)| format!("S4 1000 {} 0 {program}\n", 1000 + 1000 * index);
+    let robots: String = programs.iter().enumerate().map(robot).collect();
+    scratch.write("room.wld", "floor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n");
+    scratch.write("a.sim", &format!("world room.wld\n{robots}"));
+    scratch
+}
+
+/// Standard output of robot 1, a line each.
+fn said(scratch: &Scratch, args: &[&str], code: i32) -> Vec<String> {
+    scratch.report("a.sim", &[args, &["--trace", "t.jsonl"]].concat(), code);
+    let is_said = |event: &&Value| event["event"] == "stdout" && event["robot"] == 1;
+    let text = |event: &Value| event["text"].as_str().expect("text").to_owned();
+    scratch.trace("t.jsonl").iter().filter(is_said).map(text).collect()
+}
+
+const WANDERER: &str = r#"
+import random
+import time
+from eye import *
+
+ticks = 0
+
+def tick():
+    global ticks
+    ticks += 1
+
+timer = OSAttachTimer(100, tick)
+seen = {"wall", "door", "ball"}
+for step in range(5):
+    VWStraight(random.randint(50, 200), 200)
+    VWWait()
+    VWTurn(random.choice([-90, 90]), 90)
+    VWWait()
+    print(step, VWGetPosition(), PSDGet(PSD_FRONT), LIDARGet()[180], list(seen), ticks, time.time())
+OSDetachTimer(timer)
+"#;
+
+const NEIGHBOUR: &str = r#"#include "eyebot.h"
+int main(void)
+{
+    int i;
+    for (i = 0; i < 8; i++) {
+        VWStraight(rand() % 100, 100);
+        VWWait();
+        VWTurn(45, 90);
+        VWWait();
+    }
+    return 0;
+}
+"#;
+
+#[test]
+fn the_same_program_gives_the_same_digest_twenty_times_and_beside_programs_in_c() {
+    if !has_python() {
+        return;
+    }
+    let scratch = scratch(&["walk.py", "walk.py", "other.c"]);
+    scratch.write("walk.py", WANDERER);
+    scratch.write("other.c", NEIGHBOUR);
+    let digest = |threads: &str, exec: &str| {
+        scratch.report("a.sim", &["--threads", threads, "--exec", exec, "--seed", "7"], 0)["digest"].take()
+    };
+    let first = digest("1", "thread");
+    for round in 1..20 {
+        let [threads, exec] = [["2", "1"][round % 2], ["thread", "process"][round / 2 % 2]];
+        assert_eq!(digest(threads, exec), first, "round {round}");
+    }
+    assert_ne!(scratch.report("a.sim", &["--seed", "8"], 0)["digest"], first, "random numbers come from the seed");
+}
+
+#[test]
+fn what_c_writes_through_pointers_is_returned() {
+    if !has_python() {
+        return;
+    }
+    let scratch = scratch(&["a.py"]);
+    scratch.write(
+        "a.py",
+        r#"
+from eye import *
+import sys
+print(sys.argv[1:], __name__)
+print(VWStraight(500, 200), VWWait(), VWGetPosition())
+VWTurn(90, 60); VWWait()
+print(VWGetPosition(), SIMGetRobot(0), SIMGetRobotCount(), OSMachineID())
+print(len(LIDARGet()), LIDARGet()[180])
+print(PSDGet(9), KEYRead(), KEYReadXY(), LCDGetSize())
+LCDPrintf("%d %s\n", 3, "x"); LCDPrintf("100%\n")
+IPSetSize(QQVGA)
+image = bytearray(IP_SIZE) if False else bytearray(160 * 120 * 3)
+image[0:3] = b"\xff\x00\x00"
+grey = IPCol2Gray(image)
+print(len(grey), type(grey[0]).__name__, len(IPSobel(grey)), len(IPCol2HSI(image)))
+print(IPPCol2RGB(ORANGE), IPWriteFile("a.ppm", image), len(IPReadFile("a.ppm")), IPReadFile("none.ppm"))
+n = []
+t = OSAttachTimer(10, lambda: n.append(OSGetCount()))
+OSWait(100)
+print(len(n), OSDetachTimer(t), OSDetachTimer(t))
+try:
+    VWStraight("far", 200)
+except TypeError as error:
+    print(error)
+try:
+    VWStraight(1e12, 200)
+except OverflowError as error:
+    print(error)
+"#,
+    );
+    let said = said(&scratch, &["--args", "1:--kp 0.5"], 0);
+    assert_eq!(said[0], "['--kp', '0.5'] __main__");
+    assert_eq!(said[1], "0 0 (500, 0, 0)");
+    assert_eq!(said[2], "(500, 0, 90) (1500, 1000, 0, 90) 1 1");
+    assert_eq!(said[3], "360 3000");
+    assert_eq!(said[4], "0 0 None (320, 240)");
+    assert_eq!(said[5], "19200 int 19200 3");
+    assert_eq!(said[6], "(255, 165, 0) 0 57600 None");
+    assert!(said[7].ends_with(" 0 1") && !said[7].starts_with("0 "), "{}", said[7]);
+    assert_eq!(said[8], "VWStraight: expected a number, got 'far'");
+    assert!(said[9].starts_with("VWStraight: 1000000000000 is not within"), "{}", said[9]);
+}
+
+#[test]
+fn time_and_random_numbers_are_the_robots_own() {
+    if !has_python() {
+        return;
+    }
+    let scratch = scratch(&["a.py", "a.py"]);
+    let program = "import os, random, secrets, time, uuid\nstart = time.monotonic()\ntime.sleep(2)\n\
+                   print(2 <= time.monotonic() - start < 2.001, 2 <= time.time() < 2.001)\n\
+                   print(random.random(), os.urandom(4).hex(), secrets.token_hex(4), uuid.uuid4(), hash('x'))\n";
+    scratch.write("a.py", program);
+    let first = said(&scratch, &["--seed", "3"], 0);
+    assert_eq!(first[0], "True True");
+    assert_eq!(said(&scratch, &["--seed", "3"], 0), first);
+    let others: Vec<String> = scratch
+        .trace("t.jsonl")
+        .iter()
+        .filter(|event| event["event"] == "stdout" && event["robot"] == 2)
+        .map(|event| event["text"].as_str().expect("text").to_owned())
+        .collect();
+    assert_ne!(others[1], first[1]);
+}
+
+#[test]
+fn what_a_program_raises_ends_that_robot_with_its_traceback() {
+    if !has_python() {
+        return;
+    }
+    let scratch = scratch(&["bad.py", "good.py", "exit.py", "loop.py"]);
+    scratch.write("bad.py", "from eye import *\n\ndef f(x):\n    return 1 // x\n\nOSWait(100)\nf(0)\n");
+    scratch.write("good.py", "from eye import *\nVWStraight(300, 100)\nVWWait()\nprint(VWGetPosition())\n");
+    scratch.write("exit.py", "import sys\nfrom eye import *\nOSWait(5)\nsys.exit(3)\n");
+    scratch.write("loop.py", "from eye import *\nOSWait(5)\nwhile True:\n    pass\n");
+    let report = scratch.report("a.sim", &["--trace", "t.jsonl", "--timeout", "1"], 1);
+    let robots = report["robots"].as_array().expect("robots");
+    assert_eq!((&robots[0]["outcome"], &robots[1]["outcome"]), (&"failed".into(), &"finished".into()));
+    assert_eq!((&robots[2]["exit_code"], &robots[3]["outcome"]), (&3.into(), &"timeout".into()));
+    let reason = |index: usize| robots[index]["reason"].as_str().expect("a reason").to_owned();
+    assert!(reason(0).contains("ZeroDivisionError") && reason(0).contains("bad.py:4"), "{}", reason(0));
+    assert!(reason(3).contains("loop.py:"), "{}", reason(3));
+    let trace = scratch.trace("t.jsonl");
+    let traceback = trace.iter().filter(|event| event["event"] == "stderr" && event["robot"] == 1);
+    let traceback: String = traceback.map(|event| format!("{}\n", event["text"].as_str().expect("text"))).collect();
+    assert!(traceback.starts_with("Traceback (most recent call last):"), "{traceback}");
+    assert!(traceback.contains("line 7, in <module>") && traceback.contains("line 4, in f"), "{traceback}");
+    assert!(!traceback.contains("eye.py"), "{traceback}");
+}
+
+#[test]
+fn a_program_that_is_not_python_or_has_no_interpreter_is_told() {
+    if !has_python() {
+        return;
+    }
+    let scratch = scratch(&["a.py"]);
+    scratch.write("a.py", "from eye import *\nif True\n    pass\n");
+    let report = scratch.report("a.sim", &[], 1);
+    let reason = report["robots"][0]["reason"].as_str().expect("a reason");
+    assert!(reason.contains("SyntaxError") && reason.contains("a.py:2"), "{reason}");
+    let ran = scratch.command(&["run", "a.sim"]).env("PYTHON", "no-such-python").output().expect("it runs");
+    let said = String::from_utf8_lossy(&ran.stderr);
+    assert_eq!(ran.status.code(), Some(2), "{said}");
+    assert!(said.contains("`no-such-python`, which Python programs need, cannot be run"), "{said}");
+}
+
+#[test]
+fn an_own_eye_py_beside_the_program_is_not_taken() {
+    if !has_python() {
+        return;
+    }
+    let scratch = scratch(&["a.py"]);
+    scratch.write("eye.py", "raise RuntimeError('another eye')\n");
+    scratch.write("helper.py", "from eye import *\ndef ahead():\n    return PSDGet(PSD_FRONT) > 0\n");
+    scratch.write("a.py", "import eye, helper\nprint(helper.ahead(), eye.OSMachineID())\n");
+    assert_eq!(said(&scratch, &[], 0), ["True 1"]);
+}
