@@ -329,7 +329,7 @@ def IPSetSize(resolution, width=None, height=None):
 def IPReadFile(filename):
     """Reads a PNM file: a grey or a colour image of the size that IPSetSize has set; None if it cannot be read."""
     data, result = _call(_IPReadFile, filename, IP_WIDTH, IP_HEIGHT, IP_SIZE)
-    return None if result != 0 else _grey(data) if len(data) == IP_PIXELS else _colour(data)
+    return None if result <= 0 else _grey(data) if len(data) == IP_PIXELS else _colour(data)
 
 
 def IPWriteFile(filename, img):
