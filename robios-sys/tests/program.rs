@@ -547,7 +547,8 @@ fn every_replaced_symbol_is_in_a_programs_library() {
     };
     // A look-up falls back to libc, so the addresses are compared: all lie in the library's image.
     let (run, reach) = (own("VWInit"), 1 << 20);
-    for (name, _) in c::REPLACED {
+    let is_of_cpp = |name: &str| name == "__cxa_thread_atexit_impl";
+    for (name, _) in c::REPLACED.iter().filter(|(name, _)| !is_of_cpp(name)) {
         assert!(own(name).abs_diff(run) < reach, "{name} is not the shim's");
     }
 }

@@ -228,6 +228,7 @@ fn schema_and_reader_know_the_same_keys() {
         ("ServoForm", vec![robot("servo = [{ name = \"a\", zzz = 1 }]")]),
         ("CompassForm", vec![robot("compass = { zzz = 1 }")]),
         ("InputForm", vec![robot("input = { zzz = 1 }")]),
+        ("LcdForm", vec![robot("lcd = { zzz = 1 }")]),
         ("ObjectTypeForm", vec![object("zzz = 1")]),
     ];
     for (name, texts) in cases {

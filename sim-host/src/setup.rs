@@ -173,14 +173,13 @@ impl Loading {
                 return Err(LoadError::Misfit { path, what });
             }
             (Code::Python(python), None) => (Child::start(python.command(&path)), path.clone()),
-            (Code::Library(_), debugger) => {
+            // gdb reads the library's file again while it debugs: that of the cache stays.
+            (Code::Library(image), Some(debugger)) => {
+                (Child::start_debugged(debugger, image.path()), image.path().to_owned())
+            }
+            (Code::Library(_), None) => {
                 let library = loader.library(program, &robot.arguments)?;
-                let name = format!("{} {}", robot.id, program.name);
-                let child = match debugger {
-                    Some(debugger) => Child::start_debugged(debugger, &library),
-                    None => Child::command(&name, &library).and_then(Child::start),
-                };
-                (child, library)
+                (Child::command(&format!("{} {}", robot.id, program.name), &library).and_then(Child::start), library)
             }
         };
         let child = child.map_err(|error| LoadError::Process { path, what: format!("{error} ({PROCESS_HINT})") })?;

@@ -132,11 +132,11 @@ fn a_program_of_the_command_line_takes_the_place_of_the_scenes() {
 #[test]
 fn programs_of_other_systems_are_named_or_replaced() {
     let scratch = scene("return 0;");
-    scratch.write("drive.py", "from eye import *\nVWStraight(100, 100)\n");
-    write_scene(&scratch, &["drive.py"]);
+    scratch.write("drive.rs", "fn main() {}\n");
+    write_scene(&scratch, &["drive.rs"]);
     let ran = scratch.eyesim(&["run", "scene.sim"]);
     assert_eq!(ran.code, Some(2), "{ran:#?}");
-    assert!(ran.stderr.contains("a Python program, which eyesim cannot run yet"), "{ran:#?}");
+    assert!(ran.stderr.contains("a Rust source: name the folder of its Cargo package"), "{ran:#?}");
     std::fs::copy(tests::eyesim_path(), scratch.path().join("prog.x")).expect("an executable");
     write_scene(&scratch, &["prog.x"]);
     let ran = scratch.eyesim(&["run", "scene.sim"]);

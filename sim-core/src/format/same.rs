@@ -16,6 +16,8 @@ pub fn scene(scene: &SceneSpec) -> SceneSpec {
         robot.robi = Arc::new(robi(&robot.robi));
         robot.program.iter_mut().for_each(forget);
         robot.span = Span::default();
+        // A hint at the generation of a program, which no other form gives.
+        robot.dialect = None;
     }
     for placed in &mut scene.objects {
         placed.kind = Arc::new(object(&placed.kind));

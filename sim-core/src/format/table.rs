@@ -165,7 +165,7 @@ impl Reader<'_> {
 
     pub(super) fn text(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<String> {
         let value = section.get(key)?;
-        let text = value.get_ref().as_str().filter(|text| !text.is_empty());
+        let text = value.get_ref().as_str().filter(|text| !text.trim().is_empty());
         if text.is_none() {
             self.wrong_type(key, value, "a text that is not empty, between double quotes");
         }

@@ -37,7 +37,9 @@ fn scene(text: &str) -> SceneSpec {
 
 #[test]
 fn the_dialect_of_a_line_tells_the_simulator_and_so_the_generation_of_its_programs() {
-    let scene = scene("world w.wld\nrobi scout.robi a.c 500 500 0\nLabBot 1000 1000 0 b.x\nScout 2000 2000 0 c.x\n");
+    let scene = scene(
+        "world w.wld\nrobi scout.robi a.c 500 500 0\nrobi scout.robi\nLabBot 1000 1000 0 b.x\nScout 2000 2000 0 c.x\n",
+    );
     let told: Vec<_> = scene.robots.iter().map(|robot| (robot.api, robot.dialect)).collect();
     assert_eq!(told, [(None, Some(6)), (None, Some(7)), (None, Some(7))]);
 }
