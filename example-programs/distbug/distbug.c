@@ -11,6 +11,7 @@
 #define NEAR 260        /* begins to follow, mm */
 #define KEEP 220        /* keeps so far from the boundary, mm, from the scanner */
 #define STEP 100        /* leaves if it gets so much nearer, mm */
+#define HALF_WIDTH 120  /* of the way that the robot needs, mm */
 #define SPEED 200       /* mm/s */
 
 static int scan[POINTS]; /* mm, from left to right; one a degree */
@@ -33,6 +34,18 @@ static int nearest(int right, int left, int *direction)
   return best;
 }
 
+/* How far the robot can drive in a direction. */
+static int free_way(int direction)
+{
+  int at, way = 9999;
+  for (at = -85; at <= 85; at++) {
+    double distance = distance_at(direction + at), angle = at * M_PI / 180;
+    if (fabs(distance * sin(angle)) < HALF_WIDTH && distance * cos(angle) < way)
+      way = (int)(distance * cos(angle));
+  }
+  return way;
+}
+
 static int limited(double value, int limit)
 {
   return (int)lround(value > limit ? limit : value < -limit ? -limit : value);
@@ -51,30 +64,32 @@ static void follow(void)
 int main(int argc, char *argv[])
 {
   int goal_x = argc > 1 ? atoi(argv[1]) : 3200, goal_y = argc > 2 ? atoi(argv[2]) : 0;
-  int is_following = 0, has_left_hit = 0, x, y, phi, hit_x = 0, hit_y = 0, direction, hits = 0;
-  double to_goal, nearest_yet = 0;
+  int is_following = 0, has_left_hit = 0, x, y, phi, hit_x = 0, hit_y = 0, hits = 0;
+  double to_goal, nearest_yet = 1e9;
 
   LCDPrintf("goal %d %d\n", goal_x, goal_y);
   LIDARSet(360, 0, POINTS);
   for (;;) {
-    int turn, is_free;
+    int turn, way;
     LIDARGet(scan);
     VWGetPosition(&x, &y, &phi);
     to_goal = hypot(goal_x - x, goal_y - y);
     if (to_goal < 20)
       break;
+    if (to_goal < nearest_yet)
+      nearest_yet = to_goal;
     turn = (int)lround(remainder(atan2(goal_y - y, goal_x - x) * 180 / M_PI - phi, 360));
 
     if (!is_following) {
-      if (nearest(-40, 40, &direction) < NEAR && to_goal > NEAR) {
+      way = free_way(0);
+      if (abs(turn) > 20) {
+        VWSetSpeed(0, limited(3.0 * turn, 90));
+      } else if (way < NEAR && way < to_goal) {
         is_following = 1;
         has_left_hit = 0;
         hit_x = x;
         hit_y = y;
-        nearest_yet = to_goal;
         LCDPrintf("hit %d: %d mm left\n", ++hits, (int)to_goal);
-      } else if (abs(turn) > 20) {
-        VWSetSpeed(0, limited(3.0 * turn, 90));
       } else {
         VWSetSpeed(to_goal < 200 ? (int)to_goal / 2 + 20 : SPEED, limited(2.0 * turn, 60));
       }
@@ -82,16 +97,14 @@ int main(int argc, char *argv[])
     if (is_following) {
       double from_hit = hypot(x - hit_x, y - hit_y);
       has_left_hit |= from_hit > 300;
-      if (has_left_hit && from_hit < 60) {
+      if (has_left_hit && from_hit < 120) {
         LCDPrintf("no way\n");
         VWSetSpeed(0, 0);
         return 1;
       }
-      if (to_goal < nearest_yet)
-        nearest_yet = to_goal;
-      /* The free way to the goal is the shortest in the width of the robot. */
-      is_free = nearest(turn - 20, turn + 20, &direction);
-      if (is_free > NEAR && (to_goal - is_free <= nearest_yet - STEP || is_free >= to_goal) && from_hit > 100) {
+      /* It leaves where it will get nearer than ever before: so it cannot go around in circles. */
+      way = free_way(turn);
+      if (way > NEAR && (to_goal - (way - NEAR) <= nearest_yet - STEP || way >= to_goal) && from_hit > 100) {
         is_following = 0;
         LCDPrintf("leave: %d mm left\n", (int)to_goal);
       } else {

@@ -88,9 +88,9 @@ fn check(language: &str, compiler: &str) {
 /// What `compile_flags.txt` says is enough for the compiler to find the API, as clangd does.
 fn check_editor_settings(folder: &Path) {
     let Ok(flags) = fs::read_to_string(folder.join("compile_flags.txt")) else { return };
-    let sources = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+    let mut sources = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
     let is_source = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "c" || extension == "cpp");
-    let source = sources.filter(is_source).next().expect("a source");
+    let source = sources.find(is_source).expect("a source");
     let compiler = Command::new("cc")
         .current_dir(folder)
         .args(flags.lines())

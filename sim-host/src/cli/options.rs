@@ -116,6 +116,9 @@ impl ProgramOption {
 
 /// Gives the robots of `scene` the programs of the command line; what names a robot's number goes before what names its
 /// program, and that before its type.
+///
+/// # Errors
+/// An option that fits no robot.
 pub fn give_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> anyhow::Result<()> {
     let mut given: BTreeMap<usize, (Rank, &str)> = BTreeMap::new();
     for option in options {

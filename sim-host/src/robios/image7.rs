@@ -32,6 +32,9 @@ pub fn read_file(robot: &mut Robot, name: Option<&[u8]>, [width, height]: [i32; 
     }
 }
 
+/// Writes the pixels of an image as a file.
+type Encode = fn(Size, &[u8]) -> Vec<u8>;
+
 /// `IPWriteFile`, `IPWriteFileGray`: of 3 bytes a pixel, or 1.
 pub fn write_file(
     robot: &mut Robot,
@@ -40,7 +43,7 @@ pub fn write_file(
     [width, height]: [i32; 2],
     image: Option<&[u8]>,
 ) -> i32 {
-    let (depth, encode): (_, fn(Size, &[u8]) -> Vec<u8>) =
+    let (depth, encode): (_, Encode) =
         if call == Call::IPWriteFile { (3, pnm::write_colour) } else { (1, pnm::write_grey) };
     let mut write = || -> Result<(), String> {
         let size = Size::new(width, height).ok_or("there is no image")?;
@@ -89,7 +92,7 @@ pub fn put_channels(out: [&mut Out<u8>; 3], channels: [u8; 3]) {
 }
 
 /// The colour of three channels; none if one of them is null.
-pub fn channels<'a>(channels: [Option<&'a [u8]>; 3]) -> Option<[&'a [u8]; 3]> {
+pub fn channels(channels: [Option<&[u8]>; 3]) -> Option<[&[u8]; 3]> {
     let [red, green, blue] = channels;
     Some([red?, green?, blue?])
 }
