@@ -142,7 +142,7 @@ fn quoted(names: &[String]) -> String {
 /// `reference` is a path to a shared library, a C or C++ file, several of them separated by commas (`main.cpp,map.c`), a
 /// folder of such files, or the folder of a Cargo package (or its `Cargo.toml`). Back-slashes separate folders too, and
 /// `%sim%` is the installation. In each folder of the [`SearchPath`] the name itself is tried first; if it is not there,
-/// or if what is there cannot be loaded here, what lies beside it, see [`places_beside`].
+/// or if what is there cannot be loaded here, what lies beside it.
 ///
 /// # Errors
 /// [`FindError`] with every place tried if nothing usable is there.
