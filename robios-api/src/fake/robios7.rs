@@ -58,6 +58,11 @@ fn span_s(way: i32, pace: i32) -> f64 {
     if pace > 0 { f64::from(way).abs() / f64::from(pace) } else { f64::INFINITY }
 }
 
+/// An empty text clears the name of a key; in RoBIOS 6, whose display this is, a blank does.
+fn name_of_key(text: Option<&[u8]>) -> &[u8] {
+    text.filter(|text| !text.is_empty()).unwrap_or(b" ")
+}
+
 impl Robios7 for FakeRobot {
     fn LCDPrintf(&self, text: Option<&[u8]>) -> Result<i32, Stop> {
         self.act(|state| state.lcd.write(text.unwrap_or_default()))?;
@@ -114,7 +119,7 @@ impl Robios7 for FakeRobot {
     ) -> Result<i32, Stop> {
         self.act(|state| {
             for (key, text) in [st1, st2, st3, st4].into_iter().enumerate() {
-                state.lcd.menu(key, text.unwrap_or_default());
+                state.lcd.menu(key, name_of_key(text));
             }
         })?;
         Ok(0)
@@ -123,7 +128,7 @@ impl Robios7 for FakeRobot {
     fn LCDMenuI(&self, pos: i32, text: Option<&[u8]>, _: i32, _: i32) -> Result<i32, Stop> {
         self.act(|state| match pos {
             1..=4 => {
-                state.lcd.menu(pos as usize - 1, text.unwrap_or_default());
+                state.lcd.menu(pos as usize - 1, name_of_key(text));
                 0
             }
             _ => 1,
@@ -417,7 +422,7 @@ impl Robios7 for FakeRobot {
         let length = if is_straight { chord } else { chord * (direction.as_radians() / direction.sin()) };
         let span_s = if lin_speed > 0 { length.as_millimetres() / f64::from(lin_speed) } else { f64::INFINITY };
         self.act(|state| {
-            if dx <= dy.abs() || !span_s.is_finite() {
+            if !span_s.is_finite() {
                 return 1;
             }
             state.motion.drive(state.now_us, length.as_metres(), 2.0 * direction.as_radians(), span_s);

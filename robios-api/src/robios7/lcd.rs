@@ -241,7 +241,7 @@ impl<'r> Lcd<'r> {
         let _: i32 = robios7!(self.0, LCDSetMode(mode.code()));
     }
 
-    /// Names the keys; `""` leaves a name as it is, `" "` clears it.
+    /// Names the keys; an empty text clears a name.
     #[track_caller]
     pub fn menu(&self, texts: [&str; 4]) {
         let [first, second, third, fourth] = texts.map(ByteSlice::from);
