@@ -6,7 +6,7 @@ returned: `x, y, phi = VWGetPosition()`. Images are flat `bytearray`s, three byt
 goes in, anything with a buffer does, such as an array of numpy, and `numpy.asarray(image)` has rows and columns.
 
 Time is the robot's virtual time in `time.time`, `time.monotonic`, `time.perf_counter` and `time.sleep`; `random` and
-`os.urandom` draw from the robot's own stream. @NOTICE@
+`os.urandom` draw from the robot's own stream.
 """
 
 import ctypes as _ctypes

@@ -4,1123 +4,1123 @@
 WEAK int OSError(const char *message, int number, BOOL dead)
 {
     int32_t result = 0;
-    ROBIOS6(OSError, text_of(message), number, dead, &result);
+    ROBIOS(OSError, text_of(message), number, dead, &result);
     return result;
 }
 
 WEAK int OSMachineType(void)
 {
     int32_t result = 0;
-    ROBIOS6(OSMachineType, &result);
+    ROBIOS(OSMachineType, &result);
     return result;
 }
 
 WEAK int OSMachineSpeed(void)
 {
     int32_t result = 0;
-    ROBIOS6(OSMachineSpeed, &result);
+    ROBIOS(OSMachineSpeed, &result);
     return result;
 }
 
 WEAK BYTE OSMachineID(void)
 {
     uint8_t result = 0;
-    ROBIOS6(OSMachineID, &result);
+    ROBIOS(OSMachineID, &result);
     return result;
 }
 
 WEAK int OSEnable(void)
 {
     int32_t result = 0;
-    ROBIOS6(OSEnable, &result);
+    ROBIOS(OSEnable, &result);
     return result;
 }
 
 WEAK int OSDisable(void)
 {
     int32_t result = 0;
-    ROBIOS6(OSDisable, &result);
+    ROBIOS(OSDisable, &result);
     return result;
 }
 
 WEAK int OSGetVar(int num)
 {
     int32_t result = 0;
-    ROBIOS6(OSGetVar, num, &result);
+    ROBIOS(OSGetVar, num, &result);
     return result;
 }
 
 WEAK int OSPutVar(int num, int value)
 {
     int32_t result = 0;
-    ROBIOS6(OSPutVar, num, value, &result);
+    ROBIOS(OSPutVar, num, value, &result);
     return result;
 }
 
 WEAK int HDT_Validate(void)
 {
     int32_t result = 0;
-    ROBIOS6(HDT_Validate, &result);
+    ROBIOS(HDT_Validate, &result);
     return result;
 }
 
 WEAK int HDT_FindTable(TypeID type_id, int index, HDT_entry_type *entry)
 {
     int32_t result = 0;
-    ROBIOS6(HDT_FindTable, type_id, index, entry, &result);
+    ROBIOS(HDT_FindTable, type_id, index, entry, &result);
     return result;
 }
 
 WEAK int HDT_TypeCount(TypeID type_id)
 {
     int32_t result = 0;
-    ROBIOS6(HDT_TypeCount, type_id, &result);
+    ROBIOS(HDT_TypeCount, type_id, &result);
     return result;
 }
 
 WEAK int LCDClear(void)
 {
     int32_t result = 0;
-    ROBIOS6(LCDClear, &result);
+    ROBIOS(LCDClear, &result);
     return result;
 }
 
 WEAK int LCDPutChar(char c)
 {
     int32_t result = 0;
-    ROBIOS6(LCDPutChar, (uint8_t)c, &result);
+    ROBIOS(LCDPutChar, (uint8_t)c, &result);
     return result;
 }
 
 WEAK int LCDSetChar(int row, int column, char c)
 {
     int32_t result = 0;
-    ROBIOS6(LCDSetChar, row, column, (uint8_t)c, &result);
+    ROBIOS(LCDSetChar, row, column, (uint8_t)c, &result);
     return result;
 }
 
 WEAK int LCDPutString(const char *s)
 {
     int32_t result = 0;
-    ROBIOS6(LCDPutString, text_of(s), &result);
+    ROBIOS(LCDPutString, text_of(s), &result);
     return result;
 }
 
 WEAK int LCDSetString(int row, int column, const char *s)
 {
     int32_t result = 0;
-    ROBIOS6(LCDSetString, row, column, text_of(s), &result);
+    ROBIOS(LCDSetString, row, column, text_of(s), &result);
     return result;
 }
 
 WEAK int LCDPutHex(int v)
 {
     int32_t result = 0;
-    ROBIOS6(LCDPutHex, v, &result);
+    ROBIOS(LCDPutHex, v, &result);
     return result;
 }
 
 WEAK int LCDPutHex1(int v)
 {
     int32_t result = 0;
-    ROBIOS6(LCDPutHex1, v, &result);
+    ROBIOS(LCDPutHex1, v, &result);
     return result;
 }
 
 WEAK int LCDPutInt(int v)
 {
     int32_t result = 0;
-    ROBIOS6(LCDPutInt, v, &result);
+    ROBIOS(LCDPutInt, v, &result);
     return result;
 }
 
 WEAK int LCDPutIntS(int v, int spaces)
 {
     int32_t result = 0;
-    ROBIOS6(LCDPutIntS, v, spaces, &result);
+    ROBIOS(LCDPutIntS, v, spaces, &result);
     return result;
 }
 
 WEAK int LCDPutFloat(float v)
 {
     int32_t result = 0;
-    ROBIOS6(LCDPutFloat, v, &result);
+    ROBIOS(LCDPutFloat, v, &result);
     return result;
 }
 
 WEAK int LCDPutFloatS(float v, int spaces, int decimals)
 {
     int32_t result = 0;
-    ROBIOS6(LCDPutFloatS, v, spaces, decimals, &result);
+    ROBIOS(LCDPutFloatS, v, spaces, decimals, &result);
     return result;
 }
 
 WEAK int LCDMode(int mode)
 {
     int32_t result = 0;
-    ROBIOS6(LCDMode, mode, &result);
+    ROBIOS(LCDMode, mode, &result);
     return result;
 }
 
 WEAK int LCDSetPos(int row, int column)
 {
     int32_t result = 0;
-    ROBIOS6(LCDSetPos, row, column, &result);
+    ROBIOS(LCDSetPos, row, column, &result);
     return result;
 }
 
 WEAK int LCDGetPos(int *row, int *column)
 {
     int32_t result = 0;
-    ROBIOS6(LCDGetPos, row, column, &result);
+    ROBIOS(LCDGetPos, row, column, &result);
     return result;
 }
 
 WEAK int LCDPutGraphic(image *buf)
 {
     int32_t result = 0;
-    ROBIOS6(LCDPutGraphic, buf, &result);
+    ROBIOS(LCDPutGraphic, buf, &result);
     return result;
 }
 
 WEAK int LCDPutColorGraphic(colimage *buf)
 {
     int32_t result = 0;
-    ROBIOS6(LCDPutColorGraphic, buf, &result);
+    ROBIOS(LCDPutColorGraphic, buf, &result);
     return result;
 }
 
 WEAK int LCDPutImage(BYTE *buf)
 {
     int32_t result = 0;
-    ROBIOS6(LCDPutImage, buf, &result);
+    ROBIOS(LCDPutImage, buf, &result);
     return result;
 }
 
 WEAK int LCDMenu(const char *s1, const char *s2, const char *s3, const char *s4)
 {
     int32_t result = 0;
-    ROBIOS6(LCDMenu, text_of(s1), text_of(s2), text_of(s3), text_of(s4), &result);
+    ROBIOS(LCDMenu, text_of(s1), text_of(s2), text_of(s3), text_of(s4), &result);
     return result;
 }
 
 WEAK int LCDMenuI(int pos, const char *s)
 {
     int32_t result = 0;
-    ROBIOS6(LCDMenuI, pos, text_of(s), &result);
+    ROBIOS(LCDMenuI, pos, text_of(s), &result);
     return result;
 }
 
 WEAK int LCDSetPixel(int row, int col, int val)
 {
     int32_t result = 0;
-    ROBIOS6(LCDSetPixel, row, col, val, &result);
+    ROBIOS(LCDSetPixel, row, col, val, &result);
     return result;
 }
 
 WEAK int LCDInvertPixel(int row, int col)
 {
     int32_t result = 0;
-    ROBIOS6(LCDInvertPixel, row, col, &result);
+    ROBIOS(LCDInvertPixel, row, col, &result);
     return result;
 }
 
 WEAK int LCDGetPixel(int row, int col)
 {
     int32_t result = 0;
-    ROBIOS6(LCDGetPixel, row, col, &result);
+    ROBIOS(LCDGetPixel, row, col, &result);
     return result;
 }
 
 WEAK int LCDLine(int x1, int y1, int x2, int y2, int col)
 {
     int32_t result = 0;
-    ROBIOS6(LCDLine, x1, y1, x2, y2, col, &result);
+    ROBIOS(LCDLine, x1, y1, x2, y2, col, &result);
     return result;
 }
 
 WEAK int LCDArea(int x1, int y1, int x2, int y2, int col)
 {
     int32_t result = 0;
-    ROBIOS6(LCDArea, x1, y1, x2, y2, col, &result);
+    ROBIOS(LCDArea, x1, y1, x2, y2, col, &result);
     return result;
 }
 
 WEAK int KEYGetBuf(char *buf)
 {
     int32_t result = 0;
-    ROBIOS6(KEYGetBuf, buf, &result);
+    ROBIOS(KEYGetBuf, buf, &result);
     return result;
 }
 
 WEAK int KEYGet(void)
 {
     int32_t result = 0;
-    ROBIOS6(KEYGet, &result);
+    ROBIOS(KEYGet, &result);
     return result;
 }
 
 WEAK int KEYRead(void)
 {
     int32_t result = 0;
-    ROBIOS6(KEYRead, &result);
+    ROBIOS(KEYRead, &result);
     return result;
 }
 
 WEAK int KEYWait(int excode)
 {
     int32_t result = 0;
-    ROBIOS6(KEYWait, excode, &result);
+    ROBIOS(KEYWait, excode, &result);
     return result;
 }
 
 WEAK int CAMInit(int mode)
 {
     int32_t result = 0;
-    ROBIOS6(CAMInit, mode, &result);
+    ROBIOS(CAMInit, mode, &result);
     return result;
 }
 
 WEAK int CAMRelease(void)
 {
     int32_t result = 0;
-    ROBIOS6(CAMRelease, &result);
+    ROBIOS(CAMRelease, &result);
     return result;
 }
 
 WEAK int CAMGetFrame(image *buf)
 {
     int32_t result = 0;
-    ROBIOS6(CAMGetFrame, buf, &result);
+    ROBIOS(CAMGetFrame, buf, &result);
     return result;
 }
 
 WEAK int CAMGetColFrame(colimage *buf, int convert)
 {
     int32_t result = 0;
-    ROBIOS6(CAMGetColFrame, buf, convert, &result);
+    ROBIOS(CAMGetColFrame, buf, convert, &result);
     return result;
 }
 
 WEAK int CAMGetFrameMono(BYTE *buf)
 {
     int32_t result = 0;
-    ROBIOS6(CAMGetFrameMono, buf, &result);
+    ROBIOS(CAMGetFrameMono, buf, &result);
     return result;
 }
 
 WEAK int CAMGetFrameColor(BYTE *buf)
 {
     int32_t result = 0;
-    ROBIOS6(CAMGetFrameColor, buf, &result);
+    ROBIOS(CAMGetFrameColor, buf, &result);
     return result;
 }
 
 WEAK int CAMGetFrameRGB(BYTE *buf)
 {
     int32_t result = 0;
-    ROBIOS6(CAMGetFrameRGB, buf, &result);
+    ROBIOS(CAMGetFrameRGB, buf, &result);
     return result;
 }
 
 WEAK int CAMGetFrameBayer(BYTE *buf)
 {
     int32_t result = 0;
-    ROBIOS6(CAMGetFrameBayer, buf, &result);
+    ROBIOS(CAMGetFrameBayer, buf, &result);
     return result;
 }
 
 WEAK int CAMSet(int p1, int p2, int p3)
 {
     int32_t result = 0;
-    ROBIOS6(CAMSet, p1, p2, p3, &result);
+    ROBIOS(CAMSet, p1, p2, p3, &result);
     return result;
 }
 
 WEAK int CAMGet(int *p1, int *p2, int *p3)
 {
     int32_t result = 0;
-    ROBIOS6(CAMGet, p1, p2, p3, &result);
+    ROBIOS(CAMGet, p1, p2, p3, &result);
     return result;
 }
 
 WEAK int CAMMode(int mode)
 {
     int32_t result = 0;
-    ROBIOS6(CAMMode, mode, &result);
+    ROBIOS(CAMMode, mode, &result);
     return result;
 }
 
 WEAK int IPLaplace(image *src, image *dest)
 {
     int32_t result = 0;
-    ROBIOS6(IPLaplace, src, dest, &result);
+    ROBIOS(IPLaplace, src, dest, &result);
     return result;
 }
 
 WEAK int IPSobel(image *src, image *dest)
 {
     int32_t result = 0;
-    ROBIOS6(IPSobel, src, dest, &result);
+    ROBIOS(IPSobel, src, dest, &result);
     return result;
 }
 
 WEAK int IPDither(image *src, image *dest)
 {
     int32_t result = 0;
-    ROBIOS6(IPDither, src, dest, &result);
+    ROBIOS(IPDither, src, dest, &result);
     return result;
 }
 
 WEAK int IPDiffer(image *current, image *last, image *dest)
 {
     int32_t result = 0;
-    ROBIOS6(IPDiffer, current, last, dest, &result);
+    ROBIOS(IPDiffer, current, last, dest, &result);
     return result;
 }
 
 WEAK int IPColor2Grey(colimage *src, image *dest)
 {
     int32_t result = 0;
-    ROBIOS6(IPColor2Grey, src, dest, &result);
+    ROBIOS(IPColor2Grey, src, dest, &result);
     return result;
 }
 
 WEAK int OSMTInit(BYTE mode)
 {
     int32_t result = 0;
-    ROBIOS6(OSMTInit, mode, &result);
+    ROBIOS(OSMTInit, mode, &result);
     return result;
 }
 
 WEAK int OSMTStatus(void)
 {
     int32_t result = 0;
-    ROBIOS6(OSMTStatus, &result);
+    ROBIOS(OSMTStatus, &result);
     return result;
 }
 
 WEAK int OSReady(struct tcb *thread)
 {
     int32_t result = 0;
-    ROBIOS6(OSReady, task_of(thread), &result);
+    ROBIOS(OSReady, task_of(thread), &result);
     return result;
 }
 
 WEAK int OSSuspend(struct tcb *thread)
 {
     int32_t result = 0;
-    ROBIOS6(OSSuspend, task_of(thread), &result);
+    ROBIOS(OSSuspend, task_of(thread), &result);
     return result;
 }
 
 WEAK int OSReschedule(void)
 {
     int32_t result = 0;
-    ROBIOS6(OSReschedule, &result);
+    ROBIOS(OSReschedule, &result);
     return result;
 }
 
 WEAK int OSYield(void)
 {
     int32_t result = 0;
-    ROBIOS6(OSYield, &result);
+    ROBIOS(OSYield, &result);
     return result;
 }
 
 WEAK int OSRun(struct tcb *thread)
 {
     int32_t result = 0;
-    ROBIOS6(OSRun, task_of(thread), &result);
+    ROBIOS(OSRun, task_of(thread), &result);
     return result;
 }
 
 WEAK int OSGetUID(struct tcb *thread)
 {
     int32_t result = 0;
-    ROBIOS6(OSGetUID, task_of(thread), &result);
+    ROBIOS(OSGetUID, task_of(thread), &result);
     return result;
 }
 
 WEAK int OSKill(struct tcb *thread)
 {
     int32_t result = 0;
-    ROBIOS6(OSKill, task_of(thread), &result);
+    ROBIOS(OSKill, task_of(thread), &result);
     return result;
 }
 
 WEAK int OSSleep(int n)
 {
     int32_t result = 0;
-    ROBIOS6(OSSleep, n, &result);
+    ROBIOS(OSSleep, n, &result);
     return result;
 }
 
 WEAK int OSForbid(void)
 {
     int32_t result = 0;
-    ROBIOS6(OSForbid, &result);
+    ROBIOS(OSForbid, &result);
     return result;
 }
 
 WEAK int OSPermit(void)
 {
     int32_t result = 0;
-    ROBIOS6(OSPermit, &result);
+    ROBIOS(OSPermit, &result);
     return result;
 }
 
 WEAK int OSSetTime(int h, int m, int s)
 {
     int32_t result = 0;
-    ROBIOS6(OSSetTime, h, m, s, &result);
+    ROBIOS(OSSetTime, h, m, s, &result);
     return result;
 }
 
 WEAK int OSGetTime(int *h, int *m, int *s, int *ticks)
 {
     int32_t result = 0;
-    ROBIOS6(OSGetTime, h, m, s, ticks, &result);
+    ROBIOS(OSGetTime, h, m, s, ticks, &result);
     return result;
 }
 
 WEAK int OSShowTime(void)
 {
     int32_t result = 0;
-    ROBIOS6(OSShowTime, &result);
+    ROBIOS(OSShowTime, &result);
     return result;
 }
 
 WEAK int OSGetCount(void)
 {
     int32_t result = 0;
-    ROBIOS6(OSGetCount, &result);
+    ROBIOS(OSGetCount, &result);
     return result;
 }
 
 WEAK int OSWait(int n)
 {
     int32_t result = 0;
-    ROBIOS6(OSWait, n, &result);
+    ROBIOS(OSWait, n, &result);
     return result;
 }
 
 WEAK TimerHandle OSAttachTimer(int scale, TimerFnc f)
 {
     int32_t result = 0;
-    ROBIOS6(OSAttachTimer, scale, callback_of(f), &result);
+    ROBIOS(OSAttachTimer, scale, callback_of(f), &result);
     return result;
 }
 
 WEAK int OSDetachTimer(TimerHandle handle)
 {
     int32_t result = 0;
-    ROBIOS6(OSDetachTimer, handle, &result);
+    ROBIOS(OSDetachTimer, handle, &result);
     return result;
 }
 
 WEAK int OSInitRS232(int baud, int handshake, int interface)
 {
     int32_t result = 0;
-    ROBIOS6(OSInitRS232, baud, handshake, interface, &result);
+    ROBIOS(OSInitRS232, baud, handshake, interface, &result);
     return result;
 }
 
 WEAK int OSSendCharRS232(char chr, int interface)
 {
     int32_t result = 0;
-    ROBIOS6(OSSendCharRS232, (uint8_t)chr, interface, &result);
+    ROBIOS(OSSendCharRS232, (uint8_t)chr, interface, &result);
     return result;
 }
 
 WEAK int OSSendRS232(const char *s, int interface)
 {
     int32_t result = 0;
-    ROBIOS6(OSSendRS232, text_of(s), interface, &result);
+    ROBIOS(OSSendRS232, text_of(s), interface, &result);
     return result;
 }
 
 WEAK int OSRecvRS232(char *buf, int interface)
 {
     int32_t result = 0;
-    ROBIOS6(OSRecvRS232, buf, interface, &result);
+    ROBIOS(OSRecvRS232, buf, interface, &result);
     return result;
 }
 
 WEAK int OSFlushInRS232(int interface)
 {
     int32_t result = 0;
-    ROBIOS6(OSFlushInRS232, interface, &result);
+    ROBIOS(OSFlushInRS232, interface, &result);
     return result;
 }
 
 WEAK int OSFlushOutRS232(int interface)
 {
     int32_t result = 0;
-    ROBIOS6(OSFlushOutRS232, interface, &result);
+    ROBIOS(OSFlushOutRS232, interface, &result);
     return result;
 }
 
 WEAK int OSCheckInRS232(int interface)
 {
     int32_t result = 0;
-    ROBIOS6(OSCheckInRS232, interface, &result);
+    ROBIOS(OSCheckInRS232, interface, &result);
     return result;
 }
 
 WEAK int OSCheckOutRS232(int interface)
 {
     int32_t result = 0;
-    ROBIOS6(OSCheckOutRS232, interface, &result);
+    ROBIOS(OSCheckOutRS232, interface, &result);
     return result;
 }
 
 WEAK int OSDownload(char *name, int *bytes, int baud, int handshake, int interface)
 {
     int32_t result = 0;
-    ROBIOS6(OSDownload, name, bytes, baud, handshake, interface, &result);
+    ROBIOS(OSDownload, name, bytes, baud, handshake, interface, &result);
     return result;
 }
 
 WEAK int USRStart(void)
 {
     int32_t result = 0;
-    ROBIOS6(USRStart, &result);
+    ROBIOS(USRStart, &result);
     return result;
 }
 
 WEAK int USRResident(const char *name, BOOL mode)
 {
     int32_t result = 0;
-    ROBIOS6(USRResident, text_of(name), mode, &result);
+    ROBIOS(USRResident, text_of(name), mode, &result);
     return result;
 }
 
 WEAK int AUCheckSample(void)
 {
     int32_t result = 0;
-    ROBIOS6(AUCheckSample, &result);
+    ROBIOS(AUCheckSample, &result);
     return result;
 }
 
 WEAK int AUTone(int freq_hz, int span_ms)
 {
     int32_t result = 0;
-    ROBIOS6(AUTone, freq_hz, span_ms, &result);
+    ROBIOS(AUTone, freq_hz, span_ms, &result);
     return result;
 }
 
 WEAK int AUCheckTone(void)
 {
     int32_t result = 0;
-    ROBIOS6(AUCheckTone, &result);
+    ROBIOS(AUCheckTone, &result);
     return result;
 }
 
 WEAK int AUBeep(void)
 {
     int32_t result = 0;
-    ROBIOS6(AUBeep, &result);
+    ROBIOS(AUBeep, &result);
     return result;
 }
 
 WEAK int AUCheckRecord(void)
 {
     int32_t result = 0;
-    ROBIOS6(AUCheckRecord, &result);
+    ROBIOS(AUCheckRecord, &result);
     return result;
 }
 
 WEAK int AUCaptureMic(void)
 {
     int32_t result = 0;
-    ROBIOS6(AUCaptureMic, &result);
+    ROBIOS(AUCaptureMic, &result);
     return result;
 }
 
 WEAK PSDHandle PSDInit(DeviceSemantics semantics)
 {
     int32_t result = 0;
-    ROBIOS6(PSDInit, semantics, &result);
+    ROBIOS(PSDInit, semantics, &result);
     return result;
 }
 
 WEAK int PSDRelease(void)
 {
     int32_t result = 0;
-    ROBIOS6(PSDRelease, &result);
+    ROBIOS(PSDRelease, &result);
     return result;
 }
 
 WEAK int PSDStart(PSDHandle bitmask, BOOL cycle)
 {
     int32_t result = 0;
-    ROBIOS6(PSDStart, bitmask, cycle, &result);
+    ROBIOS(PSDStart, bitmask, cycle, &result);
     return result;
 }
 
 WEAK int PSDStop(void)
 {
     int32_t result = 0;
-    ROBIOS6(PSDStop, &result);
+    ROBIOS(PSDStop, &result);
     return result;
 }
 
 WEAK BOOL PSDCheck(void)
 {
     int32_t result = 0;
-    ROBIOS6(PSDCheck, &result);
+    ROBIOS(PSDCheck, &result);
     return result;
 }
 
 WEAK int PSDGet(PSDHandle handle)
 {
     int32_t result = 0;
-    ROBIOS6(PSDGet, handle, &result);
+    ROBIOS(PSDGet, handle, &result);
     return result;
 }
 
 WEAK int PSDGetRaw(PSDHandle handle)
 {
     int32_t result = 0;
-    ROBIOS6(PSDGetRaw, handle, &result);
+    ROBIOS(PSDGetRaw, handle, &result);
     return result;
 }
 
 WEAK ServoHandle SERVOInit(DeviceSemantics semantics)
 {
     int32_t result = 0;
-    ROBIOS6(SERVOInit, semantics, &result);
+    ROBIOS(SERVOInit, semantics, &result);
     return result;
 }
 
 WEAK int SERVORelease(ServoHandle handle)
 {
     int32_t result = 0;
-    ROBIOS6(SERVORelease, handle, &result);
+    ROBIOS(SERVORelease, handle, &result);
     return result;
 }
 
 WEAK int SERVOSet(ServoHandle handle, int angle)
 {
     int32_t result = 0;
-    ROBIOS6(SERVOSet, handle, angle, &result);
+    ROBIOS(SERVOSet, handle, angle, &result);
     return result;
 }
 
 WEAK MotorHandle MOTORInit(DeviceSemantics semantics)
 {
     int32_t result = 0;
-    ROBIOS6(MOTORInit, semantics, &result);
+    ROBIOS(MOTORInit, semantics, &result);
     return result;
 }
 
 WEAK int MOTORRelease(MotorHandle handle)
 {
     int32_t result = 0;
-    ROBIOS6(MOTORRelease, handle, &result);
+    ROBIOS(MOTORRelease, handle, &result);
     return result;
 }
 
 WEAK int MOTORDrive(MotorHandle handle, int speed_percent)
 {
     int32_t result = 0;
-    ROBIOS6(MOTORDrive, handle, speed_percent, &result);
+    ROBIOS(MOTORDrive, handle, speed_percent, &result);
     return result;
 }
 
 WEAK QuadHandle QUADInit(DeviceSemantics semantics)
 {
     int32_t result = 0;
-    ROBIOS6(QUADInit, semantics, &result);
+    ROBIOS(QUADInit, semantics, &result);
     return result;
 }
 
 WEAK int QUADRelease(QuadHandle handle)
 {
     int32_t result = 0;
-    ROBIOS6(QUADRelease, handle, &result);
+    ROBIOS(QUADRelease, handle, &result);
     return result;
 }
 
 WEAK int QUADReset(QuadHandle handle)
 {
     int32_t result = 0;
-    ROBIOS6(QUADReset, handle, &result);
+    ROBIOS(QUADReset, handle, &result);
     return result;
 }
 
 WEAK int QUADRead(QuadHandle handle)
 {
     int32_t result = 0;
-    ROBIOS6(QUADRead, handle, &result);
+    ROBIOS(QUADRead, handle, &result);
     return result;
 }
 
 WEAK DeviceSemantics QUADGetMotor(DeviceSemantics semantics)
 {
     int32_t result = 0;
-    ROBIOS6(QUADGetMotor, semantics, &result);
+    ROBIOS(QUADGetMotor, semantics, &result);
     return result;
 }
 
 WEAK float QUADODORead(QuadHandle handle)
 {
     float result = 0;
-    ROBIOS6(QUADODORead, handle, &result);
+    ROBIOS(QUADODORead, handle, &result);
     return result;
 }
 
 WEAK int QUADODOReset(QuadHandle handle)
 {
     int32_t result = 0;
-    ROBIOS6(QUADODOReset, handle, &result);
+    ROBIOS(QUADODOReset, handle, &result);
     return result;
 }
 
 WEAK VWHandle VWInit(DeviceSemantics semantics, int Timescale)
 {
     int32_t result = 0;
-    ROBIOS6(VWInit, semantics, Timescale, &result);
+    ROBIOS(VWInit, semantics, Timescale, &result);
     return result;
 }
 
 WEAK int VWRelease(VWHandle handle)
 {
     int32_t result = 0;
-    ROBIOS6(VWRelease, handle, &result);
+    ROBIOS(VWRelease, handle, &result);
     return result;
 }
 
 WEAK int VWSetSpeed(VWHandle handle, meterPerSec v_mps, radPerSec w_radps)
 {
     int32_t result = 0;
-    ROBIOS6(VWSetSpeed, handle, v_mps, w_radps, &result);
+    ROBIOS(VWSetSpeed, handle, v_mps, w_radps, &result);
     return result;
 }
 
 WEAK int VWGetSpeed(VWHandle handle, SpeedType *vw)
 {
     int32_t result = 0;
-    ROBIOS6(VWGetSpeed, handle, vw, &result);
+    ROBIOS(VWGetSpeed, handle, vw, &result);
     return result;
 }
 
 WEAK int VWSetPosition(VWHandle handle, meter x_m, meter y_m, radians phi_rad)
 {
     int32_t result = 0;
-    ROBIOS6(VWSetPosition, handle, x_m, y_m, phi_rad, &result);
+    ROBIOS(VWSetPosition, handle, x_m, y_m, phi_rad, &result);
     return result;
 }
 
 WEAK int VWGetPosition(VWHandle handle, PositionType *pos)
 {
     int32_t result = 0;
-    ROBIOS6(VWGetPosition, handle, pos, &result);
+    ROBIOS(VWGetPosition, handle, pos, &result);
     return result;
 }
 
 WEAK int VWStartControl(VWHandle handle, float Vv, float Tv, float Vw, float Tw)
 {
     int32_t result = 0;
-    ROBIOS6(VWStartControl, handle, Vv, Tv, Vw, Tw, &result);
+    ROBIOS(VWStartControl, handle, Vv, Tv, Vw, Tw, &result);
     return result;
 }
 
 WEAK int VWStopControl(VWHandle handle)
 {
     int32_t result = 0;
-    ROBIOS6(VWStopControl, handle, &result);
+    ROBIOS(VWStopControl, handle, &result);
     return result;
 }
 
 WEAK int VWDriveStraight(VWHandle handle, meter delta_m, meterPerSec v_mps)
 {
     int32_t result = 0;
-    ROBIOS6(VWDriveStraight, handle, delta_m, v_mps, &result);
+    ROBIOS(VWDriveStraight, handle, delta_m, v_mps, &result);
     return result;
 }
 
 WEAK int VWDriveTurn(VWHandle handle, radians delta_rad, radPerSec w_radps)
 {
     int32_t result = 0;
-    ROBIOS6(VWDriveTurn, handle, delta_rad, w_radps, &result);
+    ROBIOS(VWDriveTurn, handle, delta_rad, w_radps, &result);
     return result;
 }
 
 WEAK int VWDriveCurve(VWHandle handle, meter delta_l_m, radians delta_phi_rad, meterPerSec v_mps)
 {
     int32_t result = 0;
-    ROBIOS6(VWDriveCurve, handle, delta_l_m, delta_phi_rad, v_mps, &result);
+    ROBIOS(VWDriveCurve, handle, delta_l_m, delta_phi_rad, v_mps, &result);
     return result;
 }
 
 WEAK float VWDriveRemain(VWHandle handle)
 {
     float result = 0;
-    ROBIOS6(VWDriveRemain, handle, &result);
+    ROBIOS(VWDriveRemain, handle, &result);
     return result;
 }
 
 WEAK int VWDriveDone(VWHandle handle)
 {
     int32_t result = 0;
-    ROBIOS6(VWDriveDone, handle, &result);
+    ROBIOS(VWDriveDone, handle, &result);
     return result;
 }
 
 WEAK int VWDriveWait(VWHandle handle)
 {
     int32_t result = 0;
-    ROBIOS6(VWDriveWait, handle, &result);
+    ROBIOS(VWDriveWait, handle, &result);
     return result;
 }
 
 WEAK int VWStalled(VWHandle handle)
 {
     int32_t result = 0;
-    ROBIOS6(VWStalled, handle, &result);
+    ROBIOS(VWStalled, handle, &result);
     return result;
 }
 
 WEAK BumpHandle BUMPInit(DeviceSemantics semantics)
 {
     int32_t result = 0;
-    ROBIOS6(BUMPInit, semantics, &result);
+    ROBIOS(BUMPInit, semantics, &result);
     return result;
 }
 
 WEAK int BUMPRelease(BumpHandle handle)
 {
     int32_t result = 0;
-    ROBIOS6(BUMPRelease, handle, &result);
+    ROBIOS(BUMPRelease, handle, &result);
     return result;
 }
 
 WEAK int BUMPCheck(BumpHandle handle, int *timestamp)
 {
     int32_t result = 0;
-    ROBIOS6(BUMPCheck, handle, timestamp, &result);
+    ROBIOS(BUMPCheck, handle, timestamp, &result);
     return result;
 }
 
 WEAK IRHandle IRInit(DeviceSemantics semantics)
 {
     int32_t result = 0;
-    ROBIOS6(IRInit, semantics, &result);
+    ROBIOS(IRInit, semantics, &result);
     return result;
 }
 
 WEAK int IRRelease(IRHandle handle)
 {
     int32_t result = 0;
-    ROBIOS6(IRRelease, handle, &result);
+    ROBIOS(IRRelease, handle, &result);
     return result;
 }
 
 WEAK int IRRead(IRHandle handle)
 {
     int32_t result = 0;
-    ROBIOS6(IRRead, handle, &result);
+    ROBIOS(IRRead, handle, &result);
     return result;
 }
 
 WEAK BYTE OSReadInLatch(int n)
 {
     uint8_t result = 0;
-    ROBIOS6(OSReadInLatch, n, &result);
+    ROBIOS(OSReadInLatch, n, &result);
     return result;
 }
 
 WEAK BYTE OSWriteOutLatch(int n, BYTE mask, BYTE value)
 {
     uint8_t result = 0;
-    ROBIOS6(OSWriteOutLatch, n, mask, value, &result);
+    ROBIOS(OSWriteOutLatch, n, mask, value, &result);
     return result;
 }
 
 WEAK BYTE OSReadOutLatch(int n)
 {
     uint8_t result = 0;
-    ROBIOS6(OSReadOutLatch, n, &result);
+    ROBIOS(OSReadOutLatch, n, &result);
     return result;
 }
 
 WEAK BYTE OSReadParData(void)
 {
     uint8_t result = 0;
-    ROBIOS6(OSReadParData, &result);
+    ROBIOS(OSReadParData, &result);
     return result;
 }
 
 WEAK void OSWriteParData(BYTE value)
 {
-    ROBIOS6(OSWriteParData, value, NULL);
+    ROBIOS(OSWriteParData, value, NULL);
 }
 
 WEAK BYTE OSReadParSR(void)
 {
     uint8_t result = 0;
-    ROBIOS6(OSReadParSR, &result);
+    ROBIOS(OSReadParSR, &result);
     return result;
 }
 
 WEAK void OSWriteParCTRL(BYTE value)
 {
-    ROBIOS6(OSWriteParCTRL, value, NULL);
+    ROBIOS(OSWriteParCTRL, value, NULL);
 }
 
 WEAK BYTE OSReadParCTRL(void)
 {
     uint8_t result = 0;
-    ROBIOS6(OSReadParCTRL, &result);
+    ROBIOS(OSReadParCTRL, &result);
     return result;
 }
 
 WEAK int OSGetAD(int channel)
 {
     int32_t result = 0;
-    ROBIOS6(OSGetAD, channel, &result);
+    ROBIOS(OSGetAD, channel, &result);
     return result;
 }
 
 WEAK int OSOffAD(int mode)
 {
     int32_t result = 0;
-    ROBIOS6(OSOffAD, mode, &result);
+    ROBIOS(OSOffAD, mode, &result);
     return result;
 }
 
 WEAK int COMPASSInit(DeviceSemantics semantics)
 {
     int32_t result = 0;
-    ROBIOS6(COMPASSInit, semantics, &result);
+    ROBIOS(COMPASSInit, semantics, &result);
     return result;
 }
 
 WEAK int COMPASSStart(BOOL cycle)
 {
     int32_t result = 0;
-    ROBIOS6(COMPASSStart, cycle, &result);
+    ROBIOS(COMPASSStart, cycle, &result);
     return result;
 }
 
 WEAK int COMPASSCheck(void)
 {
     int32_t result = 0;
-    ROBIOS6(COMPASSCheck, &result);
+    ROBIOS(COMPASSCheck, &result);
     return result;
 }
 
 WEAK int COMPASSStop(void)
 {
     int32_t result = 0;
-    ROBIOS6(COMPASSStop, &result);
+    ROBIOS(COMPASSStop, &result);
     return result;
 }
 
 WEAK int COMPASSRelease(void)
 {
     int32_t result = 0;
-    ROBIOS6(COMPASSRelease, &result);
+    ROBIOS(COMPASSRelease, &result);
     return result;
 }
 
 WEAK int COMPASSGet(void)
 {
     int32_t result = 0;
-    ROBIOS6(COMPASSGet, &result);
+    ROBIOS(COMPASSGet, &result);
     return result;
 }
 
 WEAK int COMPASSCalibrate(int mode)
 {
     int32_t result = 0;
-    ROBIOS6(COMPASSCalibrate, mode, &result);
+    ROBIOS(COMPASSCalibrate, mode, &result);
     return result;
 }
 
 WEAK int IRTVInitHDT(DeviceSemantics semantics)
 {
     int32_t result = 0;
-    ROBIOS6(IRTVInitHDT, semantics, &result);
+    ROBIOS(IRTVInitHDT, semantics, &result);
     return result;
 }
 
 WEAK int IRTVInit(int type_code, int length, int tog_mask, int inv_mask, int mode, int bufsize, int delay)
 {
     int32_t result = 0;
-    ROBIOS6(IRTVInit, type_code, length, tog_mask, inv_mask, mode, bufsize, delay, &result);
+    ROBIOS(IRTVInit, type_code, length, tog_mask, inv_mask, mode, bufsize, delay, &result);
     return result;
 }
 
 WEAK void IRTVTerm(void)
 {
-    ROBIOS6(IRTVTerm, NULL);
+    ROBIOS(IRTVTerm, NULL);
 }
 
 WEAK int IRTVPressed(void)
 {
     int32_t result = 0;
-    ROBIOS6(IRTVPressed, &result);
+    ROBIOS(IRTVPressed, &result);
     return result;
 }
 
 WEAK int IRTVRead(void)
 {
     int32_t result = 0;
-    ROBIOS6(IRTVRead, &result);
+    ROBIOS(IRTVRead, &result);
     return result;
 }
 
 WEAK int IRTVGet(void)
 {
     int32_t result = 0;
-    ROBIOS6(IRTVGet, &result);
+    ROBIOS(IRTVGet, &result);
     return result;
 }
 
 WEAK void IRTVFlush(void)
 {
-    ROBIOS6(IRTVFlush, NULL);
+    ROBIOS(IRTVFlush, NULL);
 }
 
 WEAK void IRTVGetStatus(int *type_code, int *length, int *tog_mask, int *inv_mask, int *mode, int *bufsize, int *delay)
 {
-    ROBIOS6(IRTVGetStatus, type_code, length, tog_mask, inv_mask, mode, bufsize, delay, NULL);
+    ROBIOS(IRTVGetStatus, type_code, length, tog_mask, inv_mask, mode, bufsize, delay, NULL);
 }
 
 WEAK int RADIOInit(void)
 {
     int32_t result = 0;
-    ROBIOS6(RADIOInit, &result);
+    ROBIOS(RADIOInit, &result);
     return result;
 }
 
 WEAK int RADIOTerm(void)
 {
     int32_t result = 0;
-    ROBIOS6(RADIOTerm, &result);
+    ROBIOS(RADIOTerm, &result);
     return result;
 }
 
 WEAK int RADIOGetIoctl(RadioIOParameters *p)
 {
     int32_t result = 0;
-    ROBIOS6(RADIOGetIoctl, p, &result);
+    ROBIOS(RADIOGetIoctl, p, &result);
     return result;
 }
 
 WEAK int RADIOSetIoctl(RadioIOParameters *p)
 {
     int32_t result = 0;
-    ROBIOS6(RADIOSetIoctl, p, &result);
+    ROBIOS(RADIOSetIoctl, p, &result);
     return result;
 }
 
 WEAK int RADIOGetStatus(RadioStatus *s)
 {
     int32_t result = 0;
-    ROBIOS6(RADIOGetStatus, s, &result);
+    ROBIOS(RADIOGetStatus, s, &result);
     return result;
 }

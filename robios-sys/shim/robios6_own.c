@@ -11,7 +11,7 @@ WEAK char *OSVersion(void)
     static char text[64];
     int32_t result;
     memset(text, 0, sizeof text);
-    ROBIOS6(OSVersion, room_of(text, sizeof text - 1), &result);
+    ROBIOS(OSVersion, room_of(text, sizeof text - 1), &result);
     return text;
 }
 
@@ -20,7 +20,7 @@ WEAK char *OSMachineName(void)
     static char text[64];
     int32_t result;
     memset(text, 0, sizeof text);
-    ROBIOS6(OSMachineName, room_of(text, sizeof text - 1), &result);
+    ROBIOS(OSMachineName, room_of(text, sizeof text - 1), &result);
     return text;
 }
 
@@ -28,38 +28,8 @@ WEAK void *HDT_FindEntry(TypeID type_id, DeviceSemantics semantics)
 {
     static HDT_entry_type entry;
     int32_t is_found = 0;
-    ROBIOS6(HDT_FindEntry, type_id, semantics, &entry, &is_found);
+    ROBIOS(HDT_FindEntry, type_id, semantics, &entry, &is_found);
     return is_found ? &entry : NULL;
-}
-
-WEAK int LCDPrintf(const char *format, ...)
-{
-    char local[512];
-    char *text;
-    int32_t result = 0;
-    va_list arguments;
-    va_start(arguments, format);
-    text = formatted(local, sizeof local, format, arguments);
-    va_end(arguments);
-    ROBIOS6(LCDPrintf, text_of(text), &result);
-    if (text != local)
-        free(text);
-    return result;
-}
-
-WEAK int LCDSetPrintf(int row, int column, const char *format, ...)
-{
-    char local[512];
-    char *text;
-    int32_t result = 0;
-    va_list arguments;
-    va_start(arguments, format);
-    text = formatted(local, sizeof local, format, arguments);
-    va_end(arguments);
-    ROBIOS6(LCDSetPrintf, row, column, text_of(text), &result);
-    if (text != local)
-        free(text);
-    return result;
 }
 
 static struct tcb *all_tasks;
@@ -70,7 +40,7 @@ WEAK struct tcb *OSSpawn(const char *name, void (*code)(void), int stksiz, int p
     struct tcb *task = calloc(1, sizeof *task);
     if (task == NULL)
         return NULL;
-    ROBIOS6(OSSpawn, text_of(name), callback_of(code), stksiz, pri, uid, &id);
+    ROBIOS(OSSpawn, text_of(name), callback_of(code), stksiz, pri, uid, &id);
     if (id == 0) {
         free(task);
         return NULL;
@@ -89,7 +59,7 @@ WEAK struct tcb *OSSpawn(const char *name, void (*code)(void), int stksiz, int p
 WEAK int OSExit(int code)
 {
     int32_t result = 0;
-    ROBIOS6(OSExit, code, &result);
+    ROBIOS(OSExit, code, &result);
     /* There is no other task, or this is the first one. */
     end_program(code);
 }
@@ -97,14 +67,14 @@ WEAK int OSExit(int code)
 WEAK int OSPanic(const char *message)
 {
     int32_t result = 0;
-    ROBIOS6(OSPanic, text_of(message), &result);
+    ROBIOS(OSPanic, text_of(message), &result);
     fail(1, message);
 }
 
 WEAK int OSSemInit(struct sem *sem, int val)
 {
     int32_t result = 0;
-    ROBIOS6(OSSemInit, sem == NULL ? NULL : &sem->id, val, &result);
+    ROBIOS(OSSemInit, sem == NULL ? NULL : &sem->id, val, &result);
     if (sem != NULL)
         sem->count = val;
     return result;
@@ -113,35 +83,35 @@ WEAK int OSSemInit(struct sem *sem, int val)
 WEAK int OSSemP(struct sem *sem)
 {
     int32_t result = 0;
-    ROBIOS6(OSSemP, sem == NULL ? 0 : sem->id, &result);
+    ROBIOS(OSSemP, sem == NULL ? 0 : sem->id, &result);
     return result;
 }
 
 WEAK int OSSemV(struct sem *sem)
 {
     int32_t result = 0;
-    ROBIOS6(OSSemV, sem == NULL ? 0 : sem->id, &result);
+    ROBIOS(OSSemV, sem == NULL ? 0 : sem->id, &result);
     return result;
 }
 
 WEAK int AUPlaySample(char *sample)
 {
     int32_t result = 0;
-    ROBIOS6(AUPlaySample, sample_of(sample), &result);
+    ROBIOS(AUPlaySample, sample_of(sample), &result);
     return result;
 }
 
 WEAK int AURecordSample(BYTE *buf, long len, long freq)
 {
     int32_t result = 0;
-    ROBIOS6(AURecordSample, room_of(len > 0 ? buf : NULL, len > 0 ? (size_t)len : 0), freq, &result);
+    ROBIOS(AURecordSample, room_of(len > 0 ? buf : NULL, len > 0 ? (size_t)len : 0), freq, &result);
     return result;
 }
 
 WEAK int RADIOCheck()
 {
     int32_t result = 0;
-    ROBIOS6(RADIOCheck, &result);
+    ROBIOS(RADIOCheck, &result);
     return result;
 }
 
@@ -150,14 +120,14 @@ WEAK int RADIOSend(BYTE id, int byteCount, BYTE *buffer)
     int32_t result = 0;
     /* One byte more than allowed is enough to be refused. */
     size_t len = byteCount < 0 ? 0 : byteCount > MAXMSGLEN ? MAXMSGLEN + 1 : (size_t)byteCount;
-    ROBIOS6(RADIOSend, id, bytes_of(byteCount < 0 ? NULL : buffer, len), &result);
+    ROBIOS(RADIOSend, id, bytes_of(byteCount < 0 ? NULL : buffer, len), &result);
     return result;
 }
 
 WEAK int RADIORecv(BYTE *id, int *bytesReceived, BYTE *buffer)
 {
     int32_t result = 0;
-    ROBIOS6(RADIORecv, id, bytesReceived, room_of(buffer, MAXMSGLEN), &result);
+    ROBIOS(RADIORecv, id, bytesReceived, room_of(buffer, MAXMSGLEN), &result);
     return result;
 }
 

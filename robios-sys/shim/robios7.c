@@ -4,711 +4,711 @@
 WEAK int LCDClear(void)
 {
     int32_t result = 0;
-    ROBIOS7(LCDClear, &result);
+    ROBIOS(LCDClear, &result);
     return result;
 }
 
 WEAK int LCDSetPos(int row, int column)
 {
     int32_t result = 0;
-    ROBIOS7(LCDSetPos, row, column, &result);
+    ROBIOS(LCDSetPos, row, column, &result);
     return result;
 }
 
 WEAK int LCDGetPos(int *row, int *column)
 {
     int32_t result = 0;
-    ROBIOS7(LCDGetPos, row, column, &result);
+    ROBIOS(LCDGetPos, row, column, &result);
     return result;
 }
 
 WEAK int LCDSetColor(COLOR fg, COLOR bg)
 {
     int32_t result = 0;
-    ROBIOS7(LCDSetColor, fg, bg, &result);
+    ROBIOS(LCDSetColor, fg, bg, &result);
     return result;
 }
 
 WEAK int LCDSetFont(int font, int variation)
 {
     int32_t result = 0;
-    ROBIOS7(LCDSetFont, font, variation, &result);
+    ROBIOS(LCDSetFont, font, variation, &result);
     return result;
 }
 
 WEAK int LCDSetFontSize(int fontsize)
 {
     int32_t result = 0;
-    ROBIOS7(LCDSetFontSize, fontsize, &result);
+    ROBIOS(LCDSetFontSize, fontsize, &result);
     return result;
 }
 
 WEAK int LCDSetMode(int mode)
 {
     int32_t result = 0;
-    ROBIOS7(LCDSetMode, mode, &result);
+    ROBIOS(LCDSetMode, mode, &result);
     return result;
 }
 
 WEAK int LCDMenu(const char *st1, const char *st2, const char *st3, const char *st4)
 {
     int32_t result = 0;
-    ROBIOS7(LCDMenu, text_of(st1), text_of(st2), text_of(st3), text_of(st4), &result);
+    ROBIOS(LCDMenu, text_of(st1), text_of(st2), text_of(st3), text_of(st4), &result);
     return result;
 }
 
 WEAK int LCDMenuI(int pos, const char *string, COLOR fg, COLOR bg)
 {
     int32_t result = 0;
-    ROBIOS7(LCDMenuI, pos, text_of(string), fg, bg, &result);
+    ROBIOS(LCDMenuI, pos, text_of(string), fg, bg, &result);
     return result;
 }
 
 WEAK int LCDListLine(int line, int key, const char *text, COLOR fg, COLOR bg)
 {
     int32_t result = 0;
-    ROBIOS7(LCDListLine, line, key, text_of(text), fg, bg, &result);
+    ROBIOS(LCDListLine, line, key, text_of(text), fg, bg, &result);
     return result;
 }
 
 WEAK int LCDGetSize(int *x, int *y)
 {
     int32_t result = 0;
-    ROBIOS7(LCDGetSize, x, y, &result);
+    ROBIOS(LCDGetSize, x, y, &result);
     return result;
 }
 
 WEAK int LCDPixel(int x, int y, COLOR col)
 {
     int32_t result = 0;
-    ROBIOS7(LCDPixel, x, y, col, &result);
+    ROBIOS(LCDPixel, x, y, col, &result);
     return result;
 }
 
 WEAK COLOR LCDGetPixel(int x, int y)
 {
     int32_t result = 0;
-    ROBIOS7(LCDGetPixel, x, y, &result);
+    ROBIOS(LCDGetPixel, x, y, &result);
     return result;
 }
 
 WEAK int LCDLine(int x1, int y1, int x2, int y2, COLOR col)
 {
     int32_t result = 0;
-    ROBIOS7(LCDLine, x1, y1, x2, y2, col, &result);
+    ROBIOS(LCDLine, x1, y1, x2, y2, col, &result);
     return result;
 }
 
 WEAK int LCDArea(int x1, int y1, int x2, int y2, COLOR col, int fill)
 {
     int32_t result = 0;
-    ROBIOS7(LCDArea, x1, y1, x2, y2, col, fill, &result);
+    ROBIOS(LCDArea, x1, y1, x2, y2, col, fill, &result);
     return result;
 }
 
 WEAK int LCDCircle(int x1, int y1, int size, COLOR col, int fill)
 {
     int32_t result = 0;
-    ROBIOS7(LCDCircle, x1, y1, size, col, fill, &result);
+    ROBIOS(LCDCircle, x1, y1, size, col, fill, &result);
     return result;
 }
 
 WEAK int LCDPixelInvert(int x, int y)
 {
     int32_t result = 0;
-    ROBIOS7(LCDPixelInvert, x, y, &result);
+    ROBIOS(LCDPixelInvert, x, y, &result);
     return result;
 }
 
 WEAK int LCDLineInvert(int x1, int y1, int x2, int y2)
 {
     int32_t result = 0;
-    ROBIOS7(LCDLineInvert, x1, y1, x2, y2, &result);
+    ROBIOS(LCDLineInvert, x1, y1, x2, y2, &result);
     return result;
 }
 
 WEAK int LCDAreaInvert(int x1, int y1, int x2, int y2)
 {
     int32_t result = 0;
-    ROBIOS7(LCDAreaInvert, x1, y1, x2, y2, &result);
+    ROBIOS(LCDAreaInvert, x1, y1, x2, y2, &result);
     return result;
 }
 
 WEAK int LCDCircleInvert(int x1, int y1, int size)
 {
     int32_t result = 0;
-    ROBIOS7(LCDCircleInvert, x1, y1, size, &result);
+    ROBIOS(LCDCircleInvert, x1, y1, size, &result);
     return result;
 }
 
 WEAK int LCDRefresh(void)
 {
     int32_t result = 0;
-    ROBIOS7(LCDRefresh, &result);
+    ROBIOS(LCDRefresh, &result);
     return result;
 }
 
 WEAK int KEYGet(void)
 {
     int32_t result = 0;
-    ROBIOS7(KEYGet, &result);
+    ROBIOS(KEYGet, &result);
     return result;
 }
 
 WEAK int KEYRead(void)
 {
     int32_t result = 0;
-    ROBIOS7(KEYRead, &result);
+    ROBIOS(KEYRead, &result);
     return result;
 }
 
 WEAK int KEYWait(int key)
 {
     int32_t result = 0;
-    ROBIOS7(KEYWait, key, &result);
+    ROBIOS(KEYWait, key, &result);
     return result;
 }
 
 WEAK int KEYGetXY(int *x, int *y)
 {
     int32_t result = 0;
-    ROBIOS7(KEYGetXY, x, y, &result);
+    ROBIOS(KEYGetXY, x, y, &result);
     return result;
 }
 
 WEAK int KEYReadXY(int *x, int *y)
 {
     int32_t result = 0;
-    ROBIOS7(KEYReadXY, x, y, &result);
+    ROBIOS(KEYReadXY, x, y, &result);
     return result;
 }
 
 WEAK int CAMRelease(void)
 {
     int32_t result = 0;
-    ROBIOS7(CAMRelease, &result);
+    ROBIOS(CAMRelease, &result);
     return result;
 }
 
 WEAK COLOR IPPRGB2Col(BYTE r, BYTE g, BYTE b)
 {
     int32_t result = 0;
-    ROBIOS7(IPPRGB2Col, r, g, b, &result);
+    ROBIOS(IPPRGB2Col, r, g, b, &result);
     return result;
 }
 
 WEAK void IPPCol2RGB(COLOR col, BYTE *r, BYTE *g, BYTE *b)
 {
-    ROBIOS7(IPPCol2RGB, col, r, g, b, NULL);
+    ROBIOS(IPPCol2RGB, col, r, g, b, NULL);
 }
 
 WEAK void IPPCol2HSI(COLOR c, BYTE *h, BYTE *s, BYTE *i)
 {
-    ROBIOS7(IPPCol2HSI, c, h, s, i, NULL);
+    ROBIOS(IPPCol2HSI, c, h, s, i, NULL);
 }
 
 WEAK BYTE IPPRGB2Hue(BYTE r, BYTE g, BYTE b)
 {
     uint8_t result = 0;
-    ROBIOS7(IPPRGB2Hue, r, g, b, &result);
+    ROBIOS(IPPRGB2Hue, r, g, b, &result);
     return result;
 }
 
 WEAK void IPPRGB2HSI(BYTE r, BYTE g, BYTE b, BYTE *h, BYTE *s, BYTE *i)
 {
-    ROBIOS7(IPPRGB2HSI, r, g, b, h, s, i, NULL);
+    ROBIOS(IPPRGB2HSI, r, g, b, h, s, i, NULL);
 }
 
 WEAK int OSMachineSpeed(void)
 {
     int32_t result = 0;
-    ROBIOS7(OSMachineSpeed, &result);
+    ROBIOS(OSMachineSpeed, &result);
     return result;
 }
 
 WEAK int OSMachineType(void)
 {
     int32_t result = 0;
-    ROBIOS7(OSMachineType, &result);
+    ROBIOS(OSMachineType, &result);
     return result;
 }
 
 WEAK int OSMachineID(void)
 {
     int32_t result = 0;
-    ROBIOS7(OSMachineID, &result);
+    ROBIOS(OSMachineID, &result);
     return result;
 }
 
 WEAK int OSError(const char *message, int number, int dead)
 {
     int32_t result = 0;
-    ROBIOS7(OSError, text_of(message), number, dead, &result);
+    ROBIOS(OSError, text_of(message), number, dead, &result);
     return result;
 }
 
 WEAK int OSWait(int n)
 {
     int32_t result = 0;
-    ROBIOS7(OSWait, n, &result);
+    ROBIOS(OSWait, n, &result);
     return result;
 }
 
 WEAK TIMER OSAttachTimer(int scale, TimerFnc fct)
 {
     int32_t result = 0;
-    ROBIOS7(OSAttachTimer, scale, callback_of(fct), &result);
+    ROBIOS(OSAttachTimer, scale, callback_of(fct), &result);
     return result;
 }
 
 WEAK int OSDetachTimer(TIMER t)
 {
     int32_t result = 0;
-    ROBIOS7(OSDetachTimer, t, &result);
+    ROBIOS(OSDetachTimer, t, &result);
     return result;
 }
 
 WEAK int OSSetTime(int hrs, int mins, int secs)
 {
     int32_t result = 0;
-    ROBIOS7(OSSetTime, hrs, mins, secs, &result);
+    ROBIOS(OSSetTime, hrs, mins, secs, &result);
     return result;
 }
 
 WEAK int OSGetTime(int *hrs, int *mins, int *secs, int *ticks)
 {
     int32_t result = 0;
-    ROBIOS7(OSGetTime, hrs, mins, secs, ticks, &result);
+    ROBIOS(OSGetTime, hrs, mins, secs, ticks, &result);
     return result;
 }
 
 WEAK int OSShowTime(void)
 {
     int32_t result = 0;
-    ROBIOS7(OSShowTime, &result);
+    ROBIOS(OSShowTime, &result);
     return result;
 }
 
 WEAK int OSGetCount(void)
 {
     int32_t result = 0;
-    ROBIOS7(OSGetCount, &result);
+    ROBIOS(OSGetCount, &result);
     return result;
 }
 
 WEAK int SERInit(int interface, int baud, int handshake)
 {
     int32_t result = 0;
-    ROBIOS7(SERInit, interface, baud, handshake, &result);
+    ROBIOS(SERInit, interface, baud, handshake, &result);
     return result;
 }
 
 WEAK int SERSendChar(int interface, char ch)
 {
     int32_t result = 0;
-    ROBIOS7(SERSendChar, interface, (uint8_t)ch, &result);
+    ROBIOS(SERSendChar, interface, (uint8_t)ch, &result);
     return result;
 }
 
 WEAK char SERReceiveChar(int interface)
 {
     uint8_t result = 0;
-    ROBIOS7(SERReceiveChar, interface, &result);
+    ROBIOS(SERReceiveChar, interface, &result);
     return result;
 }
 
 WEAK bool SERCheck(int interface)
 {
     uint8_t result = 0;
-    ROBIOS7(SERCheck, interface, &result);
+    ROBIOS(SERCheck, interface, &result);
     return result;
 }
 
 WEAK int SERFlush(int interface)
 {
     int32_t result = 0;
-    ROBIOS7(SERFlush, interface, &result);
+    ROBIOS(SERFlush, interface, &result);
     return result;
 }
 
 WEAK int SERClose(int interface)
 {
     int32_t result = 0;
-    ROBIOS7(SERClose, interface, &result);
+    ROBIOS(SERClose, interface, &result);
     return result;
 }
 
 WEAK int AUBeep(void)
 {
     int32_t result = 0;
-    ROBIOS7(AUBeep, &result);
+    ROBIOS(AUBeep, &result);
     return result;
 }
 
 WEAK int AUDone(void)
 {
     int32_t result = 0;
-    ROBIOS7(AUDone, &result);
+    ROBIOS(AUDone, &result);
     return result;
 }
 
 WEAK int AUMicrophone(void)
 {
     int32_t result = 0;
-    ROBIOS7(AUMicrophone, &result);
+    ROBIOS(AUMicrophone, &result);
     return result;
 }
 
 WEAK int AUTone(int freq_hz, int time_ms)
 {
     int32_t result = 0;
-    ROBIOS7(AUTone, freq_hz, time_ms, &result);
+    ROBIOS(AUTone, freq_hz, time_ms, &result);
     return result;
 }
 
 WEAK int AUCheckTone(void)
 {
     int32_t result = 0;
-    ROBIOS7(AUCheckTone, &result);
+    ROBIOS(AUCheckTone, &result);
     return result;
 }
 
 WEAK int AUCheckPlay(void)
 {
     int32_t result = 0;
-    ROBIOS7(AUCheckPlay, &result);
+    ROBIOS(AUCheckPlay, &result);
     return result;
 }
 
 WEAK int AUCheckRecord(void)
 {
     int32_t result = 0;
-    ROBIOS7(AUCheckRecord, &result);
+    ROBIOS(AUCheckRecord, &result);
     return result;
 }
 
 WEAK int PSDGet(int psd)
 {
     int32_t result = 0;
-    ROBIOS7(PSDGet, psd, &result);
+    ROBIOS(PSDGet, psd, &result);
     return result;
 }
 
 WEAK int PSDGetRaw(int psd)
 {
     int32_t result = 0;
-    ROBIOS7(PSDGetRaw, psd, &result);
+    ROBIOS(PSDGetRaw, psd, &result);
     return result;
 }
 
 WEAK void LIDARSet(int range, int tilt, int points)
 {
-    ROBIOS7(LIDARSet, range, tilt, points, NULL);
+    ROBIOS(LIDARSet, range, tilt, points, NULL);
 }
 
 WEAK int SERVOSet(int servo, int angle)
 {
     int32_t result = 0;
-    ROBIOS7(SERVOSet, servo, angle, &result);
+    ROBIOS(SERVOSet, servo, angle, &result);
     return result;
 }
 
 WEAK int SERVOSetRaw(int servo, int angle)
 {
     int32_t result = 0;
-    ROBIOS7(SERVOSetRaw, servo, angle, &result);
+    ROBIOS(SERVOSetRaw, servo, angle, &result);
     return result;
 }
 
 WEAK int SERVORange(int servo, int low, int high)
 {
     int32_t result = 0;
-    ROBIOS7(SERVORange, servo, low, high, &result);
+    ROBIOS(SERVORange, servo, low, high, &result);
     return result;
 }
 
 WEAK int MOTORDrive(int motor, int speed)
 {
     int32_t result = 0;
-    ROBIOS7(MOTORDrive, motor, speed, &result);
+    ROBIOS(MOTORDrive, motor, speed, &result);
     return result;
 }
 
 WEAK int MOTORDriveRaw(int motor, int speed)
 {
     int32_t result = 0;
-    ROBIOS7(MOTORDriveRaw, motor, speed, &result);
+    ROBIOS(MOTORDriveRaw, motor, speed, &result);
     return result;
 }
 
 WEAK int MOTORPID(int motor, int p, int i, int d)
 {
     int32_t result = 0;
-    ROBIOS7(MOTORPID, motor, p, i, d, &result);
+    ROBIOS(MOTORPID, motor, p, i, d, &result);
     return result;
 }
 
 WEAK int MOTORPIDOff(int motor)
 {
     int32_t result = 0;
-    ROBIOS7(MOTORPIDOff, motor, &result);
+    ROBIOS(MOTORPIDOff, motor, &result);
     return result;
 }
 
 WEAK int MOTORSpeed(int motor, int ticks)
 {
     int32_t result = 0;
-    ROBIOS7(MOTORSpeed, motor, ticks, &result);
+    ROBIOS(MOTORSpeed, motor, ticks, &result);
     return result;
 }
 
 WEAK int ENCODERRead(int quad)
 {
     int32_t result = 0;
-    ROBIOS7(ENCODERRead, quad, &result);
+    ROBIOS(ENCODERRead, quad, &result);
     return result;
 }
 
 WEAK int ENCODERReset(int quad)
 {
     int32_t result = 0;
-    ROBIOS7(ENCODERReset, quad, &result);
+    ROBIOS(ENCODERReset, quad, &result);
     return result;
 }
 
 WEAK int VWSetSpeed(int linSpeed, int angSpeed)
 {
     int32_t result = 0;
-    ROBIOS7(VWSetSpeed, linSpeed, angSpeed, &result);
+    ROBIOS(VWSetSpeed, linSpeed, angSpeed, &result);
     return result;
 }
 
 WEAK int VWGetSpeed(int *linSpeed, int *angSpeed)
 {
     int32_t result = 0;
-    ROBIOS7(VWGetSpeed, linSpeed, angSpeed, &result);
+    ROBIOS(VWGetSpeed, linSpeed, angSpeed, &result);
     return result;
 }
 
 WEAK int VWSetPosition(int x, int y, int phi)
 {
     int32_t result = 0;
-    ROBIOS7(VWSetPosition, x, y, phi, &result);
+    ROBIOS(VWSetPosition, x, y, phi, &result);
     return result;
 }
 
 WEAK int VWGetPosition(int *x, int *y, int *phi)
 {
     int32_t result = 0;
-    ROBIOS7(VWGetPosition, x, y, phi, &result);
+    ROBIOS(VWGetPosition, x, y, phi, &result);
     return result;
 }
 
 WEAK int VWStraight(int dist, int lin_speed)
 {
     int32_t result = 0;
-    ROBIOS7(VWStraight, dist, lin_speed, &result);
+    ROBIOS(VWStraight, dist, lin_speed, &result);
     return result;
 }
 
 WEAK int VWTurn(int angle, int ang_speed)
 {
     int32_t result = 0;
-    ROBIOS7(VWTurn, angle, ang_speed, &result);
+    ROBIOS(VWTurn, angle, ang_speed, &result);
     return result;
 }
 
 WEAK int VWCurve(int dist, int angle, int lin_speed)
 {
     int32_t result = 0;
-    ROBIOS7(VWCurve, dist, angle, lin_speed, &result);
+    ROBIOS(VWCurve, dist, angle, lin_speed, &result);
     return result;
 }
 
 WEAK int VWDrive(int dx, int dy, int lin_speed)
 {
     int32_t result = 0;
-    ROBIOS7(VWDrive, dx, dy, lin_speed, &result);
+    ROBIOS(VWDrive, dx, dy, lin_speed, &result);
     return result;
 }
 
 WEAK int VWRemain(void)
 {
     int32_t result = 0;
-    ROBIOS7(VWRemain, &result);
+    ROBIOS(VWRemain, &result);
     return result;
 }
 
 WEAK int VWDone(void)
 {
     int32_t result = 0;
-    ROBIOS7(VWDone, &result);
+    ROBIOS(VWDone, &result);
     return result;
 }
 
 WEAK int VWWait(void)
 {
     int32_t result = 0;
-    ROBIOS7(VWWait, &result);
+    ROBIOS(VWWait, &result);
     return result;
 }
 
 WEAK int VWStalled(void)
 {
     int32_t result = 0;
-    ROBIOS7(VWStalled, &result);
+    ROBIOS(VWStalled, &result);
     return result;
 }
 
 WEAK int VWControl(int Vv, int Tv, int Vw, int Tw)
 {
     int32_t result = 0;
-    ROBIOS7(VWControl, Vv, Tv, Vw, Tw, &result);
+    ROBIOS(VWControl, Vv, Tv, Vw, Tw, &result);
     return result;
 }
 
 WEAK int VWControlOff(void)
 {
     int32_t result = 0;
-    ROBIOS7(VWControlOff, &result);
+    ROBIOS(VWControlOff, &result);
     return result;
 }
 
 WEAK int DIGITALSetup(int io, char direction)
 {
     int32_t result = 0;
-    ROBIOS7(DIGITALSetup, io, (uint8_t)direction, &result);
+    ROBIOS(DIGITALSetup, io, (uint8_t)direction, &result);
     return result;
 }
 
 WEAK int DIGITALRead(int io)
 {
     int32_t result = 0;
-    ROBIOS7(DIGITALRead, io, &result);
+    ROBIOS(DIGITALRead, io, &result);
     return result;
 }
 
 WEAK int DIGITALReadAll(void)
 {
     int32_t result = 0;
-    ROBIOS7(DIGITALReadAll, &result);
+    ROBIOS(DIGITALReadAll, &result);
     return result;
 }
 
 WEAK int DIGITALWrite(int io, int state)
 {
     int32_t result = 0;
-    ROBIOS7(DIGITALWrite, io, state, &result);
+    ROBIOS(DIGITALWrite, io, state, &result);
     return result;
 }
 
 WEAK int ANALOGRead(int channel)
 {
     int32_t result = 0;
-    ROBIOS7(ANALOGRead, channel, &result);
+    ROBIOS(ANALOGRead, channel, &result);
     return result;
 }
 
 WEAK int ANALOGVoltage(void)
 {
     int32_t result = 0;
-    ROBIOS7(ANALOGVoltage, &result);
+    ROBIOS(ANALOGVoltage, &result);
     return result;
 }
 
 WEAK int ANALOGRecord(int channel, int iterations)
 {
     int32_t result = 0;
-    ROBIOS7(ANALOGRecord, channel, iterations, &result);
+    ROBIOS(ANALOGRecord, channel, iterations, &result);
     return result;
 }
 
 WEAK int IRTVGet(void)
 {
     int32_t result = 0;
-    ROBIOS7(IRTVGet, &result);
+    ROBIOS(IRTVGet, &result);
     return result;
 }
 
 WEAK int IRTVRead(void)
 {
     int32_t result = 0;
-    ROBIOS7(IRTVRead, &result);
+    ROBIOS(IRTVRead, &result);
     return result;
 }
 
 WEAK int IRTVFlush(void)
 {
     int32_t result = 0;
-    ROBIOS7(IRTVFlush, &result);
+    ROBIOS(IRTVFlush, &result);
     return result;
 }
 
 WEAK int IRTVGetStatus(void)
 {
     int32_t result = 0;
-    ROBIOS7(IRTVGetStatus, &result);
+    ROBIOS(IRTVGetStatus, &result);
     return result;
 }
 
 WEAK int RADIOInit(void)
 {
     int32_t result = 0;
-    ROBIOS7(RADIOInit, &result);
+    ROBIOS(RADIOInit, &result);
     return result;
 }
 
 WEAK int RADIOGetID(void)
 {
     int32_t result = 0;
-    ROBIOS7(RADIOGetID, &result);
+    ROBIOS(RADIOGetID, &result);
     return result;
 }
 
 WEAK int RADIOSend(int id, const char *buf)
 {
     int32_t result = 0;
-    ROBIOS7(RADIOSend, id, text_of(buf), &result);
+    ROBIOS(RADIOSend, id, text_of(buf), &result);
     return result;
 }
 
 WEAK int RADIORelease(void)
 {
     int32_t result = 0;
-    ROBIOS7(RADIORelease, &result);
+    ROBIOS(RADIORelease, &result);
     return result;
 }
 
 WEAK void SIMGetRobot(int id, int *x, int *y, int *z, int *phi)
 {
-    ROBIOS7(SIMGetRobot, id, x, y, z, phi, NULL);
+    ROBIOS(SIMGetRobot, id, x, y, z, phi, NULL);
 }
 
 WEAK void SIMSetRobot(int id, int x, int y, int z, int phi)
 {
-    ROBIOS7(SIMSetRobot, id, x, y, z, phi, NULL);
+    ROBIOS(SIMSetRobot, id, x, y, z, phi, NULL);
 }
 
 WEAK void SIMGetObject(int id, int *x, int *y, int *z, int *phi)
 {
-    ROBIOS7(SIMGetObject, id, x, y, z, phi, NULL);
+    ROBIOS(SIMGetObject, id, x, y, z, phi, NULL);
 }
 
 WEAK void SIMSetObject(int id, int x, int y, int z, int phi)
 {
-    ROBIOS7(SIMSetObject, id, x, y, z, phi, NULL);
+    ROBIOS(SIMSetObject, id, x, y, z, phi, NULL);
 }
 
 WEAK int SIMGetRobotCount(void)
 {
     int32_t result = 0;
-    ROBIOS7(SIMGetRobotCount, &result);
+    ROBIOS(SIMGetRobotCount, &result);
     return result;
 }
 
 WEAK int SIMGetObjectCount(void)
 {
     int32_t result = 0;
-    ROBIOS7(SIMGetObjectCount, &result);
+    ROBIOS(SIMGetObjectCount, &result);
     return result;
 }

@@ -54,41 +54,11 @@ static struct eyesim_room colour_room(BYTE *image) { return room_of(image, (size
 
 /* ---- LCD ---- */
 
-WEAK int LCDPrintf(const char *format, ...)
-{
-    char local[512];
-    char *text;
-    int32_t result = 0;
-    va_list arguments;
-    va_start(arguments, format);
-    text = formatted(local, sizeof local, format, arguments);
-    va_end(arguments);
-    ROBIOS7(LCDPrintf, text_of(text), &result);
-    if (text != local)
-        free(text);
-    return result;
-}
-
-WEAK int LCDSetPrintf(int row, int column, const char *format, ...)
-{
-    char local[512];
-    char *text;
-    int32_t result = 0;
-    va_list arguments;
-    va_start(arguments, format);
-    text = formatted(local, sizeof local, format, arguments);
-    va_end(arguments);
-    ROBIOS7(LCDSetPrintf, row, column, text_of(text), &result);
-    if (text != local)
-        free(text);
-    return result;
-}
-
 WEAK int LCDImageSize(int t)
 {
     int32_t result = 0;
     int width = CAMWIDTH, height = CAMHEIGHT;
-    ROBIOS7(LCDImageSize, t, &result);
+    ROBIOS(LCDImageSize, t, &result);
     if (result == 0 && size_of(t, &width, &height)) {
         shown_width = width;
         shown_height = height;
@@ -99,7 +69,7 @@ WEAK int LCDImageSize(int t)
 WEAK int LCDImageStart(int x, int y, int xs, int ys)
 {
     int32_t result = 0;
-    ROBIOS7(LCDImageStart, x, y, xs, ys, &result);
+    ROBIOS(LCDImageStart, x, y, xs, ys, &result);
     if (result == 0) {
         shown_width = xs;
         shown_height = ys;
@@ -112,21 +82,21 @@ static size_t shown_pixels(void) { return (size_t)shown_width * (size_t)shown_he
 WEAK int LCDImage(BYTE *img)
 {
     int32_t result = 0;
-    ROBIOS7(LCDImage, shown_width, shown_height, bytes_of(img, 3 * shown_pixels()), &result);
+    ROBIOS(LCDImage, shown_width, shown_height, bytes_of(img, 3 * shown_pixels()), &result);
     return result;
 }
 
 WEAK int LCDImageGray(BYTE *g)
 {
     int32_t result = 0;
-    ROBIOS7(LCDImageGray, shown_width, shown_height, bytes_of(g, shown_pixels()), &result);
+    ROBIOS(LCDImageGray, shown_width, shown_height, bytes_of(g, shown_pixels()), &result);
     return result;
 }
 
 WEAK int LCDImageBinary(BYTE *b)
 {
     int32_t result = 0;
-    ROBIOS7(LCDImageBinary, shown_width, shown_height, bytes_of(b, shown_pixels()), &result);
+    ROBIOS(LCDImageBinary, shown_width, shown_height, bytes_of(b, shown_pixels()), &result);
     return result;
 }
 
@@ -137,7 +107,7 @@ static listmenu_t *shown_list;
 static int32_t list_line(int32_t line, int32_t key, const char *text, COLOR fg, COLOR bg)
 {
     int32_t result = 0;
-    ROBIOS7(LCDListLine, line, key, text_of(text), fg, bg, &result);
+    ROBIOS(LCDListLine, line, key, text_of(text), fg, bg, &result);
     return result;
 }
 
@@ -146,7 +116,7 @@ WEAK int LCDSetList(listmenu_t *menulist)
     int32_t line = 0, room, items, i, result = 0;
     shown_list = menulist;
     if (!menulist) {
-        ROBIOS7(LCDSetMode, LCD_CLASSICMENU, &result);
+        ROBIOS(LCDSetMode, LCD_CLASSICMENU, &result);
         return 0;
     }
     room = list_line(line++, KEY_LISTTL, menulist->title, menulist->fgcol, menulist->bgcol);
@@ -200,21 +170,21 @@ WEAK int CAMInit(int resolution)
         shown_width = width;
         shown_height = height;
     }
-    ROBIOS7(CAMInit, resolution, CAMWIDTH, CAMHEIGHT, &result);
+    ROBIOS(CAMInit, resolution, CAMWIDTH, CAMHEIGHT, &result);
     return result;
 }
 
 WEAK int CAMGet(BYTE *buf)
 {
     int32_t result = 0;
-    ROBIOS7(CAMGet, room_of(buf, (size_t)CAMSIZE), &result);
+    ROBIOS(CAMGet, room_of(buf, (size_t)CAMSIZE), &result);
     return result;
 }
 
 WEAK int CAMGetGray(BYTE *buf)
 {
     int32_t result = 0;
-    ROBIOS7(CAMGetGray, room_of(buf, (size_t)CAMPIXELS), &result);
+    ROBIOS(CAMGetGray, room_of(buf, (size_t)CAMPIXELS), &result);
     return result;
 }
 
@@ -222,7 +192,7 @@ WEAK int IPSetSize(int resolution)
 {
     int32_t result = 0;
     int width = IP_WIDTH, height = IP_HEIGHT;
-    ROBIOS7(IPSetSize, resolution, &result);
+    ROBIOS(IPSetSize, resolution, &result);
     if (!size_of(resolution, &width, &height))
         return 1;
     set_ip_size(width, height);
@@ -232,56 +202,56 @@ WEAK int IPSetSize(int resolution)
 WEAK int IPReadFile(const char *filename, BYTE *img)
 {
     int32_t result = 0;
-    ROBIOS7(IPReadFile, text_of(filename), IP_WIDTH, IP_HEIGHT, colour_room(img), &result);
+    ROBIOS(IPReadFile, text_of(filename), IP_WIDTH, IP_HEIGHT, colour_room(img), &result);
     return result;
 }
 
 WEAK int IPWriteFile(const char *filename, BYTE *img)
 {
     int32_t result = 0;
-    ROBIOS7(IPWriteFile, text_of(filename), IP_WIDTH, IP_HEIGHT, colours_of(img), &result);
+    ROBIOS(IPWriteFile, text_of(filename), IP_WIDTH, IP_HEIGHT, colours_of(img), &result);
     return result;
 }
 
 WEAK int IPWriteFileGray(const char *filename, BYTE *gray)
 {
     int32_t result = 0;
-    ROBIOS7(IPWriteFileGray, text_of(filename), IP_WIDTH, IP_HEIGHT, grey_of(gray), &result);
+    ROBIOS(IPWriteFileGray, text_of(filename), IP_WIDTH, IP_HEIGHT, grey_of(gray), &result);
     return result;
 }
 
 WEAK void IPLaplace(BYTE *grayIn, BYTE *grayOut)
 {
-    ROBIOS7(IPLaplace, IP_WIDTH, IP_HEIGHT, grey_of(grayIn), grey_room(grayOut), NULL);
+    ROBIOS(IPLaplace, IP_WIDTH, IP_HEIGHT, grey_of(grayIn), grey_room(grayOut), NULL);
 }
 
 WEAK void IPSobel(BYTE *grayIn, BYTE *grayOut)
 {
-    ROBIOS7(IPSobel, IP_WIDTH, IP_HEIGHT, grey_of(grayIn), grey_room(grayOut), NULL);
+    ROBIOS(IPSobel, IP_WIDTH, IP_HEIGHT, grey_of(grayIn), grey_room(grayOut), NULL);
 }
 
-WEAK void IPCol2Gray(BYTE *imgIn, BYTE *grayOut) { ROBIOS7(IPCol2Gray, colours_of(imgIn), grey_room(grayOut), NULL); }
+WEAK void IPCol2Gray(BYTE *imgIn, BYTE *grayOut) { ROBIOS(IPCol2Gray, colours_of(imgIn), grey_room(grayOut), NULL); }
 
-WEAK void IPGray2Col(BYTE *imgIn, BYTE *colOut) { ROBIOS7(IPGray2Col, grey_of(imgIn), colour_room(colOut), NULL); }
+WEAK void IPGray2Col(BYTE *imgIn, BYTE *colOut) { ROBIOS(IPGray2Col, grey_of(imgIn), colour_room(colOut), NULL); }
 
 WEAK void IPRGB2Col(BYTE *r, BYTE *g, BYTE *b, BYTE *imgOut)
 {
-    ROBIOS7(IPRGB2Col, grey_of(r), grey_of(g), grey_of(b), colour_room(imgOut), NULL);
+    ROBIOS(IPRGB2Col, grey_of(r), grey_of(g), grey_of(b), colour_room(imgOut), NULL);
 }
 
 WEAK void IPCol2HSI(BYTE *img, BYTE *h, BYTE *s, BYTE *i)
 {
-    ROBIOS7(IPCol2HSI, colours_of(img), grey_room(h), grey_room(s), grey_room(i), NULL);
+    ROBIOS(IPCol2HSI, colours_of(img), grey_room(h), grey_room(s), grey_room(i), NULL);
 }
 
 WEAK void IPOverlay(BYTE *c1, BYTE *c2, BYTE *cOut)
 {
-    ROBIOS7(IPOverlay, colours_of(c1), colours_of(c2), colour_room(cOut), NULL);
+    ROBIOS(IPOverlay, colours_of(c1), colours_of(c2), colour_room(cOut), NULL);
 }
 
 WEAK void IPOverlayGray(BYTE *g1, BYTE *g2, COLOR col, BYTE *cOut)
 {
-    ROBIOS7(IPOverlayGray, grey_of(g1), grey_of(g2), col, colour_room(cOut), NULL);
+    ROBIOS(IPOverlayGray, grey_of(g1), grey_of(g2), col, colour_room(cOut), NULL);
 }
 
 /* ---- OS ---- */
@@ -289,7 +259,7 @@ WEAK void IPOverlayGray(BYTE *g1, BYTE *g2, COLOR col, BYTE *cOut)
 WEAK int OSExecute(const char *command, char *out)
 {
     int32_t result = 0;
-    ROBIOS7(OSExecute, text_of(command), room_of(out, MAX_OUTPUT), &result);
+    ROBIOS(OSExecute, text_of(command), room_of(out, MAX_OUTPUT), &result);
     return result;
 }
 
@@ -304,21 +274,21 @@ WEAK char *eyesim_OSExecute(const char *command)
 WEAK int OSVersion(char *buf)
 {
     int32_t result = 0;
-    ROBIOS7(OSVersion, room_of(buf, MAX_NAME), &result);
+    ROBIOS(OSVersion, room_of(buf, MAX_NAME), &result);
     return result;
 }
 
 WEAK int OSVersionIO(char *buf)
 {
     int32_t result = 0;
-    ROBIOS7(OSVersionIO, room_of(buf, MAX_NAME), &result);
+    ROBIOS(OSVersionIO, room_of(buf, MAX_NAME), &result);
     return result;
 }
 
 WEAK int OSMachineName(char *buf)
 {
     int32_t result = 0;
-    ROBIOS7(OSMachineName, room_of(buf, MAX_NAME), &result);
+    ROBIOS(OSMachineName, room_of(buf, MAX_NAME), &result);
     return result;
 }
 
@@ -329,7 +299,7 @@ WEAK int MTInit(void) { return 0; }
 WEAK int MTSleep(int n)
 {
     int32_t result = 0;
-    ROBIOS7(OSWait, n > INT32_MAX / 10 ? INT32_MAX : 10 * n, &result);
+    ROBIOS(OSWait, n > INT32_MAX / 10 ? INT32_MAX : 10 * n, &result);
     return result;
 }
 
@@ -375,28 +345,28 @@ WEAK int SEMAUnlock(SEMA *sem) { return sem_post(sem) == 0 ? 0 : 1; }
 WEAK int SERSend(int interface, const char *buf, uint32_t size)
 {
     int32_t result = 0;
-    ROBIOS7(SERSend, interface, bytes_of(buf, size), &result);
+    ROBIOS(SERSend, interface, bytes_of(buf, size), &result);
     return result;
 }
 
 WEAK int eyesim_SERSend(int interface, const char *text)
 {
     int32_t result = 0;
-    ROBIOS7(SERSend, interface, text_of(text), &result);
+    ROBIOS(SERSend, interface, text_of(text), &result);
     return result;
 }
 
 WEAK int SERReceive(int interface, unsigned char *buf)
 {
     int32_t result = 0;
-    ROBIOS7(SERReceive, interface, room_of(buf, MAX_SERIAL), &result);
+    ROBIOS(SERReceive, interface, room_of(buf, MAX_SERIAL), &result);
     return result;
 }
 
 WEAK int AUPlay(const void *sample)
 {
     int32_t result = 0;
-    ROBIOS7(AUPlay, sample_of(sample), &result);
+    ROBIOS(AUPlay, sample_of(sample), &result);
     return result;
 }
 
@@ -404,7 +374,7 @@ WEAK int AURecord(BYTE *buf, int time, long freq)
 {
     int32_t result = 0;
     int64_t len = time > 0 && freq > 0 && freq <= 1000000 ? (int64_t)time * freq / 1000 : 0;
-    ROBIOS7(AURecord, room_of(len > 0 ? buf : NULL, (size_t)len), freq, &result);
+    ROBIOS(AURecord, room_of(len > 0 ? buf : NULL, (size_t)len), freq, &result);
     return result;
 }
 
@@ -413,7 +383,7 @@ WEAK int AURecord(BYTE *buf, int time, long freq)
 WEAK int LIDARGet(int distance[])
 {
     int32_t result = 0;
-    ROBIOS7(LIDARGet, room_of(distance, MAX_LIDAR_POINTS), &result);
+    ROBIOS(LIDARGet, room_of(distance, MAX_LIDAR_POINTS), &result);
     return result;
 }
 
@@ -422,35 +392,35 @@ WEAK int SIMLaserScan(int *dists) { return LIDARGet(dists); }
 WEAK int ANALOGTransfer(BYTE *buffer)
 {
     int32_t result = 0;
-    ROBIOS7(ANALOGTransfer, room_of(buffer, MAX_RECORDING), &result);
+    ROBIOS(ANALOGTransfer, room_of(buffer, MAX_RECORDING), &result);
     return result;
 }
 
 WEAK int MOTORPIDoff(int motor)
 {
     int32_t result = 0;
-    ROBIOS7(MOTORPIDOff, motor, &result);
+    ROBIOS(MOTORPIDOff, motor, &result);
     return result;
 }
 
 WEAK int VWDriveRemain(void)
 {
     int32_t result = 0;
-    ROBIOS7(VWRemain, &result);
+    ROBIOS(VWRemain, &result);
     return result;
 }
 
 WEAK int VWDriveDone(void)
 {
     int32_t result = 0;
-    ROBIOS7(VWDone, &result);
+    ROBIOS(VWDone, &result);
     return result;
 }
 
 WEAK int VWDriveWait(void)
 {
     int32_t result = 0;
-    ROBIOS7(VWWait, &result);
+    ROBIOS(VWWait, &result);
     return result;
 }
 
@@ -459,27 +429,27 @@ WEAK int VWDriveWait(void)
 WEAK int RADIOCheck()
 {
     int32_t result = 0;
-    ROBIOS7(RADIOCheck, &result);
+    ROBIOS(RADIOCheck, &result);
     return result;
 }
 
 WEAK int RADIOReceive(int *id, char *buf, int size)
 {
     int32_t result = 0;
-    ROBIOS7(RADIOReceive, id, room_of(size > 0 ? buf : NULL, size > 0 ? (size_t)size : 0), &result);
+    ROBIOS(RADIOReceive, id, room_of(size > 0 ? buf : NULL, size > 0 ? (size_t)size : 0), &result);
     return result;
 }
 
 WEAK int RADIOStatus(int IDlist[])
 {
     int32_t result = 0;
-    ROBIOS7(RADIOStatus, room_of(IDlist, MAX_RADIO_IDS), &result);
+    ROBIOS(RADIOStatus, room_of(IDlist, MAX_RADIO_IDS), &result);
     return result;
 }
 
 /* ---- SIM of the header of 2017 ---- */
 
-WEAK void SIMGetPose(int *x, int *y, int *phi) { ROBIOS7(SIMGetRobot, 0, x, y, NULL, phi, NULL); }
-WEAK void SIMSetPose(int x, int y, int phi) { ROBIOS7(SIMSetRobot, 0, x, y, 0, phi, NULL); }
-WEAK void eyesim_SIMGetObject(int id, int *x, int *y, int *phi) { ROBIOS7(SIMGetObject, id, x, y, NULL, phi, NULL); }
-WEAK void eyesim_SIMSetObject(int id, int x, int y, int phi) { ROBIOS7(SIMSetObject, id, x, y, 0, phi, NULL); }
+WEAK void SIMGetPose(int *x, int *y, int *phi) { ROBIOS(SIMGetRobot, 0, x, y, NULL, phi, NULL); }
+WEAK void SIMSetPose(int x, int y, int phi) { ROBIOS(SIMSetRobot, 0, x, y, 0, phi, NULL); }
+WEAK void eyesim_SIMGetObject(int id, int *x, int *y, int *phi) { ROBIOS(SIMGetObject, id, x, y, NULL, phi, NULL); }
+WEAK void eyesim_SIMSetObject(int id, int x, int y, int phi) { ROBIOS(SIMSetObject, id, x, y, 0, phi, NULL); }

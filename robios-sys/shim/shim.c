@@ -170,8 +170,11 @@ static void returned(int32_t status, struct frame *frame)
             returned(self.host->table->name(self.robot, __VA_ARGS__), frame_);                                          \
         }                                                                                                               \
     } while (0)
-#define ROBIOS6(name, ...) CALL(robios6, name, __VA_ARGS__)
-#define ROBIOS7(name, ...) CALL(robios7, name, __VA_ARGS__)
+#if EYESIM_ROBIOS == 7
+#define ROBIOS(name, ...) CALL(robios7, name, __VA_ARGS__)
+#else
+#define ROBIOS(name, ...) CALL(robios6, name, __VA_ARGS__)
+#endif
 #define SUPPORT(name, ...) CALL(support, name, __VA_ARGS__)
 
 /* ---- conversions ---- */
@@ -261,6 +264,36 @@ static char *formatted(char *local, size_t room, const char *format, va_list arg
         vsnprintf(text, (size_t)len + 1, format, again);
     va_end(again);
     return text;
+}
+
+WEAK int LCDPrintf(const char *format, ...)
+{
+    char local[512];
+    char *text;
+    int32_t result = 0;
+    va_list arguments;
+    va_start(arguments, format);
+    text = formatted(local, sizeof local, format, arguments);
+    va_end(arguments);
+    ROBIOS(LCDPrintf, text_of(text), &result);
+    if (text != local)
+        free(text);
+    return result;
+}
+
+WEAK int LCDSetPrintf(int row, int column, const char *format, ...)
+{
+    char local[512];
+    char *text;
+    int32_t result = 0;
+    va_list arguments;
+    va_start(arguments, format);
+    text = formatted(local, sizeof local, format, arguments);
+    va_end(arguments);
+    ROBIOS(LCDSetPrintf, row, column, text_of(text), &result);
+    if (text != local)
+        free(text);
+    return result;
 }
 
 #if EYESIM_ROBIOS == 7

@@ -1,23 +1,16 @@
-//! The Python side, embedded as text: the module `eye` of robot programs in Python.
-
-use std::fmt::Write as _;
+//! The Python side: the module `eye` of robot programs in Python, made of the lists and of `python/runtime.py`.
 
 use crate::constant::Constant;
 use crate::robios7::{CONSTANTS, Robios7Call};
 use crate::support::SupportCall;
 use crate::table::Function;
 
-/// The module `eye`: constants and functions of RoBIOS-7, and the child's side of the protocol; run as a script it runs a
-/// program, whose path is its argument.
-pub const EYE: &str = include_str!("../python/eye.py");
-
-/// What is not generated: `runtime.py`, with places for the rest.
+/// What does not follow from the lists, with places for the rest.
 const RUNTIME: &str = include_str!("../python/runtime.py");
 
-const NOTICE: &str = "Generated: cargo run -p robios-sys --bin generate";
-
-/// The text that `eye.py` must have.
-pub(crate) fn generated() -> String {
+/// The module `eye`: constants and functions of RoBIOS-7, and the child's side of the protocol; run as a script it runs a
+/// program, whose path is its argument.
+pub fn eye() -> String {
     let support = SupportCall::ALL.iter().map(|call| (0, call.index(), call.function()));
     let robios7 = Robios7Call::ALL.iter().map(|call| (7, call.index(), call.function()));
     let mut calls = String::new();
@@ -25,13 +18,11 @@ pub(crate) fn generated() -> String {
         let name = if list == 0 { format!("_support_{}", function.name) } else { format!("_{}", function.name) };
         let kinds: String = function.parameters.iter().map(|parameter| kind(parameter.kind)).collect();
         let result = kind(function.returns);
-        writeln!(calls, "{name} = (\"{}\", {list}, {number}, \"{kinds}\", \"{result}\")", function.name)
-            .expect("a string takes every line");
+        calls += &format!("{name} = (\"{}\", {list}, {number}, \"{kinds}\", \"{result}\")\n", function.name);
     }
     let plain = Robios7Call::ALL.iter().map(|call| call.function()).filter(|function| is_plain(function));
     let functions: Vec<String> = plain.map(definition).collect();
     RUNTIME
-        .replace("@NOTICE@", NOTICE)
         .replace("# @CONSTANTS@", CONSTANTS.iter().map(constant).collect::<String>().trim_end())
         .replace("# @CALLS@", calls.trim_end())
         .replace("# @FUNCTIONS@", functions.join("\n\n\n").trim_end())
@@ -96,9 +87,10 @@ mod tests {
 
     #[test]
     fn every_function_is_in_the_module_once() {
+        let eye = eye();
         for call in Robios7Call::ALL {
             let definition = format!("\ndef {}(", call.name());
-            assert_eq!(EYE.matches(&definition).count(), 1, "{}", call.name());
+            assert_eq!(eye.matches(&definition).count(), 1, "{}", call.name());
         }
     }
 }

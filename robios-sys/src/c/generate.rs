@@ -13,8 +13,6 @@ use crate::table::{Family, Function, Parameter};
 struct Generation {
     /// As the header says it.
     title: &'static str,
-    /// The macro by which the shim calls the table.
-    call: &'static str,
     families: &'static [Family],
     functions: Vec<&'static Function>,
     constants: &'static [Constant],
@@ -27,7 +25,6 @@ struct Generation {
 pub fn generated() -> Vec<(&'static str, String)> {
     let six = Generation {
         title: "RoBIOS 6",
-        call: "ROBIOS6",
         families: Robios6Call::FAMILIES,
         functions: Robios6Call::ALL.iter().map(|call| call.function()).collect(),
         constants: robios6::CONSTANTS,
@@ -36,7 +33,6 @@ pub fn generated() -> Vec<(&'static str, String)> {
     };
     let seven = Generation {
         title: "RoBIOS-7",
-        call: "ROBIOS7",
         families: Robios7Call::FAMILIES,
         functions: Robios7Call::ALL.iter().map(|call| call.function()).collect(),
         constants: robios7::CONSTANTS,
@@ -52,7 +48,6 @@ pub fn generated() -> Vec<(&'static str, String)> {
         ("shim/abi.h", abi_header(&support, &six.functions, &seven.functions)),
         ("shim/robios6.c", shim_functions(&six)),
         ("shim/robios7.c", shim_functions(&seven)),
-        ("python/eye.py", crate::python::generated()),
         ("../docs/c-library.md", super::page::c_library_page()),
     ]
 }
@@ -272,15 +267,15 @@ fn table(name: &str, version: u32, functions: &[&Function]) -> String {
 }
 
 fn shim_functions(generation: &Generation) -> String {
-    let Generation { title, call, .. } = generation;
+    let title = generation.title;
     let mut text = format!("/* The {title} functions as a program calls them; part of shim.c.\n * {NOTICE} */\n");
     for function in generation.functions.iter().filter(|function| function.prototype.is_none()) {
         let arguments: String = function.parameters.iter().map(|p| format!("{}, ", argument(p))).collect();
         let (prototype, name) = (prototype(function), function.name);
         let body = match CType::of(function.returns) {
-            CType { abi: "void", .. } => format!("    {call}({name}, {arguments}NULL);\n"),
+            CType { abi: "void", .. } => format!("    ROBIOS({name}, {arguments}NULL);\n"),
             CType { abi, .. } => {
-                format!("    {abi} result = 0;\n    {call}({name}, {arguments}&result);\n    return result;\n")
+                format!("    {abi} result = 0;\n    ROBIOS({name}, {arguments}&result);\n    return result;\n")
             }
         };
         write!(text, "\nWEAK {prototype}\n{{\n{body}}}\n").expect("a string takes every line");

@@ -195,7 +195,7 @@ impl Project<'_> {
             Language::Python => {
                 files.push((program.clone(), fill(include_str!("new/robios7.py"))));
                 files.push(("README.md".into(), fill(include_str!("new/readme-python.md"))));
-                files.push(("eye.py".into(), robios_sys::python::EYE.to_owned()));
+                files.push(("eye.py".into(), robios_sys::python::eye()));
             }
             Language::Rust => {
                 let source = match self.generation {

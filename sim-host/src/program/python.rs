@@ -72,7 +72,7 @@ impl Python {
 }
 
 fn write_eye(cache: &Cache) -> io::Result<PathBuf> {
-    let text = robios_sys::python::EYE;
+    let text = robios_sys::python::eye();
     let digest = &blake3::hash(text.as_bytes()).to_hex()[..32];
     let path = cache.folder("kits")?.join(digest).join("eye.py");
     if !std::fs::read(&path).is_ok_and(|there| there == text.as_bytes()) {
