@@ -40,6 +40,16 @@ pub fn exp(x: f64) -> f64 {
     libm::exp(x)
 }
 
+/// Natural logarithm of `x`.
+pub fn ln(x: f64) -> f64 {
+    libm::log(x)
+}
+
+/// 1 - erf(x), without cancellation for large x: twice the share of a normal distribution beyond sqrt(2) x.
+pub fn erfc(x: f64) -> f64 {
+    libm::erfc(x)
+}
+
 /// sin(x) / x, continued by 1 at 0; full precision for every x.
 pub fn sinc(x: f64) -> f64 {
     // Below 1e-4 the next term of the series, x^4 / 120, is under half a unit in the last place of 1.

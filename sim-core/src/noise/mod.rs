@@ -1,8 +1,7 @@
-//! Randomness: keyed streams, so that no reader, robot or device changes what another one draws.
-//!
-//! Every random number of a run comes from a [`Stream`] with a key of its own: the run's seed, the robot, the purpose and a
-//! number within the purpose. Error models come later and stand on this.
+//! Randomness: keyed streams, so that no reader, robot or device changes what another one draws, and the error models on top.
 
+mod normal;
 mod stream;
 
-pub use stream::{Purpose, Stream};
+pub use normal::normal_quantile;
+pub use stream::{Events, Purpose, Stream, name_key};

@@ -3,7 +3,9 @@
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 
+use super::normal_quantile;
 use crate::RobotId;
+use crate::time::Time;
 
 /// What a stream is for; the number is part of the key and never changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -13,6 +15,31 @@ pub enum Purpose {
     Program = 1,
     /// Where a robot of a random layout starts.
     Layout = 2,
+    /// What a device is by its making, drawn once: event 0.
+    Make = 3,
+    /// Readings of a distance sensor.
+    Range = 4,
+    /// Scans of a lidar.
+    Scan = 5,
+    /// Readings of a compass.
+    Compass = 6,
+    /// Frames of a camera.
+    Image = 7,
+    /// How the drive carries out its commands.
+    Command = 8,
+    /// How the drive measures what it did.
+    Odometry = 9,
+}
+
+/// The seed of a stream: (seed of the run, robot, purpose, number, sub-number), in 32 bytes.
+fn key(seed: u64, robot: RobotId, purpose: Purpose, number: u32, sub_number: u64) -> [u8; 32] {
+    let mut key = [0; 32];
+    key[..8].copy_from_slice(&seed.to_le_bytes());
+    key[8..12].copy_from_slice(&robot.0.to_le_bytes());
+    key[12..16].copy_from_slice(&(purpose as u32).to_le_bytes());
+    key[16..20].copy_from_slice(&number.to_le_bytes());
+    key[20..28].copy_from_slice(&sub_number.to_le_bytes());
+    key
 }
 
 /// Random bits that are a function of their key alone.
@@ -25,16 +52,10 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// The stream of a run with `seed`, for `purpose` of `robot`; `number` and `sub_number` tell its streams apart (a device,
-    /// a seed that a program has set).
+    /// The stream of a run with `seed`, for `purpose` of `robot`; `number` and `sub_number` tell its streams apart (a seed that a
+    /// program has set). The streams of devices are those of [`Events`].
     pub fn new(seed: u64, robot: RobotId, purpose: Purpose, number: u32, sub_number: u64) -> Self {
-        let mut key = [0; 32];
-        key[..8].copy_from_slice(&seed.to_le_bytes());
-        key[8..12].copy_from_slice(&robot.0.to_le_bytes());
-        key[12..16].copy_from_slice(&(purpose as u32).to_le_bytes());
-        key[16..20].copy_from_slice(&number.to_le_bytes());
-        key[20..28].copy_from_slice(&sub_number.to_le_bytes());
-        Self { generator: ChaCha8Rng::from_seed(key) }
+        Self { generator: ChaCha8Rng::from_seed(key(seed, robot, purpose, number, sub_number)) }
     }
 
     /// The next 64 bits.
@@ -46,6 +67,57 @@ impl Stream {
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
+
+    /// The next number of the standard normal distribution; at most 8.21 away from 0.
+    pub fn normal(&mut self) -> f64 {
+        // The middle of one of 2^52 cells, exactly: symmetric, never 0 or 1.
+        normal_quantile(((self.bits() >> 12) as f64 + 0.5) / (1_u64 << 52) as f64)
+    }
+}
+
+/// The streams of a device's events: a reading, a scan, a frame, a tick of the drive.
+///
+/// What an event draws is a function of (seed, robot, purpose, name of the device, index of the event) alone: the first four
+/// are the key, with the name as [`name_key`]; the index is ChaCha's 64-bit stream number.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Events {
+    key: [u8; 32],
+}
+
+impl Events {
+    /// The events of the device called `device` on `robot`; a drive, of which a robot has one, is `""`.
+    pub fn new(seed: u64, robot: RobotId, purpose: Purpose, device: &str) -> Self {
+        Self { key: key(seed, robot, purpose, 0, name_key(device)) }
+    }
+
+    /// What the event of this index draws.
+    pub fn at(&self, index: u64) -> Stream {
+        let mut generator = ChaCha8Rng::from_seed(self.key);
+        generator.set_stream(index);
+        Stream { generator }
+    }
+
+    /// The index of what a device with `period` does at `time`: how many whole periods have gone by, so that it does not depend on
+    /// who reads it how often. A device without a period has one of 1 us.
+    ///
+    /// # Panics
+    /// If the period is not positive.
+    pub fn index(time: Time, period: Time) -> u64 {
+        assert!(period > Time::ZERO, "a period is positive, this one is {period}");
+        time.0.div_euclid(period.0) as u64
+    }
+}
+
+/// A name as part of a key: FNV-1a with 64 bits over its UTF-8 bytes.
+///
+/// Source: Fowler, Noll and Vo; RFC 9923.
+pub const fn name_key(name: &str) -> u64 {
+    let (bytes, mut hash, mut index) = (name.as_bytes(), 0xcbf2_9ce4_8422_2325_u64, 0);
+    while index < bytes.len() {
+        hash = (hash ^ bytes[index] as u64).wrapping_mul(0x0100_0000_01b3);
+        index += 1;
+    }
+    hash
 }
 
 #[cfg(test)]
@@ -65,6 +137,24 @@ mod tests {
     }
 
     #[test]
+    fn every_part_of_an_events_key_counts() {
+        let event =
+            |seed, robot, purpose, device, index| Events::new(seed, RobotId(robot), purpose, device).at(index).bits();
+        let streams = [
+            event(0, 1, Purpose::Range, "PSD_FRONT", 0),
+            event(1, 1, Purpose::Range, "PSD_FRONT", 0),
+            event(0, 2, Purpose::Range, "PSD_FRONT", 0),
+            event(0, 1, Purpose::Scan, "PSD_FRONT", 0),
+            event(0, 1, Purpose::Range, "PSD_LEFT", 0),
+            event(0, 1, Purpose::Range, "PSD_FRONT", 1),
+            event(0, 1, Purpose::Range, "PSD_FRONT", 1 << 32),
+        ];
+        for (index, bits) in streams.iter().enumerate() {
+            assert!(!streams[..index].contains(bits), "{streams:x?}");
+        }
+    }
+
+    #[test]
     fn the_values_are_golden() {
         let mut stream = Stream::new(42, RobotId(3), Purpose::Program, 1, 7);
         assert_eq!([stream.bits(), stream.bits()], GOLDEN);
@@ -72,4 +162,66 @@ mod tests {
 
     /// First bits of the stream above: a change of generator or key changes every recorded run.
     const GOLDEN: [u64; 2] = [3_252_954_896_834_025_347, 14_015_292_282_578_683_744];
+
+    #[test]
+    fn the_events_of_each_purpose_are_golden() {
+        let mut found = [0; 9];
+        let purposes = [
+            Purpose::Program,
+            Purpose::Layout,
+            Purpose::Make,
+            Purpose::Range,
+            Purpose::Scan,
+            Purpose::Compass,
+            Purpose::Image,
+            Purpose::Command,
+            Purpose::Odometry,
+        ];
+        for (place, purpose) in purposes.into_iter().enumerate() {
+            assert_eq!(purpose as usize, place + 1);
+            found[place] = Events::new(42, RobotId(3), purpose, "PSD_FRONT").at(7).bits();
+        }
+        assert_eq!(found, GOLDEN_EVENTS, "{found:#x?}");
+        let mut stream = Events::new(42, RobotId(3), Purpose::Range, "PSD_FRONT").at(u64::MAX);
+        let drawn = (stream.unit(), stream.normal(), stream.normal());
+        assert_eq!(drawn, GOLDEN_DRAWN, "{drawn:?}");
+    }
+
+    /// The same come out of a ChaCha written in another language from its definition.
+    const GOLDEN_EVENTS: [u64; 9] = [
+        0xa631_bd5f_95b4_d7b2,
+        0x551d_90f5_eea6_9fba,
+        0xd8b6_267d_df72_96b2,
+        0x8fe5_6b92_a43c_6ad5,
+        0x55ee_a2f8_648e_624f,
+        0xf184_490b_f0a7_ecd6,
+        0xa99d_2a23_3a74_46ba,
+        0x6939_f77c_a17a_132a,
+        0x6e21_fa97_fbbf_4fd1,
+    ];
+    const GOLDEN_DRAWN: (f64, f64, f64) = (0.6329601650520771, 0.047532769841789946, -0.49639295803043604);
+
+    #[test]
+    fn an_event_without_a_name_and_index_0_is_the_stream_of_that_key() {
+        let mut event = Events::new(5, RobotId(1), Purpose::Make, "").at(0);
+        let mut stream = Stream::new(5, RobotId(1), Purpose::Make, 0, name_key(""));
+        assert_eq!(event.bits(), stream.bits());
+    }
+
+    #[test]
+    fn an_index_is_a_function_of_the_time_alone() {
+        let period = Time::from_millis(60);
+        let indices = [0, 59_999, 60_000, 119_999, 120_000].map(|time| Events::index(Time(time), period));
+        assert_eq!(indices, [0, 0, 1, 1, 2]);
+        assert_eq!(Events::index(Time::NEVER, Time(1)), i64::MAX as u64);
+    }
+
+    #[test]
+    fn names_are_hashed_as_published() {
+        // Test vectors of the authors.
+        assert_eq!(
+            ["", "a", "foobar"].map(name_key),
+            [0xcbf2_9ce4_8422_2325, 0xaf63_dc4c_8601_ec8c, 0x8594_4171_f739_67e8]
+        );
+    }
 }
