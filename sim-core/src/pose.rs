@@ -1,10 +1,11 @@
-//! Poses and twists in the plane: the closed form of motion with constant twist.
+//! Poses and twists in the plane: the closed form of motion with constant twist; and poses in space, of sensors and links.
 //!
 //! The world frame has x to the right, y up and angles counter-clockwise from x; a robot's frame has x forward and y left.
+//! In space z points up in both.
 
 use std::f64::consts::{PI, TAU};
 
-use glam::DVec2;
+use glam::{DMat3, DVec2, DVec3};
 
 use crate::math;
 
@@ -136,6 +137,84 @@ impl Pose {
 #[error("a coordinate is not that of a place, accepted: finite values up to 1e9 m")]
 pub struct PlaceError;
 
+/// A pose in space, of a frame in another: `world_from_sensor` takes coordinates of the sensor's frame to the world's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose3 {
+    /// Origin of the inner frame in the outer one, m.
+    pub position: DVec3,
+    /// The inner frame's axes in the outer one, as columns: a rotation.
+    pub rotation: DMat3,
+}
+
+impl Default for Pose3 {
+    fn default() -> Self {
+        Self::IDENTITY
+    }
+}
+
+impl Pose3 {
+    /// The outer frame itself.
+    pub const IDENTITY: Self = Self { position: DVec3::ZERO, rotation: DMat3::IDENTITY };
+
+    /// The frame at `position`, turned about x by `roll`, then about y so that x rises by `pitch`, then about z by `yaw`,
+    /// all about the outer frame's axes and in rad: Rz(yaw) Ry(-pitch) Rx(roll).
+    ///
+    /// Positive `pitch` looks up, positive `roll` raises the left side, positive `yaw` turns to the left. An angle that is
+    /// 0 leaves zeros exact: a level frame has an exactly level x axis.
+    pub fn from_angles(position: DVec3, roll: f64, pitch: f64, yaw: f64) -> Self {
+        let (sin_roll, cos_roll) = math::sin_cos(roll);
+        let (sin_pitch, cos_pitch) = math::sin_cos(pitch);
+        let (sin_yaw, cos_yaw) = math::sin_cos(yaw);
+        let about_x =
+            DMat3::from_cols(DVec3::X, DVec3::new(0.0, cos_roll, sin_roll), DVec3::new(0.0, -sin_roll, cos_roll));
+        let about_y =
+            DMat3::from_cols(DVec3::new(cos_pitch, 0.0, sin_pitch), DVec3::Y, DVec3::new(-sin_pitch, 0.0, cos_pitch));
+        let about_z = DMat3::from_cols(DVec3::new(cos_yaw, sin_yaw, 0.0), DVec3::new(-sin_yaw, cos_yaw, 0.0), DVec3::Z);
+        Self { position, rotation: about_z * about_y * about_x }
+    }
+
+    /// The frame of a planar pose, raised by `z` metres.
+    pub fn from_planar(pose: &Pose, z: f64) -> Self {
+        let forward = pose.heading.direction();
+        let rotation = DMat3::from_cols(forward.extend(0.0), DVec3::new(-forward.y, forward.x, 0.0), DVec3::Z);
+        Self { position: pose.position.extend(z), rotation }
+    }
+
+    /// The frame at the outer one's origin, turned about `axis`, a unit vector, by `angle` rad; right-handed.
+    ///
+    /// Source: Rodrigues' formula.
+    pub fn about_axis(axis: DVec3, angle: f64) -> Self {
+        let (sin, cos) = math::sin_cos(angle);
+        let turned = |vector: DVec3| vector * cos + axis.cross(vector) * sin + axis * (axis.dot(vector) * (1.0 - cos));
+        Self { position: DVec3::ZERO, rotation: DMat3::from_cols(turned(DVec3::X), turned(DVec3::Y), turned(DVec3::Z)) }
+    }
+
+    /// `outer_from_inner.then(&inner_from_child)` is `outer_from_child`.
+    pub fn then(&self, child: &Pose3) -> Pose3 {
+        Pose3 { position: self.transform_point(child.position), rotation: self.rotation * child.rotation }
+    }
+
+    /// The inner frame's `point` in the outer frame.
+    pub fn transform_point(&self, point: DVec3) -> DVec3 {
+        self.position + self.rotation * point
+    }
+
+    /// The outer frame's `point` in the inner frame.
+    pub fn inverse_transform_point(&self, point: DVec3) -> DVec3 {
+        self.rotation.transpose() * (point - self.position)
+    }
+
+    /// The inner frame's x axis in the outer frame: a sensor's line of sight.
+    pub fn forward(&self) -> DVec3 {
+        self.rotation.x_axis
+    }
+
+    /// Whether the inner frame's x and y axes are exactly level.
+    pub fn is_level(&self) -> bool {
+        self.rotation.x_axis.z == 0.0 && self.rotation.y_axis.z == 0.0
+    }
+}
+
 /// A planar velocity in the moving frame, or that velocity times a time: a displacement along a path of constant twist.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Twist {
@@ -220,6 +299,42 @@ mod tests {
         let twist_of_axle = Twist::new(0.0, 2.0);
         let twist_of_centre = twist_of_axle.at_offset(DVec2::new(-0.04, 0.0));
         assert_eq!(twist_of_centre, Twist { vx: 0.0, vy: -0.08, omega: 2.0 });
+    }
+
+    #[test]
+    fn turns_in_space_have_the_signs_of_the_conventions() {
+        let (roll, pitch, yaw) = (0.3, 0.4, 0.5);
+        let close = |found: DVec3, expected: DVec3| assert!((found - expected).length() < 1e-15, "{found} {expected}");
+        let (sin, cos) = math::sin_cos(0.4);
+        close(Pose3::from_angles(DVec3::ZERO, roll, pitch, 0.0).forward(), DVec3::new(cos, 0.0, sin));
+        let left = Pose3::from_angles(DVec3::ZERO, roll, 0.0, 0.0).rotation.y_axis;
+        assert!(left.z > 0.0 && left.x == 0.0, "the left side rises: {left}");
+        let about = |axis, angle| Pose3::about_axis(axis, angle);
+        let product = about(DVec3::Z, yaw).then(&about(DVec3::Y, -pitch)).then(&about(DVec3::X, roll));
+        let pose = Pose3::from_angles(DVec3::new(1.0, 2.0, 3.0), roll, pitch, yaw);
+        for (found, expected) in [
+            (pose.rotation.x_axis, product.rotation.x_axis),
+            (pose.rotation.y_axis, product.rotation.y_axis),
+            (pose.rotation.z_axis, product.rotation.z_axis),
+        ] {
+            close(found, expected);
+        }
+        let point = DVec3::new(0.1, -0.2, 0.3);
+        close(pose.inverse_transform_point(pose.transform_point(point)), point);
+    }
+
+    #[test]
+    fn a_level_pose_in_space_is_the_planar_one() {
+        let planar = Pose::new(1.0, -2.0, 2.5);
+        let space = Pose3::from_planar(&planar, 0.3);
+        assert_eq!(space, Pose3::from_angles(DVec3::new(1.0, -2.0, 0.3), 0.0, 0.0, 2.5));
+        assert!(space.is_level() && !Pose3::from_angles(DVec3::ZERO, 0.0, 1e-9, 1.0).is_level());
+        let child = space.then(&Pose3::from_angles(DVec3::new(0.3, 0.4, 0.1), 0.0, 0.0, 1.0));
+        let composed = planar.compose(&Pose::new(0.3, 0.4, 1.0));
+        assert!(
+            (child.position.truncate() - composed.position).length() < 1e-15 && (child.position.z - 0.4).abs() < 1e-15
+        );
+        assert!((child.forward().truncate() - composed.heading.direction()).length() < 1e-15);
     }
 
     #[test]

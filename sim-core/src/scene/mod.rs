@@ -10,6 +10,7 @@ mod material;
 mod mesh;
 mod moving;
 mod segment;
+mod surface;
 mod walls;
 
 pub use bounds::Bounds;
@@ -17,4 +18,5 @@ pub use material::{Material, Texture};
 pub use mesh::{Mesh, Triangle};
 pub use moving::Moving;
 pub use segment::Segment;
+pub use surface::Surface;
 pub use walls::{Hit, WallId, Walls};

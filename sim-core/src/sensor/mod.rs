@@ -5,10 +5,18 @@
 
 mod bumper;
 mod compass;
+mod echo;
+mod link;
+mod range;
 mod ray;
 mod scan;
+mod sonar;
 
 pub use bumper::Bumper;
 pub use compass::bearing_from_north;
+pub use echo::{Echo, PAPER_SIGMA, incidence, recovered_distance, reflected_signal};
+pub use link::{Link, link_pose};
+pub use range::{RangeModel, RangeSensor, Reading};
 pub use ray::{Beam, Mount};
 pub use scan::{Fan, Scan};
+pub use sonar::{SideLobes, Sonar};

@@ -1,0 +1,169 @@
+use glam::DVec3;
+
+use super::Reading;
+use crate::math;
+
+/// Standard deviation of the Noise of all three sensors of the paper, whose mean is 0. Source: France et al. 1999, section 5.
+pub const PAPER_SIGMA: f64 = 0.01;
+
+/// Rounding of poses and normals that the closed end of a range of incidence absorbs, rad.
+const ANGLE_ROUNDING: f64 = 1e-10;
+
+/// A sensor of one ray that hears or sees its echo only within ranges of distance and incidence, ends included.
+///
+/// Source: France et al. 1999, section 5, with the paper's values in the three presets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Echo {
+    /// Least distance that it measures, m.
+    pub min: f64,
+    /// Greatest distance that it measures, which it also reads when it measures nothing, m.
+    pub max: f64,
+    /// Greatest angle between the ray and the surface's normal, rad.
+    pub incidence: f64,
+}
+
+impl Echo {
+    /// The laser range finder: 0 to 2 m, 45 degrees.
+    pub const LASER: Self = Self { min: 0.0, max: 2.0, incidence: std::f64::consts::FRAC_PI_4 };
+
+    /// The ultrasonic sensor: 0.1 to 1 m, 15 degrees.
+    pub const ULTRASONIC: Self = Self { min: 0.1, max: 1.0, incidence: std::f64::consts::PI / 12.0 };
+
+    /// The reflectance sensor: 0 to 1 m, 90 degrees.
+    pub const REFLECTANCE: Self = Self { min: 0.0, max: 1.0, incidence: std::f64::consts::FRAC_PI_2 };
+
+    /// Whether what the ray meets at `distance` (m) under the angle `incidence` (rad) returns an echo.
+    pub fn returns(&self, distance: f64, incidence: f64) -> bool {
+        (self.min..=self.max).contains(&distance) && incidence <= self.incidence + ANGLE_ROUNDING
+    }
+
+    /// What a laser or an ultrasonic sensor reads of a surface met at (distance in m, incidence in rad), with the paper's
+    /// `noise` N: d (1 + N) with an echo, else the greatest distance. The signal is 1 with an echo, else 0.
+    ///
+    /// Source: France et al., section 5; never below 0: our choice.
+    pub fn time_of_flight(&self, met: Option<(f64, f64)>, noise: f64) -> Reading {
+        match met {
+            Some((distance, incidence)) if self.returns(distance, incidence) => {
+                Reading { distance: Some((distance * (1.0 + noise)).max(0.0)), signal: 1.0 }
+            }
+            _ => Reading { distance: Some(self.max), signal: 0.0 },
+        }
+    }
+
+    /// What a reflectance sensor reads of a surface met at (distance in m, incidence in rad), with the paper's `noise` N:
+    /// the signal of [`reflected_signal`] and the distance of [`recovered_distance`]; without an echo 0 and the greatest
+    /// distance.
+    ///
+    /// Source: France et al., Eq. 1 and section 5.
+    pub fn reflectance(&self, met: Option<(f64, f64)>, noise: f64) -> Reading {
+        match met {
+            Some((distance, incidence)) if self.returns(distance, incidence) => {
+                let signal = reflected_signal(distance, incidence, self.max, noise);
+                Reading { distance: Some(recovered_distance(signal, self.max)), signal }
+            }
+            _ => Reading { distance: Some(self.max), signal: 0.0 },
+        }
+    }
+}
+
+/// Angle between a ray along `direction` and the normal of the surface that it meets, 0 to pi/2 rad, whichever way the
+/// normal points.
+///
+/// By the sine as well as the cosine: equally exact head on and grazing.
+pub fn incidence(direction: DVec3, normal: DVec3) -> f64 {
+    math::atan2(direction.cross(normal).length(), direction.dot(normal).abs())
+}
+
+/// Signal of a reflectance sensor, 1/m: s = (max - d) / d^2 cos^2(alpha) (1 + N), not below 0; infinite at d = 0.
+///
+/// `distance` d and `max` in m, `incidence` alpha in rad up to pi/2, `noise` N.
+///
+/// Source: France et al., Eq. 1; the bound below: the same section.
+pub fn reflected_signal(distance: f64, incidence: f64, max: f64, noise: f64) -> f64 {
+    // Not by way of a square, which is 0 for a distance that is not.
+    let cos = if incidence >= std::f64::consts::FRAC_PI_2 { 0.0 } else { math::cos(incidence) };
+    let share = cos * cos * (1.0 + noise);
+    if share <= 0.0 || distance >= max {
+        return 0.0;
+    }
+    (max - distance) / distance / distance * share
+}
+
+/// The distance at which a surface met head on gives this `signal` (1/m), in m: 0 for an infinite one, `max` for none.
+///
+/// The positive root of s d^2 + d - max = 0 as 2 max / (1 + sqrt(1 + 4 s max)), which keeps its digits as s goes to 0 where
+/// the printed form, (-1 + sqrt(1 + 4 s max)) / (2 s), loses all of them.
+///
+/// Source: France et al., section 5.
+pub fn recovered_distance(signal: f64, max: f64) -> f64 {
+    2.0 * max / (1.0 + (1.0 + 4.0 * signal.max(0.0) * max).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+    use super::*;
+
+    fn distance(reading: Reading) -> f64 {
+        reading.distance.expect("the paper's sensors always read a distance")
+    }
+
+    #[test]
+    fn ranges_are_closed() {
+        for (echo, limit) in [(Echo::LASER, FRAC_PI_4), (Echo::ULTRASONIC, PI / 12.0)] {
+            let read = |d: f64, alpha: f64| distance(echo.time_of_flight(Some((d, alpha)), 0.0));
+            assert_eq!([read(echo.min, 0.0), read(echo.max, 0.0)], [echo.min, echo.max]);
+            assert_eq!(echo.time_of_flight(Some((echo.max, 0.0)), 0.0).signal, 1.0);
+            assert_eq!(echo.time_of_flight(Some((echo.max + 1e-12, 0.0)), 0.0).signal, 0.0);
+            assert_eq!([read(0.5, limit - 1e-9), read(0.5, limit), read(0.5, limit + 1e-9)], [0.5, 0.5, echo.max]);
+            assert_eq!(distance(echo.time_of_flight(None, 0.0)), echo.max);
+        }
+        assert_eq!(distance(Echo::ULTRASONIC.time_of_flight(Some((0.1 - 1e-12, 0.0)), 0.0)), 1.0, "in the dead zone");
+        assert_eq!(distance(Echo::LASER.time_of_flight(Some((1.0, 0.0)), 0.03)), 1.03);
+        assert_eq!(distance(Echo::LASER.time_of_flight(Some((1.0, 0.0)), -2.0)), 0.0);
+    }
+
+    #[test]
+    fn incidence_keeps_its_digits_head_on_and_grazing() {
+        let normal = DVec3::new(0.0, 0.0, 1.0);
+        for angle in [0.0, 1e-12, 1e-9, 0.3, FRAC_PI_4, FRAC_PI_4 + 1e-9, 1.5, FRAC_PI_2 - 1e-9, FRAC_PI_2 - 1e-12] {
+            let (sin, cos) = math::sin_cos(angle);
+            for direction in [DVec3::new(sin, 0.0, -cos), DVec3::new(0.0, -sin, cos)] {
+                assert!((incidence(direction, normal) - angle).abs() < 3e-16, "{angle}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_signal_and_its_inverse_agree_over_all_distances() {
+        let max = 1.0;
+        for exponent in 0..150 {
+            for d in [libm::pow(10.0, -f64::from(exponent)), 1.0 - libm::pow(10.0, -f64::from(exponent) / 20.0)] {
+                let found = recovered_distance(reflected_signal(d, 0.0, max, 0.0), max);
+                // Near the greatest distance, the signal is a small difference of the distances.
+                assert!((found - d).abs() <= 4e-16 * d, "{d}: {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_ends_of_the_signal_are_no_nan() {
+        assert_eq!(reflected_signal(0.0, 0.0, 1.0, 0.0), f64::INFINITY);
+        assert_eq!(recovered_distance(f64::INFINITY, 1.0), 0.0);
+        assert_eq!(reflected_signal(1.0, 0.0, 1.0, 0.0), 0.0);
+        assert_eq!(recovered_distance(0.0, 1.0), 1.0);
+        assert_eq!(reflected_signal(0.0, FRAC_PI_2, 1.0, 0.0), 0.0);
+        assert_eq!(reflected_signal(0.5, 0.0, 1.0, -1.5), 0.0, "clamped");
+        assert_eq!(recovered_distance(-3.0, 1.0), 1.0);
+        // Half way: s = 0.5 / 0.25 = 2, and 2 / (1 + 3) = 0.5 comes back.
+        let half = Echo::REFLECTANCE.reflectance(Some((0.5, 0.0)), 0.0);
+        assert_eq!((half.signal, half.distance), (2.0, Some(0.5)));
+        // At 60 degrees a quarter of it: 2 / (1 + sqrt(3)).
+        let slanting = Echo::REFLECTANCE.reflectance(Some((0.5, PI / 3.0)), 0.0);
+        assert!((slanting.signal - 0.5).abs() < 1e-15);
+        assert!((distance(slanting) - 2.0 / (1.0 + 3.0_f64.sqrt())).abs() < 1e-15);
+        let grazing = Echo::REFLECTANCE.reflectance(Some((0.5, FRAC_PI_2)), 0.0);
+        assert_eq!((grazing.signal, grazing.distance), (0.0, Some(1.0)));
+    }
+}
