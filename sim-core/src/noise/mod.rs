@@ -1,7 +1,13 @@
 //! Randomness: keyed streams, so that no reader, robot or device changes what another one draws, and the error models on top.
 
+mod angle;
+mod image;
 mod normal;
+mod range;
 mod stream;
 
+pub use angle::{Angle, AngleErrors};
+pub use image::{Image, ImageErrors};
 pub use normal::normal_quantile;
+pub use range::{Range, RangeErrors, ScanErrors};
 pub use stream::{Events, Purpose, Stream, name_key};

@@ -17,10 +17,10 @@ pub enum Purpose {
     Layout = 2,
     /// What a device is by its making, drawn once: event 0.
     Make = 3,
-    /// Readings of a distance sensor.
+    /// Readings of a distance sensor, scans of a lidar.
     Range = 4,
-    /// Scans of a lidar.
-    Scan = 5,
+    /// The noise that the model of a sensor has itself.
+    Signal = 5,
     /// Readings of a compass.
     Compass = 6,
     /// Frames of a camera.
@@ -144,7 +144,7 @@ mod tests {
             event(0, 1, Purpose::Range, "PSD_FRONT", 0),
             event(1, 1, Purpose::Range, "PSD_FRONT", 0),
             event(0, 2, Purpose::Range, "PSD_FRONT", 0),
-            event(0, 1, Purpose::Scan, "PSD_FRONT", 0),
+            event(0, 1, Purpose::Signal, "PSD_FRONT", 0),
             event(0, 1, Purpose::Range, "PSD_LEFT", 0),
             event(0, 1, Purpose::Range, "PSD_FRONT", 1),
             event(0, 1, Purpose::Range, "PSD_FRONT", 1 << 32),
@@ -171,7 +171,7 @@ mod tests {
             Purpose::Layout,
             Purpose::Make,
             Purpose::Range,
-            Purpose::Scan,
+            Purpose::Signal,
             Purpose::Compass,
             Purpose::Image,
             Purpose::Command,

@@ -1,0 +1,66 @@
+//! Errors of a compass.
+
+use super::range::stepped;
+use super::{Events, Purpose};
+use crate::RobotId;
+
+/// How the readings of a compass differ from the truth. The default: not at all.
+///
+/// An angle a becomes a + `bias` + B + `sigma` G, rounded to a multiple of `step`: G standard normal for each reading, B
+/// normal with the standard deviation `bias_sigma`, drawn once for each compass. Source: our choice.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Angle {
+    /// Standard deviation of each reading, rad.
+    pub sigma: f64,
+    /// Error of all readings of all compasses, rad.
+    pub bias: f64,
+    /// Standard deviation between compasses of an error that all readings of one have, rad.
+    pub bias_sigma: f64,
+    /// Step of the readings, rad; 0 for none.
+    pub step: f64,
+}
+
+/// The errors of one compass.
+#[derive(Clone, Debug)]
+pub struct AngleErrors {
+    model: Angle,
+    readings: Events,
+    /// Error of all its readings, rad.
+    offset: f64,
+}
+
+impl AngleErrors {
+    /// The errors of the compass called `device` on `robot`, in a run with `seed`.
+    pub fn new(model: Angle, seed: u64, robot: RobotId, device: &str) -> Self {
+        let made = Events::new(seed, robot, Purpose::Make, device).at(0).normal();
+        let offset = model.bias + model.bias_sigma * made;
+        Self { model, readings: Events::new(seed, robot, Purpose::Compass, device), offset }
+    }
+
+    /// What the compass reads in radians where `exact` is true, not wrapped; a function of that and of the reading's
+    /// [index](Events::index).
+    pub fn reading(&self, index: u64, exact: f64) -> f64 {
+        if self.model == Angle::default() {
+            return exact;
+        }
+        stepped(exact + self.offset + self.model.sigma * self.readings.at(index).normal(), self.model.step)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_compass_has_a_bias_a_spread_and_steps() {
+        let read = |model, index| AngleErrors::new(model, 7, RobotId(1), "COMPASS").reading(index, 1.0);
+        assert_eq!(read(Angle::default(), 5), 1.0);
+        assert_eq!(read(Angle { step: 0.3, ..Angle::default() }, 5), 3.0 * 0.3);
+        assert_eq!(read(Angle { bias: 0.25, ..Angle::default() }, 5), 1.25);
+        let made = Angle { bias_sigma: 0.1, ..Angle::default() };
+        assert_eq!(read(made, 5), read(made, 6));
+        assert_ne!(read(made, 5), 1.0);
+        let spread = Angle { sigma: 0.1, ..Angle::default() };
+        assert_ne!(read(spread, 5), read(spread, 6));
+    }
+}

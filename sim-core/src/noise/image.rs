@@ -1,0 +1,140 @@
+//! Errors of images.
+
+use super::{Events, Purpose};
+use crate::RobotId;
+
+/// How the images of a camera differ from what it sees. The default: not at all.
+///
+/// Applied in this order, to each pixel:
+///
+/// 1. to each of its channels (red, green, blue, or grey) `sigma` G is added, G standard normal, and the sum is rounded
+///    and clamped to 0 to 255;
+/// 2. with probability `salt_and_pepper` it becomes white with the probability `salt`, else black;
+/// 3. with probability `hundreds_and_thousands` it becomes a colour of which each channel is uniform over 0 to 255.
+///
+/// Source: Koestler & Bräunl, section 5; the order is our choice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Image {
+    /// Standard deviation, in levels of the 255.
+    pub sigma: f64,
+    /// Probability of a pixel that is white or black.
+    pub salt_and_pepper: f64,
+    /// Share of white among those.
+    pub salt: f64,
+    /// Probability of a pixel of random colour.
+    pub hundreds_and_thousands: f64,
+}
+
+impl Default for Image {
+    fn default() -> Self {
+        Self { sigma: 0.0, salt_and_pepper: 0.0, salt: 0.5, hundreds_and_thousands: 0.0 }
+    }
+}
+
+/// The errors of one camera.
+#[derive(Clone, Debug)]
+pub struct ImageErrors {
+    model: Image,
+    rows: Events,
+}
+
+impl ImageErrors {
+    /// The errors of the camera called `device` on `robot`, in a run with `seed`.
+    pub fn new(model: Image, seed: u64, robot: RobotId, device: &str) -> Self {
+        Self { model, rows: Events::new(seed, robot, Purpose::Image, device) }
+    }
+
+    /// Adds the errors to row `row` of frame `frame`, whose pixels have `CHANNELS` bytes each.
+    ///
+    /// What is drawn is a function of frame and row, so rows may be done in any order, and by several threads.
+    pub fn apply<const CHANNELS: usize>(&self, frame: u64, row: u16, pixels: &mut [[u8; CHANNELS]]) {
+        let Image { sigma, salt_and_pepper, salt, hundreds_and_thousands } = self.model;
+        if sigma > 0.0 {
+            let mut stream = self.rows.at(index(frame, row, 0));
+            for level in pixels.as_flattened_mut() {
+                // A conversion to an integer saturates.
+                *level = (f64::from(*level) + sigma * stream.normal()).round() as u8;
+            }
+        }
+        if salt_and_pepper > 0.0 {
+            let mut stream = self.rows.at(index(frame, row, 1));
+            for pixel in &mut *pixels {
+                let (is_hit, is_white) = (stream.unit() < salt_and_pepper, stream.unit() < salt);
+                if is_hit {
+                    *pixel = [if is_white { 255 } else { 0 }; CHANNELS];
+                }
+            }
+        }
+        if hundreds_and_thousands > 0.0 {
+            let mut stream = self.rows.at(index(frame, row, 2));
+            for pixel in pixels {
+                let (is_hit, colour) = (stream.unit() < hundreds_and_thousands, stream.bits().to_le_bytes());
+                if is_hit {
+                    pixel.copy_from_slice(&colour[..CHANNELS]);
+                }
+            }
+        }
+    }
+}
+
+/// The index of what is done to a row: it is a number of its own for each of the three kinds of errors.
+fn index(frame: u64, row: u16, kind: u64) -> u64 {
+    frame << 18 | u64::from(row) << 2 | kind
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row<const CHANNELS: usize>(model: Image, frame: u64, row: u16) -> Vec<[u8; CHANNELS]> {
+        let mut pixels = vec![[100; CHANNELS]; 1000];
+        ImageErrors::new(model, 7, RobotId(1), "CAMERA").apply(frame, row, &mut pixels);
+        pixels
+    }
+
+    #[test]
+    fn without_errors_an_image_is_exact() {
+        assert!(row::<3>(Image::default(), 3, 4).iter().all(|pixel| *pixel == [100; 3]));
+    }
+
+    #[test]
+    fn rows_and_frames_differ_and_repeat() {
+        let model = Image { sigma: 5.0, salt_and_pepper: 0.1, hundreds_and_thousands: 0.1, ..Image::default() };
+        assert_eq!(row::<3>(model, 3, 4), row::<3>(model, 3, 4));
+        assert_ne!(row::<3>(model, 3, 4), row::<3>(model, 3, 5));
+        assert_ne!(row::<3>(model, 3, 4), row::<3>(model, 4, 4));
+    }
+
+    #[test]
+    fn levels_are_clamped() {
+        let model = Image { sigma: 1e6, ..Image::default() };
+        let levels = row::<1>(model, 0, 0);
+        let (dark, bright) =
+            (levels.iter().filter(|l| l[0] == 0).count(), levels.iter().filter(|l| l[0] == 255).count());
+        assert!(dark > 400 && bright > 400 && dark + bright >= 999, "{dark} dark, {bright} bright");
+    }
+
+    #[test]
+    fn salt_is_white_and_pepper_black() {
+        let of = |salt| row::<3>(Image { salt_and_pepper: 1.0, salt, ..Image::default() }, 0, 0);
+        assert!(of(1.0).iter().all(|pixel| *pixel == [255; 3]));
+        assert!(of(0.0).iter().all(|pixel| *pixel == [0; 3]));
+    }
+
+    #[test]
+    fn hundreds_and_thousands_are_of_all_colours() {
+        let model = Image { hundreds_and_thousands: 1.0, ..Image::default() };
+        let colours: std::collections::BTreeSet<[u8; 3]> = row(model, 0, 0).into_iter().collect();
+        assert!(colours.len() > 990, "{} colours of 1000", colours.len());
+        assert!(row::<1>(model, 0, 0).iter().any(|grey| grey[0] > 200), "greys, too");
+    }
+
+    #[test]
+    fn the_values_are_golden() {
+        let model = Image { sigma: 5.0, salt_and_pepper: 0.3, salt: 0.25, hundreds_and_thousands: 0.3 };
+        let found: Vec<[u8; 3]> = row(model, 2, 1)[6..12].to_vec();
+        assert_eq!(found, GOLDEN, "{found:?}");
+    }
+
+    const GOLDEN: [[u8; 3]; 6] = [[229, 3, 100], [11, 23, 146], [95, 99, 97], [167, 195, 56], [0, 0, 0], [0, 0, 0]];
+}

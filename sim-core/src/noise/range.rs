@@ -1,0 +1,261 @@
+//! Errors of distance sensors and lidars.
+
+use super::{Events, Purpose, Stream};
+use crate::RobotId;
+use crate::math;
+use crate::time::Time;
+
+/// How the readings of a distance sensor differ from the truth. The default: not at all.
+///
+/// Applied in this order, to a distance d seen (or nothing) at the time t since the start of the run:
+///
+/// 1. with probability `dropout` the reading is nothing, whatever is there;
+/// 2. else with probability `outlier` it is uniform over the sensor's range, whatever is there, even if nothing is;
+/// 3. else nothing stays nothing, and a distance becomes d + `bias` + B + `drift` exp(-t / `drift_time`) + s G, with
+///    s^2 = `sigma`^2 + (`sigma_share` d)^2, G standard normal for each reading, and B normal with the standard deviation
+///    `bias_sigma`, drawn once for each sensor;
+/// 4. a distance is rounded to a multiple of `step`, then clamped to the sensor's range.
+///
+/// Source: additive Gaussian noise from Koestler & Bräunl, section 5; all else is our choice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Standard deviation of each reading, m.
+    pub sigma: f64,
+    /// Standard deviation of each reading as a share of the distance.
+    pub sigma_share: f64,
+    /// Error of all readings of all sensors, m.
+    pub bias: f64,
+    /// Standard deviation between sensors of an error that all readings of one sensor have, m.
+    pub bias_sigma: f64,
+    /// Step of the readings, m; 0 for none.
+    pub step: f64,
+    /// Probability of a reading that has nothing to do with the distance.
+    pub outlier: f64,
+    /// Probability of a reading of nothing.
+    pub dropout: f64,
+    /// Error at the start of the run, m, which dies away.
+    pub drift: f64,
+    /// Time in which it dies away to 1/e, s; positive.
+    pub drift_time: f64,
+    /// Share of the noise that the sensor's own model has (the N of France et al.), 0 for none; the reading does not know of it.
+    pub device: f64,
+}
+
+impl Default for Range {
+    fn default() -> Self {
+        Self {
+            sigma: 0.0,
+            sigma_share: 0.0,
+            bias: 0.0,
+            bias_sigma: 0.0,
+            step: 0.0,
+            outlier: 0.0,
+            dropout: 0.0,
+            drift: 0.0,
+            drift_time: 60.0,
+            device: 0.0,
+        }
+    }
+}
+
+/// The errors of one distance sensor or lidar.
+#[derive(Clone, Debug)]
+pub struct RangeErrors {
+    model: Range,
+    readings: Events,
+    signals: Events,
+    /// Error of all its readings, m.
+    offset: f64,
+    is_exact: bool,
+}
+
+impl RangeErrors {
+    /// The errors of the sensor called `device` on `robot`, in a run with `seed`.
+    pub fn new(model: Range, seed: u64, robot: RobotId, device: &str) -> Self {
+        let made = Events::new(seed, robot, Purpose::Make, device).at(0).normal();
+        Self {
+            model,
+            readings: Events::new(seed, robot, Purpose::Range, device),
+            signals: Events::new(seed, robot, Purpose::Signal, device),
+            offset: model.bias + model.bias_sigma * made,
+            is_exact: Range { drift_time: 0.0, device: 0.0, ..model } == Range { drift_time: 0.0, ..Range::default() },
+        }
+    }
+
+    /// The N = sigma G + mean of the sensor's own model for the reading of this [index](Events::index): the model's `device` is the
+    /// share of it that counts. Source: France et al. (1999), section 4.3.
+    pub fn own(&self, index: u64, sigma: f64, mean: f64) -> f64 {
+        if self.model.device == 0.0 {
+            return 0.0;
+        }
+        self.model.device * (sigma * self.signals.at(index).normal() + mean)
+    }
+
+    /// What the sensor reads at `at` where `exact` is true, in metres; `None` is nothing. A reading lies within `range`.
+    ///
+    /// A reading is a function of all this and of its [index](Events::index).
+    pub fn reading(&self, index: u64, at: Time, range: [f64; 2], exact: Option<f64>) -> Option<f64> {
+        self.scan(index, at, range).point(exact)
+    }
+
+    /// What a lidar reads: its points in order, each with errors of its own; the error of all its readings is the same.
+    pub fn scan(&self, index: u64, at: Time, range: [f64; 2]) -> ScanErrors<'_> {
+        let stream = (!self.is_exact).then(|| {
+            let age = at.seconds() / self.model.drift_time;
+            let offset = self.offset + self.model.drift * math::exp(-age);
+            (self.readings.at(index), offset)
+        });
+        ScanErrors { model: &self.model, range, stream }
+    }
+}
+
+/// The errors of one scan.
+#[derive(Clone, Debug)]
+pub struct ScanErrors<'a> {
+    model: &'a Range,
+    range: [f64; 2],
+    /// And the error of all its points; `None` where all readings are exact.
+    stream: Option<(Stream, f64)>,
+}
+
+impl ScanErrors<'_> {
+    /// What the next point reads where `exact` is true.
+    pub fn point(&mut self, exact: Option<f64>) -> Option<f64> {
+        let Some((stream, offset)) = &mut self.stream else { return exact };
+        // All four are drawn in any case: a probability that is changed changes no other number.
+        let (drops, strays, place, normal) = (stream.unit(), stream.unit(), stream.unit(), stream.normal());
+        let (model, [low, high]) = (self.model, self.range);
+        let distance = if drops < model.dropout {
+            return None;
+        } else if strays < model.outlier {
+            low + (high - low) * place
+        } else {
+            let exact = exact?;
+            exact + *offset + math::hypot(model.sigma, model.sigma_share * exact) * normal
+        };
+        Some(stepped(distance, model.step).max(low).min(high))
+    }
+}
+
+/// The multiple of `step` that is nearest to `value`; the value itself where there are no steps.
+pub(super) fn stepped(value: f64, step: f64) -> f64 {
+    if step > 0.0 { (value / step).round() * step } else { value }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: [f64; 2] = [0.05, 4.0];
+
+    fn errors(model: Range) -> RangeErrors {
+        RangeErrors::new(model, 7, RobotId(2), "PSD_FRONT")
+    }
+
+    fn readings(model: Range, exact: Option<f64>) -> impl Iterator<Item = Option<f64>> {
+        let errors = errors(model);
+        (0..10_000).map(move |index| errors.reading(index, Time::ZERO, LIMITS, exact))
+    }
+
+    #[test]
+    fn without_errors_every_reading_is_exact() {
+        for exact in [None, Some(0.0), Some(1.234_567_890_123), Some(100.0)] {
+            let model = Range { drift_time: 3.0, device: 1.0, ..Range::default() };
+            assert!(readings(model, exact).all(|reading| reading == exact), "even out of range");
+        }
+        assert_eq!(errors(Range::default()).own(3, 0.01, 0.5), 0.0);
+    }
+
+    #[test]
+    fn nothing_stays_nothing_but_for_outliers() {
+        let model = Range { sigma: 0.1, sigma_share: 0.1, bias: -1.0, step: 0.1, ..Range::default() };
+        assert!(readings(model, None).all(|reading| reading.is_none()));
+        let strays = readings(Range { outlier: 0.25, ..model }, None).flatten().count();
+        assert!((2_300..2_700).contains(&strays), "{strays} of 10000 at a quarter");
+        assert!(readings(Range { outlier: 1.0, ..model }, None).all(|reading| reading.is_some()));
+    }
+
+    #[test]
+    fn drop_outs_go_before_outliers() {
+        let model = Range { outlier: 1.0, dropout: 1.0, ..Range::default() };
+        assert!(readings(model, Some(1.0)).all(|reading| reading.is_none()));
+    }
+
+    #[test]
+    fn readings_stay_in_the_range() {
+        for exact in [0.0, 0.05, 3.99, 4.0, 1e9] {
+            let model = Range { sigma: 1.0, step: 0.03, outlier: 0.1, ..Range::default() };
+            let [low, high] = LIMITS;
+            assert!(readings(model, Some(exact)).flatten().all(|reading| (low..=high).contains(&reading)));
+        }
+    }
+
+    #[test]
+    fn a_bias_of_the_making_is_one_for_all_readings_of_a_sensor_and_another_for_each() {
+        let model = Range { bias: 0.01, bias_sigma: 0.002, ..Range::default() };
+        let offset = |robot, name| {
+            let errors = RangeErrors::new(model, 7, RobotId(robot), name);
+            let read = |index| errors.reading(index, Time::ZERO, LIMITS, Some(1.0)).map(|reading| reading - 1.0);
+            assert_eq!(read(1), read(2));
+            read(1).expect("a distance")
+        };
+        let offsets = [offset(1, "A"), offset(1, "B"), offset(2, "A")];
+        assert!(offsets[0] != offsets[1] && offsets[0] != offsets[2], "{offsets:?}");
+        assert!(offsets.iter().all(|offset| (offset - 0.01).abs() < 5.0 * 0.002), "{offsets:?}");
+    }
+
+    #[test]
+    fn a_drift_dies_away_with_its_time() {
+        let errors = errors(Range { drift: 0.1, drift_time: 20.0, ..Range::default() });
+        for (seconds, offset) in [(0, 0.1), (20, 0.1 / std::f64::consts::E), (2_000_000, 0.0)] {
+            let at = Time::from_millis(seconds * 1000);
+            let reading = errors.reading(9, at, LIMITS, Some(2.0)).expect("a distance");
+            assert!((reading - 2.0 - offset).abs() < 1e-15, "{seconds} s: {reading}");
+        }
+    }
+
+    #[test]
+    fn a_probability_that_is_changed_changes_no_other_reading() {
+        let model = Range { sigma: 0.01, ..Range::default() };
+        let more = Range { outlier: 0.1, dropout: 0.2, ..model };
+        let same = readings(model, Some(2.0)).zip(readings(more, Some(2.0))).filter(|(a, b)| a == b).count();
+        assert!((7_000..7_400).contains(&same), "{same} of 10000 at 0.9 times 0.8");
+    }
+
+    #[test]
+    fn steps_are_rounded_to_the_nearest() {
+        assert_eq!([0.24, 0.25, -0.25, 0.26].map(|value| stepped(value, 0.5)), [0.0, 0.5, -0.5, 0.5]);
+        assert_eq!(stepped(0.24, 0.0), 0.24);
+    }
+
+    #[test]
+    fn the_points_of_a_scan_differ_and_the_first_is_a_reading() {
+        let errors = errors(Range { sigma: 0.01, ..Range::default() });
+        let mut scan = errors.scan(5, Time::ZERO, LIMITS);
+        let points = [scan.point(Some(1.0)), scan.point(Some(1.0))];
+        assert_eq!(points[0], errors.reading(5, Time::ZERO, LIMITS, Some(1.0)));
+        assert_ne!(points[0], points[1]);
+    }
+
+    #[test]
+    fn the_values_are_golden() {
+        let model = Range {
+            sigma: 0.01,
+            sigma_share: 0.01,
+            bias: 0.005,
+            bias_sigma: 0.01,
+            drift: 0.1,
+            device: 0.5,
+            ..Range::default()
+        };
+        let errors = errors(model);
+        let found = [
+            errors.reading(1, Time::from_millis(60), LIMITS, Some(1.0)).unwrap_or_default(),
+            errors.reading(2, Time::from_millis(120), LIMITS, Some(3.0)).unwrap_or_default(),
+            errors.own(1, 0.01, 0.002),
+        ];
+        assert_eq!(found, GOLDEN, "{found:?}");
+    }
+
+    const GOLDEN: [f64; 3] = [1.099510784396984, 3.0970863903032564, 0.0003095802652095729];
+}
