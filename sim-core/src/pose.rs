@@ -240,6 +240,11 @@ impl Twist {
         Self { vx: self.vx * factor, vy: self.vy * factor, omega: self.omega * factor }
     }
 
+    /// Each component with that of `other` added.
+    pub fn plus(self, other: Self) -> Self {
+        Self { vx: self.vx + other.vx, vy: self.vy + other.vy, omega: self.omega + other.omega }
+    }
+
     /// Speed of the frame's origin, m/s.
     pub fn speed(self) -> f64 {
         math::hypot(self.vx, self.vy)

@@ -5,6 +5,7 @@
 
 mod command;
 mod control;
+mod imperfection;
 mod model;
 mod motion;
 mod piece;
@@ -12,6 +13,7 @@ mod stage;
 
 pub use command::{Command, CommandError, arc_to};
 pub use control::{Gains, Pid};
+pub use imperfection::{Imperfection, Resolution, TwistNoise};
 pub use model::{DriveKind, Model, ModelError, Wheels};
 pub use motion::{HISTORY, Impact, Motion};
 pub(crate) use motion::{Leg, Thrust};

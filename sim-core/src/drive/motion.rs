@@ -7,7 +7,8 @@ use glam::DVec2;
 use super::{
     command::{Command, CommandError, Orders, Pending, check_wheel},
     control::{Actuation, Controllers, Gains, Pid},
-    model::{Model, Wheels},
+    imperfection::{Errors, Imperfection, Vehicle},
+    model::{Model, ModelError, Wheels},
     piece::{Cause, State},
     stage::{Grip, Stage, centre_of},
 };
@@ -17,7 +18,7 @@ use crate::{
     math,
     pose::{Heading, PlaceError, Pose, Twist},
     scene::Walls,
-    time::Time,
+    time::{TICK, Time},
 };
 
 /// How far back a motion and the world remember.
@@ -106,7 +107,7 @@ pub(crate) struct Thrust {
 #[derive(Clone, Debug)]
 pub struct Motion {
     id: RobotId,
-    model: Arc<Model>,
+    vehicle: Vehicle,
     walls: Arc<Walls>,
     /// Never empty; in ascending order of their starts.
     stages: VecDeque<Stage>,
@@ -132,10 +133,11 @@ impl Motion {
     pub fn new(id: RobotId, model: Arc<Model>, walls: Arc<Walls>, world_from_robot: Pose) -> Self {
         let state = State { world_from_axle: axle_of(&model, &world_from_robot), ..State::default() };
         let orders = Orders { pending: Pending::Idle, steering: 0.0, controllers: Controllers::default() };
-        let stage = Stage::open(&model, Time::ZERO, state, orders, Actuation::default(), &[], Grip::FREE);
+        let vehicle = Vehicle { model, errors: None };
+        let stage = Stage::open(&vehicle, Time::ZERO, state, orders, Actuation::default(), &[], Grip::FREE);
         Self {
             id,
-            model,
+            vehicle,
             walls,
             stages: VecDeque::from([stage]),
             journal: Vec::new(),
@@ -149,6 +151,17 @@ impl Motion {
         }
     }
 
+    /// This motion, not yet commanded, with an imperfection whose random numbers are those of a run with `seed`.
+    ///
+    /// # Errors
+    /// The first number of the imperfection that makes no sense.
+    pub fn with_imperfection(mut self, seed: u64, imperfection: Imperfection) -> Result<Self, ModelError> {
+        imperfection.check()?;
+        let is_perfect = imperfection == Imperfection::default();
+        self.vehicle.errors = (!is_perfect).then(|| Box::new(Errors::new(imperfection, seed, self.id)));
+        Ok(self)
+    }
+
     /// Whose motion it is.
     pub fn id(&self) -> RobotId {
         self.id
@@ -156,7 +169,12 @@ impl Motion {
 
     /// The constant facts of the drive and body.
     pub fn model(&self) -> &Model {
-        &self.model
+        &self.vehicle.model
+    }
+
+    /// How far the motion is from perfect.
+    pub fn imperfection(&self) -> Imperfection {
+        self.vehicle.errors.as_ref().map(|errors| errors.imperfection).unwrap_or_default()
     }
 
     /// Counts the changes of the plan by commands, and by contacts with other robots when the world advances: as long as
@@ -198,7 +216,7 @@ impl Motion {
     /// # Errors
     /// [`CommandError::NoWheel`], or [`CommandError::NotFinite`] for factors that are not [valid](Pid::is_valid).
     pub fn start_wheel_control(&mut self, at: Time, wheel: usize, pid: Pid) -> Result<(), CommandError> {
-        check_wheel(&self.model, wheel)?;
+        check_wheel(&self.vehicle.model, wheel)?;
         if !pid.is_valid() {
             return Err(CommandError::NotFinite);
         }
@@ -210,7 +228,7 @@ impl Motion {
     /// # Errors
     /// [`CommandError::NoWheel`].
     pub fn stop_wheel_control(&mut self, at: Time, wheel: usize) -> Result<(), CommandError> {
-        check_wheel(&self.model, wheel)?;
+        check_wheel(&self.vehicle.model, wheel)?;
         self.input(at, Input::WheelControl(wheel, None), &[])
     }
 
@@ -245,7 +263,7 @@ impl Motion {
     /// True pose of the robot's centre at `at`.
     pub fn pose(&mut self, at: Time) -> Pose {
         let axle = self.stage_at(at).piece.world_from_axle(at);
-        centre_of(&self.model, &axle)
+        centre_of(&self.vehicle.model, &axle)
     }
 
     /// True pose of the axle's midpoint, wheel angles, odometry and path length at `at`.
@@ -253,9 +271,14 @@ impl Motion {
         self.stage_at(at).piece.state(at)
     }
 
-    /// The pose of the axle's midpoint that the robot believes in at `at`.
+    /// The pose of the axle's midpoint that the robot believes in at `at`, as it is read: in the steps of its
+    /// [`Resolution`](super::Resolution).
     pub fn odometry(&mut self, at: Time) -> Pose {
-        self.state(at).odometry
+        let odometry = self.state(at).odometry;
+        match &self.vehicle.errors {
+            Some(errors) => errors.imperfection.resolution.read(odometry),
+            None => odometry,
+        }
     }
 
     /// Angles of the wheels at `at` since the start of the run, rad.
@@ -268,9 +291,9 @@ impl Motion {
         self.state(at).path
     }
 
-    /// The twist that the wheels tell at `at`: what `VWGetSpeed` reads.
+    /// The twist that odometry takes from the wheels at `at`: what `VWGetSpeed` reads.
     pub fn speed(&mut self, at: Time) -> Twist {
-        self.stage_at(at).piece.rates(at).belief
+        self.stage_at(at).piece.rates(at).odometry
     }
 
     /// Steering angle of an Ackermann drive at `at`, rad.
@@ -303,8 +326,8 @@ impl Motion {
     /// The first microsecond at which the last drive is done, in the past if it is; `None` without one, or when it does not end on the
     /// present plan because the body is stopped before.
     ///
-    /// With wheels that never settle (a controller that oscillates), a drive of more than 1,000 s is answered by an
-    /// earlier instant: ask again then.
+    /// A drive of more than 1,000 s with ticks all the way (errors that are drawn, a controller that oscillates) is answered
+    /// by an earlier instant: ask again then.
     pub fn drive_end(&mut self) -> Option<Time> {
         if let Some((revision, end)) = self.drive_end
             && revision == self.revision
@@ -312,8 +335,13 @@ impl Motion {
             return end;
         }
         let end = self.find_drive_end();
-        self.drive_end = Some((self.revision, end));
-        end
+        match end {
+            DriveEnd::At(end) => {
+                self.drive_end = Some((self.revision, end));
+                end
+            }
+            DriveEnd::After(instant) => Some(instant),
+        }
     }
 
     /// True at `at` when the body is stopped by an obstacle with a command that it cannot obey.
@@ -328,12 +356,12 @@ impl Motion {
             return [false; 4];
         }
         let target = self.stage_at(at).orders.pending.target();
-        target.wheels(&self.model).map(|rate| rate != 0.0)
+        target.wheels(&self.vehicle.model).map(|rate| rate != 0.0)
     }
 
     /// The contact that stops the body at `at`.
     pub fn contact(&mut self, at: Time) -> Option<Impact> {
-        let model = self.model.clone();
+        let model = Arc::clone(&self.vehicle.model);
         let stage = self.stage_at(at);
         if stage.piece.has_ended(at) { impact_of(&model, stage) } else { None }
     }
@@ -377,7 +405,7 @@ impl Motion {
     // What follows is for the world.
 
     pub(crate) fn radius(&self) -> f64 {
-        self.model.body_radius
+        self.vehicle.model.body_radius
     }
 
     pub(crate) fn journal(&self) -> &[(Time, Input)] {
@@ -393,7 +421,7 @@ impl Motion {
         while first < self.stages.len() && (legs.is_empty() || self.stages[first].piece.start <= to) {
             let until = self.stages.get(first + 1).map_or(Time::NEVER, |next| next.piece.start);
             let stage = &mut self.stages[first];
-            stage.explore(&self.model, &self.walls, (until.min(to) - stage.piece.start).seconds());
+            stage.explore(&self.vehicle.model, &self.walls, (until.min(to) - stage.piece.start).seconds());
             let heading = stage.piece.state.world_from_axle.heading;
             legs.push(Leg { start: stage.piece.start, until, after: stage.piece.after, path: stage.path, heading });
             first += 1;
@@ -433,7 +461,7 @@ impl Motion {
         }
         let state = stage.piece.state(at);
         let orders = stage.orders_at(at);
-        let next = Stage::open(&self.model, at, state, orders, stage.actuation_before(at), touching, Grip::FREE);
+        let next = Stage::open(&self.vehicle, at, state, orders, stage.actuation_before(at), touching, Grip::FREE);
         if next.blocker().is_some() {
             return false;
         }
@@ -470,7 +498,7 @@ impl Motion {
 
     /// How the robot goes at `at`, for the movable objects in its way.
     pub(crate) fn thrust(&mut self, at: Time) -> Thrust {
-        let model = Arc::clone(&self.model);
+        let model = Arc::clone(&self.vehicle.model);
         let stage = self.stage_at(at);
         let is_held = stage.is_held(at);
         let centre = centre_of(&model, &stage.piece.state(at).world_from_axle);
@@ -492,7 +520,8 @@ impl Motion {
         let stage = &self.stages[index];
         let grip = if share < 1.0 { Grip { share, obstacle: Some(obstacle) } } else { Grip::FREE };
         let state = stage.piece.state(at);
-        let mut next = Stage::open(&self.model, at, state, stage.orders_at(at), stage.actuation_before(at), &[], grip);
+        let mut next =
+            Stage::open(&self.vehicle, at, state, stage.orders_at(at), stage.actuation_before(at), &[], grip);
         next.is_placed = stage.is_placed && stage.piece.start == at;
         self.stages.truncate(if stage.piece.start == at { index } else { index + 1 });
         self.stages.push_back(next);
@@ -538,7 +567,7 @@ impl Motion {
             return Grip::FREE;
         }
         let present = if stage.piece.has_ended(at) { 0.0 } else { stage.grip.share };
-        let share = present * self.model.overlap(stage.ordered, next.ordered);
+        let share = present * self.vehicle.model.overlap(stage.ordered, next.ordered);
         Grip { share: share.clamp(0.0, 1.0), obstacle: Some(obstacle) }
     }
 
@@ -546,10 +575,11 @@ impl Motion {
         self.stages.back().expect("a motion has a stage")
     }
 
-    /// Wheels with a lag are not settled.
+    /// Wheels with a lag are not settled, or errors go on to change the motion.
     fn has_ticks(&self) -> bool {
         let mut stage = *self.last();
-        stage.next(&self.model, &self.walls, Time::NEVER).is_some()
+        let next_tick = self.committed.max(stage.piece.start) + TICK;
+        stage.next(&self.vehicle, &self.walls, next_tick).is_some()
     }
 
     fn input(&mut self, at: Time, input: Input, touching: &[Body]) -> Result<(), CommandError> {
@@ -566,7 +596,7 @@ impl Motion {
         let mut state = stage.piece.state(at);
         let mut before = stage.actuation_before(at);
         let orders = match input {
-            Input::Command(command) => present.with(&self.model, command)?,
+            Input::Command(command) => present.with(&self.vehicle.model, command)?,
             Input::Control(gains) => {
                 Orders { controllers: Controllers { body: gains, ..present.controllers }, ..present }
             }
@@ -580,7 +610,7 @@ impl Motion {
                 present
             }
             Input::Place(world_from_robot) => {
-                state.world_from_axle = axle_of(&self.model, &world_from_robot);
+                state.world_from_axle = axle_of(&self.vehicle.model, &world_from_robot);
                 before = Actuation::default();
                 Orders { pending: Pending::Idle, ..present }
             }
@@ -591,10 +621,10 @@ impl Motion {
         if is_same && !is_moved && !is_blocked && touching.is_empty() {
             return Ok(());
         }
-        let mut next = Stage::open(&self.model, at, state, orders, before, touching, Grip::FREE);
+        let mut next = Stage::open(&self.vehicle, at, state, orders, before, touching, Grip::FREE);
         let grip = self.carried_grip(stage, at, &next);
         if grip != Grip::FREE {
-            next = Stage::open(&self.model, at, state, orders, before, touching, grip);
+            next = Stage::open(&self.vehicle, at, state, orders, before, touching, grip);
         }
         if let Some(blocker) = stage.blocker().filter(|_| is_blocked) {
             match &mut next.piece.cause {
@@ -622,38 +652,33 @@ impl Motion {
     fn index_at(&mut self, at: Time) -> usize {
         loop {
             let last = self.stages.back_mut().expect("a motion has a stage");
-            match last.next(&self.model, &self.walls, at) {
+            match last.next(&self.vehicle, &self.walls, at) {
                 Some(next) => self.stages.push_back(next),
                 None => break,
             }
         }
         let index = self.stages.iter().rposition(|stage| stage.piece.start <= at).unwrap_or(0);
         let stage = &mut self.stages[index];
-        stage.explore(&self.model, &self.walls, (at - stage.piece.start).seconds());
+        stage.explore(&self.vehicle.model, &self.walls, (at - stage.piece.start).seconds());
         index
     }
 
-    fn find_drive_end(&mut self) -> Option<Time> {
+    fn find_drive_end(&mut self) -> DriveEnd {
         if !matches!(self.last().orders.pending, Pending::Drive { .. }) {
-            return None;
+            return DriveEnd::At(None);
         }
-        let stage = self.stages.back_mut().expect("a motion has a stage");
-        if self.model.wheel_lag == 0.0 {
-            stage.explore(&self.model, &self.walls, stage.piece.after);
-            return matches!(stage.piece.cause, Cause::Arrived(_)).then(|| stage.piece.end());
-        }
+        let last = self.stages.back_mut().expect("a motion has a stage");
+        let Some(mut stage) = last.next(&self.vehicle, &self.walls, Time::NEVER) else {
+            return DriveEnd::At(last.drive_end(&self.vehicle, &self.walls));
+        };
         // Ticks are run through without keeping them: whoever only waits needs no more than the instant.
-        let mut stage = *stage;
         for _ in 0..LOOK_AHEAD {
-            match stage.next(&self.model, &self.walls, Time::NEVER) {
+            match stage.next(&self.vehicle, &self.walls, Time::NEVER) {
                 Some(next) => stage = next,
-                None => {
-                    stage.explore(&self.model, &self.walls, stage.piece.after);
-                    return matches!(stage.piece.cause, Cause::Arrived(_)).then(|| stage.piece.end());
-                }
+                None => return DriveEnd::At(stage.drive_end(&self.vehicle, &self.walls)),
             }
         }
-        Some(stage.piece.start)
+        DriveEnd::After(stage.piece.start)
     }
 
     /// The impacts of the present slot until `until`.
@@ -665,11 +690,19 @@ impl Motion {
             let bound = self.stages.get(index + 1).map_or(until, |next| next.piece.start.min(until));
             let is_new = piece.start >= self.committed || !piece.has_ended(self.committed);
             if piece.start <= until && is_new && piece.has_ended(bound) {
-                impacts.extend(impact_of(&self.model, stage));
+                impacts.extend(impact_of(&self.vehicle.model, stage));
             }
         }
         impacts
     }
+}
+
+/// What a motion can say about the end of its drive.
+enum DriveEnd {
+    /// It ends then, or not at all.
+    At(Option<Time>),
+    /// It does not end before.
+    After(Time),
 }
 
 /// Pose of the axle's midpoint of a robot whose centre is at `world_from_robot`.

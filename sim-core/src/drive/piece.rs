@@ -25,8 +25,10 @@ pub struct State {
 pub struct Rates {
     /// True twist of the axle.
     pub truth: Twist,
-    /// Twist that the wheels tell, with nominal diameters and no slip.
+    /// Twist that the wheels tell, with nominal diameters and no slip: drives end by it.
     pub belief: Twist,
+    /// Twist that odometry integrates: `belief` with the noise of odometry.
+    pub odometry: Twist,
     /// Rates of the wheels, rad/s.
     pub wheels: Wheels,
 }
@@ -71,10 +73,10 @@ impl Piece {
     /// The state `seconds` after the start.
     pub fn state_after(&self, seconds: f64) -> State {
         let seconds = seconds.clamp(0.0, self.after.max(0.0));
-        let (truth, belief) = self.displacements(seconds);
+        let truth = self.covered(self.rates.truth, seconds);
         State {
             world_from_axle: self.state.world_from_axle.moved(truth),
-            odometry: self.state.odometry.moved(belief),
+            odometry: self.state.odometry.moved(self.covered(self.rates.odometry, seconds)),
             wheels: std::array::from_fn(|i| self.state.wheels[i] + self.rates.wheels[i] * seconds),
             path: self.state.path + truth.speed(),
         }
@@ -83,18 +85,15 @@ impl Piece {
     /// True pose of the axle at `at`, the same as in [`Piece::state`].
     pub fn world_from_axle(&self, at: Time) -> Pose {
         let seconds = (at - self.start).seconds().clamp(0.0, self.after.max(0.0));
-        self.state.world_from_axle.moved(self.displacements(seconds).0)
+        self.state.world_from_axle.moved(self.covered(self.rates.truth, seconds))
     }
 
-    /// True and believed displacement `seconds` after the start, not beyond the end.
-    pub(super) fn displacements(&self, seconds: f64) -> (Twist, Twist) {
-        let Rates { truth, belief, .. } = self.rates;
+    /// The displacement at one of the piece's `rates` in the `seconds` after the start, not beyond the end.
+    pub(super) fn covered(&self, rate: Twist, seconds: f64) -> Twist {
         match self.cause {
             // The mark itself, not speed times time.
-            Cause::Arrived(mark) if seconds >= self.after => {
-                (if truth == belief { mark } else { truth.scaled(seconds) }, mark)
-            }
-            _ => (truth.scaled(seconds), belief.scaled(seconds)),
+            Cause::Arrived(mark) if seconds >= self.after && rate == self.rates.belief => mark,
+            _ => rate.scaled(seconds),
         }
     }
 

@@ -5,7 +5,9 @@ use glam::DVec2;
 use super::{
     command::{Orders, Pending},
     control::{self, Actuation},
+    imperfection::{Erring, Vehicle},
     model::Model,
+    motion::HISTORY,
     piece::{Cause, Piece, Rates, State},
 };
 use crate::{
@@ -26,7 +28,7 @@ pub(super) struct Stage {
     pub during: Actuation,
     /// The centre's path.
     pub path: Path,
-    /// The twist of the axle that is ordered, which an object may slow.
+    /// The true twist of the axle that comes of its orders, which an object may slow.
     pub ordered: Twist,
     /// What movable objects leave of it.
     pub grip: Grip,
@@ -34,6 +36,10 @@ pub(super) struct Stage {
     pub explored: f64,
     /// The robot was put here: what it touched before it has left.
     pub is_placed: bool,
+    /// Its errors are drawn for this tick.
+    is_drawn: bool,
+    /// Its errors would press it against what it touches: so it moves as its wheels tell, until then.
+    yields: Option<Time>,
     /// The next ticks change nothing.
     steady: bool,
 }
@@ -59,7 +65,7 @@ impl Stage {
     /// The stage that obeys `orders` from `start` on, from `state` with the wheels `before`; blocked at once by a body of
     /// `touching` that it would approach.
     pub fn open(
-        model: &Model,
+        vehicle: &Vehicle,
         start: Time,
         state: State,
         orders: Orders,
@@ -67,26 +73,62 @@ impl Stage {
         touching: &[Body],
         grip: Grip,
     ) -> Self {
+        let model = &*vehicle.model;
         let during = actuate(model, start, &orders, before);
-        let ordered = ordered_twist(model, &orders, &during);
-        let (rates, after, cause) = motion_of(model, &orders, ordered, &during, grip.share);
-        let centre = centre_of(model, &state.world_from_axle);
-        let path = Path::new(&centre, rates.truth.at_offset(DVec2::new(-model.axis_offset, 0.0)));
-        let piece = Piece { start, state, rates, after, cause };
-        // Not even the start: a contact may stop it at once.
-        let explored = if path.is_resting() { f64::INFINITY } else { -1.0 };
-        let mut stage =
-            Self { piece, orders, before, during, path, ordered, grip, explored, is_placed: false, steady: false };
-        if let Some(obstacle) = stage.approached(model.body_radius, touching) {
+        let belief = ordered_twist(model, &orders, &during);
+        let erring = vehicle.erring(start, &orders, &during, belief);
+        let (rates, after, cause) = motion_of(model, &orders, belief, &erring, &during, grip.share);
+        let mut stage = Self {
+            piece: Piece { start, state, rates, after, cause },
+            orders,
+            before,
+            during,
+            path: Path::resting(DVec2::ZERO),
+            ordered: erring.truth,
+            grip,
+            explored: 0.0,
+            is_placed: false,
+            is_drawn: erring.is_drawn,
+            yields: None,
+            steady: false,
+        };
+        stage.set_path(model);
+        let mut obstacle = stage.approached(model.body_radius, touching);
+        if obstacle.is_some() && stage.is_erring() {
+            // Another robot is felt at the end of its slots only: once is for as long as counts as one contact.
+            stage.yield_to_contact(model, start + HISTORY);
+            obstacle = stage.approached(model.body_radius, touching);
+        }
+        if let Some(obstacle) = obstacle {
             stage.stop(0.0, obstacle, true);
         }
         if let Grip { share: 0.0, obstacle: Some(obstacle) } = grip
-            && !ordered.is_zero()
+            && !stage.ordered.is_zero()
             && !matches!(cause, Cause::Arrived(_))
         {
             stage.stop(0.0, obstacle, false);
         }
         stage
+    }
+
+    fn set_path(&mut self, model: &Model) {
+        let centre = centre_of(model, &self.piece.state.world_from_axle);
+        self.path = Path::new(&centre, self.piece.rates.truth.at_offset(DVec2::new(-model.axis_offset, 0.0)));
+        // Not even the start: a contact may stop it at once.
+        self.explored = if self.path.is_resting() { f64::INFINITY } else { -1.0 };
+    }
+
+    /// The body moves otherwise than its wheels tell.
+    fn is_erring(&self) -> bool {
+        self.piece.rates.truth != self.piece.rates.belief
+    }
+
+    /// Moves as the wheels tell until an instant: what only its errors would press into a contact slips there.
+    fn yield_to_contact(&mut self, model: &Model, until: Time) {
+        self.ordered = ordered_twist(model, &self.orders, &self.during);
+        self.piece.rates.truth = self.piece.rates.belief;
+        self.yields = Some(until);
+        self.set_path(model);
     }
 
     /// The twist of the centre that is ordered, in the robot's frame.
@@ -129,12 +171,13 @@ impl Stage {
             let to = (2.0 * from).max(FIRST_LOOK);
             self.explored = if from >= self.path.period() { f64::INFINITY } else { to };
             if self.explored.is_finite() {
-                self.explore_stretch(model.body_radius, walls, from, to.min(self.piece.after));
+                self.explore_stretch(model, walls, from, to.min(self.piece.after));
             }
         }
     }
 
-    fn explore_stretch(&mut self, radius: f64, walls: &Walls, from: f64, to: f64) {
+    fn explore_stretch(&mut self, model: &Model, walls: &Walls, from: f64, to: f64) {
+        let radius = model.body_radius;
         let (middle, half_way) = self.path.surrounding_disc(from, to);
         // The skin once for the contact itself, once for rounding.
         let reach = half_way + radius + 2.0 * SKIN;
@@ -153,38 +196,76 @@ impl Stage {
         if let Some((after, id, wall, fresh)) = first
             && after < self.piece.after
         {
+            if after == 0.0 && self.is_erring() {
+                return self.yield_to_contact(model, self.next_tick());
+            }
             let point = wall.nearest_point(self.path.position(after));
             self.stop(after, Obstacle { thing: Thing::Wall(id), point }, fresh);
         }
     }
 
-    /// The stage that a tick opens after this one, if one does not after `limit`: only wheels with a lag have any.
-    pub fn next(&mut self, model: &Model, walls: &Walls, limit: Time) -> Option<Self> {
-        if model.wheel_lag == 0.0 || self.steady {
+    /// The stage that a tick opens after this one, if one does not after `limit`: only wheels with a lag and a robot with
+    /// errors have any.
+    pub fn next(&mut self, vehicle: &Vehicle, walls: &Walls, limit: Time) -> Option<Self> {
+        let model = &*vehicle.model;
+        if self.steady || model.wheel_lag == 0.0 && vehicle.errors.is_none() {
             return None;
         }
-        let tick = self.piece.start.floor_to(TICK) + TICK;
+        let tick = self.next_tick();
         if tick > limit {
             return None;
         }
-        let during = control::step(
-            model,
-            &self.orders.controllers,
-            self.orders.pending.target(),
-            self.orders.steering,
-            self.during,
-        );
-        if during == self.during {
+        let is_settled = model.wheel_lag == 0.0 || self.step(model) == self.during;
+        if is_settled && !self.is_erring() && !self.is_drawn && self.yields.is_none() {
             self.steady = true;
             return None;
         }
         self.explore(model, walls, (tick - self.piece.start).seconds());
-        if self.piece.has_ended(tick) {
-            self.steady = true;
+        if self.piece.has_ended(tick) || is_settled && !self.is_drawn && self.yields.is_none() {
+            return self.next_after_contact(vehicle, walls, limit);
+        }
+        Some(self.at_tick(vehicle, tick))
+    }
+
+    /// The stage that the first tick opens after errors have brought the body to a wall, if one does not after `limit`: none
+    /// if what is commanded leads into the wall too.
+    fn next_after_contact(&mut self, vehicle: &Vehicle, walls: &Walls, limit: Time) -> Option<Self> {
+        let model = &*vehicle.model;
+        self.explore(model, walls, (limit - self.piece.start).seconds());
+        let tick = (self.piece.end() + (TICK - Time(1))).floor_to(TICK);
+        if !self.piece.has_ended(limit) || tick > limit {
             return None;
         }
-        let state = self.piece.state(tick);
-        Some(Self::open(model, tick, state, self.orders_at(tick), self.during, &[], self.grip))
+        if self.is_erring()
+            && matches!(self.piece.cause, Cause::Impact { with, .. } if matches!(with.thing, Thing::Wall(_)))
+        {
+            let mut next = self.at_tick(vehicle, tick);
+            next.explore(model, walls, 0.0);
+            if next.piece.after > 0.0 || !matches!(next.piece.cause, Cause::Impact { .. }) {
+                return Some(next);
+            }
+        }
+        self.steady = true;
+        None
+    }
+
+    fn at_tick(&self, vehicle: &Vehicle, tick: Time) -> Self {
+        let (state, orders) = (self.piece.state(tick), self.orders_at(tick));
+        let mut next = Self::open(vehicle, tick, state, orders, self.actuation_before(tick), &[], self.grip);
+        if let Some(until) = self.yields.filter(|until| *until > tick) {
+            next.yield_to_contact(&vehicle.model, until);
+        }
+        next
+    }
+
+    fn next_tick(&self) -> Time {
+        self.piece.start.floor_to(TICK) + TICK
+    }
+
+    /// The wheels and controllers after one more tick.
+    fn step(&self, model: &Model) -> Actuation {
+        let Orders { controllers, pending, steering } = &self.orders;
+        control::step(model, controllers, pending.target(), *steering, self.during)
     }
 
     /// The orders still to be obeyed at `at`.
@@ -195,7 +276,7 @@ impl Stage {
                     Pending::Idle
                 } else {
                     let seconds = (at - self.piece.start).seconds().min(self.piece.after);
-                    let covered = self.piece.displacements(seconds).1;
+                    let covered = self.piece.covered(self.piece.rates.belief, seconds);
                     let remaining = Twist {
                         vx: remaining.vx - covered.vx,
                         vy: remaining.vy - covered.vy,
@@ -207,6 +288,12 @@ impl Stage {
             other => other,
         };
         Orders { pending, ..self.orders }
+    }
+
+    /// The first microsecond at which the drive of its orders is done, if nothing stops it before.
+    pub fn drive_end(&mut self, vehicle: &Vehicle, walls: &Walls) -> Option<Time> {
+        self.explore(&vehicle.model, walls, self.piece.after);
+        matches!(self.piece.cause, Cause::Arrived(_)).then(|| self.piece.end())
     }
 
     /// The wheels and controllers just before `at`.
@@ -257,11 +344,23 @@ fn ordered_twist(model: &Model, orders: &Orders, during: &Actuation) -> Twist {
     }
 }
 
-/// Rates, end and its cause in a space without walls, with this share of the ordered twist.
-fn motion_of(model: &Model, orders: &Orders, ordered: Twist, during: &Actuation, share: f64) -> (Rates, f64, Cause) {
+/// Rates, end and its cause in a space without walls, with this share of the ordered twists.
+fn motion_of(
+    model: &Model,
+    orders: &Orders,
+    ordered: Twist,
+    erring: &Erring,
+    during: &Actuation,
+    share: f64,
+) -> (Rates, f64, Cause) {
     // Times 1 changes no bit.
     let belief = ordered.scaled(share);
-    let rates = Rates { truth: belief, belief, wheels: during.rates.map(|rate| rate * share) };
+    let rates = Rates {
+        truth: erring.truth.scaled(share),
+        belief,
+        odometry: erring.odometry.scaled(share),
+        wheels: during.rates.map(|rate| rate * share),
+    };
     let Pending::Drive { whole, remaining, .. } = orders.pending else { return (rates, f64::INFINITY, Cause::Open) };
     let left = Pending::progress(whole, remaining);
     let speed = Pending::progress(whole, ordered);

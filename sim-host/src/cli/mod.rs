@@ -7,7 +7,6 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-pub mod accuracy;
 pub mod cc;
 pub mod check;
 pub mod child;
@@ -61,8 +60,6 @@ enum Command {
     Convert(convert::ConvertArgs),
     /// Print the JSON schema of scenes in TOML, from which editors complete
     Schema,
-    /// Measure speed against error: of motion, contacts, rays, sensors and noise, beside slower and plainer methods
-    Accuracy(accuracy::AccuracyArgs),
     /// Build a robot program from C sources by hand
     Cc(cc::CcArgs),
     /// A robot's process of `eyesim run --exec process`
@@ -84,7 +81,6 @@ pub fn main() -> ExitCode {
         Command::Shot(args) => shot::run(*args),
         Command::Convert(args) => convert::run(&args),
         Command::Schema => convert::schema(),
-        Command::Accuracy(args) => accuracy::run(&args),
         Command::Cc(args) => cc::run(&args),
         Command::Child(args) => child::run(&args),
         Command::Debug(args) => debug::run(&args),

@@ -225,8 +225,7 @@ fn font(size: f64) -> FontDesc<'static> {
 }
 
 /// Gives plotters its font, once: pictures must not depend on what is installed.
-/// Makes the letters of the pictures known to plotters.
-pub fn register_fonts() {
+fn register_fonts() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         // A font that could not be read would show in every test of a picture.

@@ -1,0 +1,219 @@
+//! Imperfect motion: what lies between wheels and ground, and between wheels and odometry.
+//!
+//! Systematic errors keep a motion's closed form. Random ones are drawn anew at each tick of 10 ms of the global grid and
+//! held until the next, by the index of the tick: so they do not depend on who asks for what.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use super::{
+    command::{Orders, Pending},
+    control::Actuation,
+    model::{DriveKind, Model, ModelError, Wheels},
+};
+use crate::{
+    RobotId,
+    noise::{Events, Purpose, Stream},
+    pose::{Pose, Twist},
+    time::{TICK, Time},
+};
+
+/// How a robot's motion differs from what its wheels are told, and its odometry from what they do. All 0: not at all.
+///
+/// Source: Koestler & Bräunl, section 5 (additive Gaussian noise on the v-omega interface); slip, diameters and
+/// resolution are our choice.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Imperfection {
+    /// By what share each wheel's true diameter exceeds the nominal one, in the order of the
+    /// [`DriveKind`]; above -1, up to 1.
+    pub diameters: Wheels,
+    /// Share of a wheel's way that it slips, the ground's speed being 1 - slip of the wheel's; -1 to 1.
+    pub slip: f64,
+    /// Standard deviation of that share, drawn for each wheel and tick; the sum is cut to -1 to 1.
+    pub slip_deviation: f64,
+    /// Noise on speed and turning speed (`VWSetSpeed`, drives) between wheels and ground; none while the robot is told to
+    /// stand, or its motors are told one by one.
+    pub command: TwistNoise,
+    /// Noise on the twist that odometry takes from the wheels; none while they stand.
+    pub odometry: TwistNoise,
+    /// Steps in which odometry is read.
+    pub resolution: Resolution,
+}
+
+/// Gaussian noise of mean 0 on a twist, drawn for each tick of 10 ms and held until the next.
+///
+/// The standard deviation of each component is sqrt(a^2 + (b x)^2), with the absolute part a and the share b of what the
+/// wheels tell of it, x. A straight drive of N ticks of h = 10 ms at v m/s that starts on a tick ends, to first order in
+/// the noise, with the variances h^2 N speed^2 of its way, h^2 N turn^2 of its heading, and v^2 h^4 turn^2 (N^3 / 3 - N / 12)
+/// across.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TwistNoise {
+    /// Absolute part for the speed, m/s; for an omni drive along both axes.
+    pub speed: f64,
+    /// Part that grows with the speed, a share of it.
+    pub speed_share: f64,
+    /// Absolute part for the turning speed, rad/s.
+    pub turn: f64,
+    /// Part that grows with the turning speed, a share of it.
+    pub turn_share: f64,
+}
+
+/// Steps to the nearest of which a pose is rounded as it is read; 0 for none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Resolution {
+    /// Of a position, m.
+    pub length: f64,
+    /// Of a heading, rad.
+    pub angle: f64,
+}
+
+impl Imperfection {
+    /// Checks that all shares and deviations make sense.
+    ///
+    /// # Errors
+    /// The first field that does not, with the values accepted.
+    pub fn check(&self) -> Result<(), ModelError> {
+        let check = |field, value: f64, accepted, ok: bool| {
+            if ok { Ok(()) } else { Err(ModelError { field, value, accepted }) }
+        };
+        for value in self.diameters {
+            check("wheel diameter error", value, "more than -1, up to 1", value > -1.0 && value <= 1.0)?;
+        }
+        check("slip", self.slip, "-1 to 1", self.slip.abs() <= 1.0)?;
+        let deviations = [
+            ("slip deviation", self.slip_deviation),
+            ("command noise of the speed", self.command.speed),
+            ("command noise of the speed as a share", self.command.speed_share),
+            ("command noise of the turning speed", self.command.turn),
+            ("command noise of the turning speed as a share", self.command.turn_share),
+            ("odometry noise of the speed", self.odometry.speed),
+            ("odometry noise of the speed as a share", self.odometry.speed_share),
+            ("odometry noise of the turning speed", self.odometry.turn),
+            ("odometry noise of the turning speed as a share", self.odometry.turn_share),
+            ("odometry resolution of a length", self.resolution.length),
+            ("odometry resolution of an angle", self.resolution.angle),
+        ];
+        for (field, value) in deviations {
+            check(field, value, "0 to 1000", (0.0..=1e3).contains(&value))?;
+        }
+        Ok(())
+    }
+}
+
+impl TwistNoise {
+    fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The noise on `twist`, from standard normal numbers.
+    fn on(&self, twist: Twist, kind: DriveKind, [ahead, aside, turn]: [f64; 3]) -> Twist {
+        let deviation = |absolute: f64, share: f64, value: f64| {
+            let part = share * value;
+            (absolute * absolute + part * part).sqrt()
+        };
+        Twist {
+            vx: deviation(self.speed, self.speed_share, twist.vx) * ahead,
+            vy: match kind {
+                DriveKind::Omni => deviation(self.speed, self.speed_share, twist.vy) * aside,
+                DriveKind::Differential | DriveKind::Ackermann => 0.0,
+            },
+            omega: deviation(self.turn, self.turn_share, twist.omega) * turn,
+        }
+    }
+}
+
+impl Resolution {
+    /// `pose` as it is read.
+    pub(super) fn read(&self, pose: Pose) -> Pose {
+        let nearest = |value: f64, step: f64| if step > 0.0 { (value / step).round() * step } else { value };
+        let heading = pose.heading;
+        let remainder = heading.remainder();
+        Pose {
+            position: DVec2::new(nearest(pose.position.x, self.length), nearest(pose.position.y, self.length)),
+            heading: heading.turned(nearest(remainder, self.angle) - remainder),
+        }
+    }
+}
+
+/// What is constant about one robot's motion: its model, and how far the robot falls short of it.
+#[derive(Clone, Debug)]
+pub(super) struct Vehicle {
+    pub model: Arc<Model>,
+    /// `None` for a perfect one.
+    pub errors: Option<Box<Errors>>,
+}
+
+/// An imperfection with its random numbers.
+#[derive(Clone, Debug)]
+pub(super) struct Errors {
+    pub imperfection: Imperfection,
+    slip: Events,
+    command: Events,
+    odometry: Events,
+}
+
+/// The twists of the axle that come of wheels with errors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Erring {
+    pub truth: Twist,
+    pub odometry: Twist,
+    /// They hold until the next tick only.
+    pub is_drawn: bool,
+}
+
+impl Vehicle {
+    /// What comes of wheels that turn at `during` and tell the twist `belief`, from `start` on.
+    pub fn erring(&self, start: Time, orders: &Orders, during: &Actuation, belief: Twist) -> Erring {
+        match &self.errors {
+            Some(errors) if during.rates != [0.0; 4] => errors.apply(&self.model, start, orders, during, belief),
+            _ => Erring { truth: belief, odometry: belief, is_drawn: false },
+        }
+    }
+}
+
+impl Errors {
+    pub fn new(imperfection: Imperfection, seed: u64, robot: RobotId) -> Self {
+        let events = |purpose, name| Events::new(seed, robot, purpose, name);
+        Self {
+            imperfection,
+            slip: events(Purpose::Command, "slip"),
+            command: events(Purpose::Command, ""),
+            odometry: events(Purpose::Odometry, ""),
+        }
+    }
+
+    fn apply(&self, model: &Model, start: Time, orders: &Orders, during: &Actuation, belief: Twist) -> Erring {
+        let Imperfection { diameters, slip, slip_deviation, command, odometry, .. } = self.imperfection;
+        let tick = Events::index(start, TICK);
+        let mut erring = Erring { truth: belief, odometry: belief, is_drawn: false };
+        let mut slips = [slip; 4];
+        if slip_deviation > 0.0 {
+            erring.is_drawn = true;
+            slips = normals(self.slip.at(tick)).map(|normal: f64| (slip + slip_deviation * normal).clamp(-1.0, 1.0));
+        }
+        let factors: Wheels = std::array::from_fn(|i| (1.0 + diameters[i]) * (1.0 - slips[i]));
+        if factors != [1.0; 4] {
+            let rates = std::array::from_fn(|i| during.rates[i] * factors[i]);
+            erring.truth = model.twist_from_wheels(&rates, orders.steering);
+        }
+        let is_commanded = match orders.pending {
+            Pending::Twist(twist) | Pending::Drive { rate: twist, .. } => !twist.is_zero(),
+            Pending::Idle | Pending::Wheels { .. } => false,
+        };
+        if is_commanded && !command.is_none() {
+            erring.is_drawn = true;
+            erring.truth = erring.truth.plus(command.on(belief, model.kind, normals(self.command.at(tick))));
+        }
+        if !odometry.is_none() {
+            erring.is_drawn = true;
+            erring.odometry = belief.plus(odometry.on(belief, model.kind, normals(self.odometry.at(tick))));
+        }
+        erring
+    }
+}
+
+/// Standard normal numbers of one tick.
+fn normals<const N: usize>(mut stream: Stream) -> [f64; N] {
+    std::array::from_fn(|_| stream.normal())
+}
