@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+pub mod accuracy;
 pub mod cc;
 pub mod check;
 pub mod child;
@@ -60,6 +61,8 @@ enum Command {
     Convert(convert::ConvertArgs),
     /// Print the JSON schema of scenes in TOML, from which editors complete
     Schema,
+    /// Measure speed against error: of motion, contacts, rays, sensors and noise, beside slower and plainer methods
+    Accuracy(accuracy::AccuracyArgs),
     /// Build a robot program from C sources by hand
     Cc(cc::CcArgs),
     /// A robot's process of `eyesim run --exec process`
@@ -81,6 +84,7 @@ pub fn main() -> ExitCode {
         Command::Shot(args) => shot::run(*args),
         Command::Convert(args) => convert::run(&args),
         Command::Schema => convert::schema(),
+        Command::Accuracy(args) => accuracy::run(&args),
         Command::Cc(args) => cc::run(&args),
         Command::Child(args) => child::run(&args),
         Command::Debug(args) => debug::run(&args),

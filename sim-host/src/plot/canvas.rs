@@ -225,7 +225,8 @@ fn font(size: f64) -> FontDesc<'static> {
 }
 
 /// Gives plotters its font, once: pictures must not depend on what is installed.
-fn register_fonts() {
+/// Makes the letters of the pictures known to plotters.
+pub fn register_fonts() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         // A font that could not be read would show in every test of a picture.

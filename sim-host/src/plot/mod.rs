@@ -1,9 +1,11 @@
-//! Pictures from above, to scale: of files (`eyesim plot`) and of finished runs (`eyesim run --plot`).
+//! Pictures from above, to scale: of files (`eyesim plot`) and of finished runs (`eyesim run --plot`); and charts of figures
+//! (`eyesim accuracy --plots`).
 //!
 //! `scene` and `run` say what is seen, as a [`Drawing`] in metres; `render` makes a picture of it. Nothing here changes
 //! what is simulated, and nothing depends on fonts or libraries of the machine.
 
 mod canvas;
+pub mod chart;
 mod colour;
 mod drawing;
 mod frame;

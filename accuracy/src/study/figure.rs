@@ -1,0 +1,105 @@
+use super::Row;
+
+/// A picture of curves over one pair of axes.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// Name of its file, without the extension.
+    pub name: String,
+    /// What stands above it.
+    pub title: String,
+    /// What lies along x, with its unit.
+    pub x_label: String,
+    /// What lies along y, with its unit.
+    pub y_label: String,
+    /// How x is divided.
+    pub x_scale: Scale,
+    /// How y is divided.
+    pub y_scale: Scale,
+    /// The curves, in the order of the legend.
+    pub series: Vec<Series>,
+}
+
+/// How an axis is divided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// In equal steps.
+    Linear,
+    /// In equal factors; what is not positive stands at the lower edge.
+    Logarithmic,
+}
+
+/// How points are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// A line from each to the next.
+    Line,
+    /// A dot each.
+    Dots,
+    /// Both.
+    LineAndDots,
+    /// A bar from 0 to each, as wide as their distance: a histogram.
+    Bars,
+}
+
+/// Points that belong together.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// What the legend calls it.
+    pub name: String,
+    /// How it is shown.
+    pub mark: Mark,
+    /// (x, y); what is not finite interrupts a line.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl Figure {
+    /// Error against time of these rows, both in powers of ten: a curve a method, its points in the order of the rows.
+    ///
+    /// `None` without rows. They belong to one study.
+    pub fn of_rows(title: &str, rows: &[Row]) -> Option<Self> {
+        let first = rows.first()?;
+        let mut series: Vec<Series> = Vec::new();
+        for row in rows {
+            let point = (row.time_ns, row.error);
+            match series.iter_mut().find(|series| series.name == row.method) {
+                Some(series) => series.points.push(point),
+                None => {
+                    series.push(Series { name: row.method.clone(), mark: Mark::LineAndDots, points: vec![point] });
+                }
+            }
+        }
+        Some(Self {
+            name: first.study.to_owned(),
+            title: title.to_owned(),
+            x_label: format!("time of one {}, ns", first.per),
+            y_label: format!("error, {}", first.unit),
+            x_scale: Scale::Logarithmic,
+            y_scale: Scale::Logarithmic,
+            series,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_method_is_a_curve() {
+        let row = |method: &str, time_ns, error| Row {
+            study: "s",
+            method: method.to_owned(),
+            setting: String::new(),
+            error,
+            unit: "m",
+            time_ns,
+            per: "ray",
+        };
+        let rows = [row("a", 1.0, 0.1), row("b", 2.0, 0.2), row("a", 3.0, 0.0)];
+        let figure = Figure::of_rows("t", &rows).expect("there are rows");
+        let curves: Vec<_> = figure.series.iter().map(|series| (&*series.name, &*series.points)).collect();
+        assert_eq!(curves, [("a", &[(1.0, 0.1), (3.0, 0.0)][..]), ("b", &[(2.0, 0.2)][..])]);
+        assert_eq!((&*figure.x_label, &*figure.y_label), ("time of one ray, ns", "error, m"));
+        assert!(Figure::of_rows("t", &[]).is_none());
+    }
+}

@@ -1,0 +1,158 @@
+//! `moving-target`: a sensor at rest watches a robot that its program speeds up and slows down.
+//!
+//! Others see a robot by the plan that it published at the slot's start, so a command shows at the slot's end: the error
+//! is at most the change of speed times the slot's length, and none in a slot without a command. Beside it, what a simulator does that shows the others where they
+//! were at the slot's start: there the whole speed counts, in every slot. Errors are root mean squares.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use glam::DVec2;
+use sim_core::RobotId;
+use sim_core::drive::{Command, DriveKind, Model, Motion};
+use sim_core::pose::{Pose, Twist};
+use sim_core::scene::Walls;
+use sim_core::time::Time;
+use sim_core::world::World;
+
+use super::{Effort, Outcome, Row, Study, nanoseconds};
+
+pub const STUDY: Study = Study {
+    name: "moving-target",
+    title: "Distance to a robot that changes its speed, against the length of the slot",
+    run,
+};
+
+/// Lengths of the slot, ms.
+const SLOTS_MS: [i64; 8] = [1, 2, 5, 10, 20, 50, 100, 200];
+/// Between two commands of the target; no multiple of a slot, so that commands fall anywhere within one.
+const COMMAND: Time = Time(137_731);
+/// Between two readings.
+const READING: Time = Time(1_003);
+/// Speeds that the target takes in turn, m/s.
+const SPEEDS: [f64; 4] = [0.2, 0.5, -0.1, -0.6];
+/// Where the target begins, m ahead of the sensor.
+const START: f64 = 20.0;
+const RANGE: f64 = 100.0;
+
+fn run(effort: Effort) -> Outcome {
+    let span = Time::from_millis(1_000 * effort.of(60) as i64);
+    let measure = |method: &str, sight: Sight| {
+        let rows = SLOTS_MS.map(|slot_ms| {
+            let slot = Time::from_millis(slot_ms);
+            let mut error = 0.0;
+            let time_ns = nanoseconds(3, 1, || error = errors(slot, span, sight).root_mean_square());
+            Row {
+                study: STUDY.name,
+                method: method.to_owned(),
+                setting: format!("slot of {slot_ms} ms"),
+                error,
+                unit: "m",
+                time_ns: time_ns / span.seconds(),
+                per: "simulated second",
+            }
+        });
+        rows.to_vec()
+    };
+    [measure("published plan", Sight::Plan), measure("frozen at the slot's start", Sight::Frozen)].concat().into()
+}
+
+/// What the sensor is shown of the target.
+#[derive(Clone, Copy)]
+enum Sight {
+    /// Its plan at the instant of the reading.
+    Plan,
+    /// Where it was at the start of the slot.
+    Frozen,
+}
+
+/// Differences of readings from the truth, m.
+#[derive(Clone, Copy, Debug, Default)]
+struct Errors {
+    count: f64,
+    squares: f64,
+    greatest: f64,
+}
+
+impl Errors {
+    fn add(&mut self, error: f64) {
+        self.count += 1.0;
+        self.squares += error * error;
+        self.greatest = self.greatest.max(error.abs());
+    }
+
+    fn root_mean_square(&self) -> f64 {
+        (self.squares / self.count.max(1.0)).sqrt()
+    }
+}
+
+/// How far the readings are from the true distance at their instants.
+fn errors(slot: Time, span: Time, sight: Sight) -> Errors {
+    let (model, walls) = (Arc::new(model()), Arc::new(Walls::new(Vec::new())));
+    let robot = |id, pose| Motion::new(RobotId(id), Arc::clone(&model), Arc::clone(&walls), pose);
+    let mut watcher = robot(1, Pose::new(0.0, 0.0, 0.0));
+    let mut target = robot(2, Pose::new(START, 0.0, PI));
+    let mut world = World::new(walls, slot, [&mut watcher, &mut target]);
+    let mut commands =
+        (0_i64..).map(|index| (Time(index * COMMAND.0), SPEEDS[index as usize % SPEEDS.len()])).peekable();
+    let mut readings = (0_i64..).map(|index| Time(index * READING.0)).peekable();
+    let mut errors = Errors::default();
+    while world.slot_start() < span {
+        let (start, end) = (world.slot_start(), world.slot_end());
+        while let Some((at, speed)) = commands.next_if(|(at, _)| *at < end) {
+            let twist = Command::Twist(Twist::new(speed, 0.0));
+            target.command(at, twist, &[]).expect("a differential drive obeys any twist");
+        }
+        while let Some(at) = readings.next_if(|at| *at < end) {
+            let seen_at = match sight {
+                Sight::Plan => at,
+                Sight::Frozen => start,
+            };
+            let hit = world.cast(RobotId(1), DVec2::ZERO, DVec2::X, RANGE, seen_at);
+            let seen = hit.expect("the target stays within range").distance;
+            let truth = target.pose(at).position.x - model.body_radius;
+            errors.add(seen - truth);
+        }
+        world.advance(&mut [&mut target]);
+    }
+    errors
+}
+
+/// A small differential drive.
+fn model() -> Model {
+    Model {
+        kind: DriveKind::Differential,
+        wheel_diameter: 0.05,
+        max_wheel_rate: 100.0,
+        ticks_per_turn: 1_000.0,
+        track: 0.1,
+        wheelbase: 0.1,
+        axis_offset: 0.0,
+        max_speed: f64::INFINITY,
+        max_turn: f64::INFINITY,
+        body_radius: 0.08,
+        wheel_lag: 0.0,
+        max_steering: 0.5,
+        mass: 1.0,
+        traction: 0.6,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_error_is_bounded_by_the_change_of_speed_times_the_slot() {
+        for slot_ms in [1, 20, 200] {
+            let (slot, span) = (Time::from_millis(slot_ms), Time::from_millis(5_000));
+            let [plan, frozen] = [Sight::Plan, Sight::Frozen].map(|sight| errors(slot, span, sight));
+            let is_better = plan.root_mean_square() < 0.7 * frozen.root_mean_square();
+            assert!(is_better || slot > COMMAND, "{plan:?} {frozen:?}");
+            let (plan, frozen) = (plan.greatest, frozen.greatest);
+            // A slot of 200 ms may hold two commands: from 0.5 to -0.6 m/s.
+            assert!(plan > 0.0 && plan <= 1.1 * slot.seconds() + 1e-12, "{plan} with {slot_ms} ms");
+            assert!(frozen <= 0.6 * slot.seconds() + 1e-12 && frozen > 0.4 * slot.seconds(), "{frozen}");
+        }
+    }
+}

@@ -1,0 +1,27 @@
+use std::hint::black_box;
+use std::time::Instant;
+
+/// Nanoseconds of real time that each of the `count` things takes which one call of `work` does: of `repeats` calls the
+/// fastest, since whatever else the machine does only adds to it.
+pub fn nanoseconds<R>(repeats: usize, count: usize, mut work: impl FnMut() -> R) -> f64 {
+    let mut best = f64::INFINITY;
+    for _ in 0..repeats.max(1) {
+        let start = Instant::now();
+        black_box(work());
+        best = best.min(start.elapsed().as_secs_f64());
+    }
+    best * 1e9 / count.max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_is_that_of_one_thing() {
+        let mut calls = 0;
+        let time = nanoseconds(3, 10, || calls += 1);
+        assert_eq!(calls, 3);
+        assert!(time.is_finite() && time >= 0.0);
+    }
+}

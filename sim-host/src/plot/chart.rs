@@ -1,0 +1,234 @@
+//! Curves over a pair of axes: the figures of `eyesim accuracy`.
+
+use accuracy::study::{Figure, Mark, Scale, Series};
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+
+use super::PlotError;
+use super::canvas::{TEXT, TITLE, register_fonts};
+
+/// Pixels of a figure.
+const SIZE: (u32, u32) = (760, 480);
+/// Legible on white, and told apart by people who see few colours (Okabe and Ito).
+const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(0, 0, 0),
+];
+/// Powers of ten that a logarithmic axis shows at most.
+const DECADES: f64 = 20.0;
+
+/// The figure as SVG.
+///
+/// # Errors
+/// [`PlotError::Draw`] if the drawing library refuses it.
+pub fn to_svg(figure: &Figure) -> Result<String, PlotError> {
+    register_fonts();
+    let mut svg = String::new();
+    draw(figure, SVGBackend::with_string(&mut svg, SIZE)).map_err(|error| PlotError::Draw(error.to_string()))?;
+    Ok(svg)
+}
+
+fn draw(figure: &Figure, backend: SVGBackend<'_>) -> Result<(), Box<dyn std::error::Error>> {
+    let root = backend.into_drawing_area();
+    root.fill(&WHITE)?;
+    let coordinates = |pick: fn(&(f64, f64)) -> f64| figure.series.iter().flat_map(|s| &s.points).map(pick);
+    let is_histogram = figure.series.iter().any(|series| series.mark == Mark::Bars);
+    let x_axis = Axis::new(figure.x_scale, coordinates(|point| point.0), false);
+    let y_axis = Axis::new(figure.y_scale, coordinates(|point| point.1), is_histogram);
+    let mut chart = ChartBuilder::on(&root)
+        .caption(&figure.title, ("sans-serif", TITLE))
+        .margin(10)
+        .x_label_area_size(42)
+        .y_label_area_size(66)
+        .build_cartesian_2d(x_axis.clone(), y_axis.clone())?;
+    let text = ("sans-serif", TEXT).into_font();
+    chart
+        .configure_mesh()
+        .x_desc(&figure.x_label)
+        .y_desc(&figure.y_label)
+        .axis_desc_style(text.clone())
+        .label_style(text.clone())
+        .x_label_formatter(&|x| x_axis.label(*x))
+        .y_label_formatter(&|y| y_axis.label(*y))
+        .light_line_style(BLACK.mix(0.05))
+        .bold_line_style(BLACK.mix(0.15))
+        .draw()?;
+    for (series, &colour) in figure.series.iter().zip(COLOURS.iter().cycle()) {
+        let points = || series.points.iter().map(|(x, y)| (x_axis.place(*x), y_axis.place(*y)));
+        let legend = move |(x, y): (i32, i32)| Rectangle::new([(x, y - 4), (x + 14, y + 4)], colour.filled());
+        let mut name = Some(series.name.clone());
+        if matches!(series.mark, Mark::Line | Mark::LineAndDots) {
+            for run in stretches(points()) {
+                let drawn = chart.draw_series([PathElement::new(run, colour.stroke_width(2))])?;
+                name.take().into_iter().for_each(|name| _ = drawn.label(name).legend(legend));
+            }
+        }
+        if matches!(series.mark, Mark::Dots | Mark::LineAndDots) {
+            let radius = if series.points.len() > 60 { 1 } else { 3 };
+            let dots = points().filter(is_drawn).map(|point| Circle::new(point, radius, colour.filled()));
+            let drawn = chart.draw_series(dots)?;
+            name.take().into_iter().for_each(|name| _ = drawn.label(name).legend(legend));
+        }
+        if series.mark == Mark::Bars {
+            let half = 0.5 * bar_width(series);
+            let bar = |(x, y)| Rectangle::new([(x - half, 0.0), (x + half, y)], colour.mix(0.45).filled());
+            let drawn = chart.draw_series(points().filter(is_drawn).map(bar))?;
+            name.take().into_iter().for_each(|name| _ = drawn.label(name).legend(legend));
+        }
+    }
+    if figure.series.len() > 1 {
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperRight)
+            .label_font(text)
+            .background_style(WHITE.mix(0.85))
+            .border_style(BLACK.mix(0.3))
+            .draw()?;
+    }
+    root.present()?;
+    Ok(())
+}
+
+fn is_drawn(point: &(f64, f64)) -> bool {
+    point.0.is_finite() && point.1.is_finite()
+}
+
+/// The parts of a line between points that are not finite.
+fn stretches(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<(f64, f64)>> {
+    let mut runs = vec![Vec::new()];
+    for point in points {
+        match runs.last_mut() {
+            Some(run) if is_drawn(&point) => run.push(point),
+            _ => runs.push(Vec::new()),
+        }
+    }
+    runs.retain(|run| !run.is_empty());
+    runs
+}
+
+/// Distance of the first two points along x.
+fn bar_width(series: &Series) -> f64 {
+    series.points.windows(2).next().map_or(1.0, |pair| pair[1].0 - pair[0].0)
+}
+
+/// An axis; a logarithmic one is a linear one of the exponents.
+#[derive(Clone)]
+struct Axis {
+    scale: Scale,
+    range: RangedCoordf64,
+    low: f64,
+}
+
+impl Axis {
+    /// The axis that holds these coordinates, and 0 where asked for.
+    fn new(scale: Scale, coordinates: impl Iterator<Item = f64>, holds_zero: bool) -> Self {
+        let shown = coordinates.filter(|c| c.is_finite() && (scale == Scale::Linear || *c > 0.0));
+        let shown = shown.map(|c| if scale == Scale::Linear { c } else { c.log10() });
+        let (mut low, mut high) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), c| (a.min(c), b.max(c)));
+        if low > high {
+            (low, high) = (0.0, 1.0);
+        }
+        match scale {
+            Scale::Linear => {
+                if holds_zero {
+                    low = low.min(0.0);
+                }
+                let margin = if high > low { 0.04 * (high - low) } else { 0.5 * high.abs().max(1.0) };
+                low = if holds_zero && low == 0.0 { 0.0 } else { low - margin };
+                high += margin;
+            }
+            Scale::Logarithmic => {
+                low = (low - 0.1).floor().max(high - DECADES);
+                high = (high + 0.1).ceil();
+            }
+        }
+        Self { scale, range: RangedCoordf64::from(low..high), low }
+    }
+
+    /// Where a coordinate stands along the axis.
+    fn place(&self, coordinate: f64) -> f64 {
+        match self.scale {
+            Scale::Linear => coordinate,
+            Scale::Logarithmic if coordinate > 0.0 => coordinate.log10().max(self.low),
+            Scale::Logarithmic if coordinate.is_nan() => coordinate,
+            Scale::Logarithmic => self.low,
+        }
+    }
+
+    fn label(&self, place: f64) -> String {
+        match self.scale {
+            // Plotters' steps have few digits; their sums do not.
+            Scale::Linear => format!("{}", (place * 1e9).round() / 1e9),
+            Scale::Logarithmic => format!("1e{place:.0}"),
+        }
+    }
+}
+
+impl Ranged for Axis {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        self.range.map(value, limit)
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        match self.scale {
+            Scale::Linear => self.range.key_points(hint),
+            Scale::Logarithmic => {
+                let range = self.range.range();
+                let decades = (range.end - range.start).round().max(1.0);
+                let step = (decades / 10.0).ceil() as usize;
+                (0..=decades as usize).step_by(step).map(|decade| range.start + decade as f64).collect()
+            }
+        }
+    }
+
+    fn range(&self) -> std::ops::Range<f64> {
+        self.range.range()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figure(points: Vec<(f64, f64)>, scale: Scale, mark: Mark) -> Figure {
+        Figure {
+            name: "f".to_owned(),
+            title: "Title".to_owned(),
+            x_label: "x".to_owned(),
+            y_label: "y".to_owned(),
+            x_scale: scale,
+            y_scale: scale,
+            series: vec![Series { name: "curve".to_owned(), mark, points }],
+        }
+    }
+
+    #[test]
+    fn any_points_can_be_drawn() {
+        let ugly = vec![(0.0, 0.0), (f64::NAN, 1.0), (1e-300, 1e300), (-1.0, f64::INFINITY), (5.0, 5.0)];
+        for points in [Vec::new(), vec![(1.0, 0.0)], vec![(1.0, 1.0), (2.0, 4.0)], ugly] {
+            for scale in [Scale::Linear, Scale::Logarithmic] {
+                for mark in [Mark::Line, Mark::Dots, Mark::LineAndDots, Mark::Bars] {
+                    let svg = to_svg(&figure(points.clone(), scale, mark)).expect("a picture");
+                    assert!(svg.contains("Title") && svg.ends_with("</svg>\n"), "{scale:?} {mark:?} {points:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_power_of_ten_stands_on_its_line() {
+        let axis = Axis::new(Scale::Logarithmic, [1e-9, 0.0, 1e-3].into_iter(), false);
+        assert_eq!((axis.range().start, axis.range().end), (-10.0, -2.0));
+        assert_eq!([1e-9, 1e-3, 0.0, -4.0].map(|c| axis.place(c).round()), [-9.0, -3.0, -10.0, -10.0]);
+        assert_eq!(axis.label(-9.0), "1e-9");
+    }
+}
