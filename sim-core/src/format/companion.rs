@@ -14,6 +14,7 @@ use super::code::Code;
 use super::diagnostic::Diagnostic;
 use super::given::Given;
 use super::line::{self, Quantity};
+use super::range::{PITCH, model_name};
 use super::robi::{LIDAR_SWEEP, LIDAR_TILT, MAX_LIDAR_POINTS};
 use super::spec::{BumperSpec, CompassSpec, InfraredSpec, LidarSpec, RobiSpec, SerialLine, SerialSpec, ServoSpec};
 use super::table::{Reader, Section};
@@ -56,7 +57,7 @@ impl Reader<'_> {
         }
         self.devices(&mut root, robi);
         self.unknown_keys(&root);
-        self.doubles(robi);
+        self.settle_devices(robi);
     }
 
     /// What a companion says in the same words as a scene that describes the type in place.
@@ -64,6 +65,13 @@ impl Reader<'_> {
         if let Some(section) = self.section(parent, "body") {
             self.body(section, robi);
         }
+        if let Some(section) = self.section(parent, "surface") {
+            robi.surface = self.surface(section);
+        }
+        for section in self.sections(parent, "link") {
+            robi.links.extend(self.link(section));
+        }
+        self.ranges(parent, robi);
         if let Some(section) = self.section(parent, "lidar") {
             self.lidar(section, robi);
         }
@@ -101,7 +109,9 @@ impl Reader<'_> {
 
     /// The scanner that a classic robi cannot name, or changes to that of the robi.
     fn lidar(&mut self, mut section: Section<'_, '_>, robi: &mut RobiSpec) {
-        let lidar = robi.lidar.get_or_insert(LidarSpec { points: 360, tilt: 0.0, sweep: TAU, span: section.span });
+        let lidar = robi.lidar.get_or_insert(LidarSpec::new(section.span));
+        self.mount(&mut section, &mut lidar.mount);
+        self.set(&mut section, "range_mm", &Quantity::size("range of the scanner"), &mut lidar.range);
         self.set(&mut section, "tilt_deg", &LIDAR_TILT, &mut lidar.tilt);
         self.set(&mut section, "sweep_deg", &LIDAR_SWEEP, &mut lidar.sweep);
         if let Some(points) = self.integer(&mut section, "points", 1, i64::from(MAX_LIDAR_POINTS)) {
@@ -147,6 +157,8 @@ impl Reader<'_> {
             };
             if let Some(mut section) = self.as_section("psd", value) {
                 self.set(&mut section, "range_mm", &quantity, &mut psd.range);
+                self.set(&mut section, "pitch_deg", &PITCH, &mut psd.pitch);
+                psd.on = self.on(&mut section).or(psd.on.take());
                 self.unknown_keys(&section);
             }
         }
@@ -307,15 +319,18 @@ impl Reader<'_> {
 
     /// Devices that a program could not tell apart.
     pub(super) fn doubles(&mut self, robi: &RobiSpec) {
-        self.doubles_of("PSD", robi.psds.iter().map(|device| (&*device.name, device.id, device.span)));
-        self.doubles_of("infrared", robi.infrareds.iter().map(|device| (&*device.name, device.id, device.span)));
-        self.doubles_of("bumper", robi.bumpers.iter().map(|device| (&*device.name, device.id, device.span)));
-        self.doubles_of("servo", robi.servos.iter().map(|device| (&*device.name, device.id, device.span)));
+        let psds = robi.psds.iter().map(|device| ("PSD", &*device.name, device.id, device.span));
+        let ranges = robi.ranges.iter().map(|device| (model_name(&device.model), &*device.name, device.id, device.span));
+        self.doubles_of(psds.chain(ranges));
+        let infrareds = robi.infrareds.iter();
+        self.doubles_of(infrareds.map(|device| ("infrared", &*device.name, device.id, device.span)));
+        self.doubles_of(robi.bumpers.iter().map(|device| ("bumper", &*device.name, device.id, device.span)));
+        self.doubles_of(robi.servos.iter().map(|device| ("servo", &*device.name, device.id, device.span)));
     }
 
-    fn doubles_of<'d>(&mut self, kind: &str, devices: impl Iterator<Item = (&'d str, Option<i32>, Span)>) {
+    fn doubles_of<'d>(&mut self, devices: impl Iterator<Item = (&'static str, &'d str, Option<i32>, Span)>) {
         let mut given = Given::default();
-        for (name, id, span) in devices {
+        for (kind, name, id, span) in devices {
             if given.line_of(name, id).is_some() {
                 let message = format!("the name or number of {kind} `{name}` was already given");
                 self.sink.warn(Code::RobiDeviceTwice, span, message, "each name and each number once");

@@ -138,7 +138,10 @@ impl Conversion<'_> {
         let inline = std::mem::take(&mut sim.inline);
         if let Some(world) = inline.world {
             let (extension, kind, printed) = match print::print_maze(&world).ok().filter(|_| world.cell.is_some()) {
-                Some(text) => ("maz", WorldKind::Maze, Printed { text, lost: Vec::new() }),
+                Some(text) => {
+                    let lost = print::beside_maze(&world);
+                    ("maz", WorldKind::Maze, Printed { text, lost })
+                }
                 None => ("wld", WorldKind::World, print::print_world(&world)),
             };
             let path = self.beside("", extension, printed);
@@ -188,10 +191,7 @@ impl Conversion<'_> {
         let printed = match target {
             Kind::World => print::print_world(world),
             Kind::Maze => match print::print_maze(world) {
-                Ok(text) => {
-                    let texture = world.texture.as_ref().map(|texture| format!("the texture `{}`", texture.text));
-                    Printed { text, lost: texture.into_iter().collect() }
-                }
+                Ok(text) => Printed { text, lost: print::beside_maze(world) },
                 Err(why) => {
                     let expected = "walls along a grid of cells, and the target `.wld` otherwise";
                     self.lost.error(Code::ConvertMaze, Span::default(), why, expected);
@@ -290,6 +290,7 @@ impl Conversion<'_> {
         sim.objects.iter_mut().for_each(|line| self.rewrite_type(&mut line.kind));
         if let Some(world) = &mut sim.inline.world {
             world.texture.iter_mut().for_each(|texture| self.rewrite_path(texture));
+            world.terrain.iter_mut().for_each(|terrain| self.rewrite_path(&mut terrain.model.path));
             world.objects.iter_mut().for_each(|line| self.rewrite_type(&mut line.kind));
         }
         sim.inline.robot_types.iter_mut().for_each(|(robi, _)| self.rewrite_robi(robi));

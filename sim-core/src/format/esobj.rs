@@ -10,7 +10,7 @@ use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::line::{self, Quantity, Word};
 use super::spec::{
     Axis, Collider, DEFAULT_FRICTION, DEFAULT_OBJECT_MASS, DEFAULT_RESTITUTION, DEFAULT_ROLLING, MAX_LENGTH, ModelSpec,
-    ObjectType,
+    ObjectType, Solid, Surface,
 };
 use super::{Span, path};
 use crate::unit;
@@ -58,6 +58,8 @@ impl ObjectType {
             rolling: None,
             restitution: DEFAULT_RESTITUTION,
             colour: None,
+            surface: Surface::default(),
+            solid: Solid::Colliders,
             buoyancy: 0.0,
         }
     }

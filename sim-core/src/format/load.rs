@@ -8,11 +8,11 @@ use glam::DVec2;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::spec::{
-    CostsRef, DEFAULT_WALL_HEIGHT, ObjectType, PathRef, RobiSpec, RunSpec, SceneSpec, SerialLine, SimSpec, TypeRef,
+    CostsRef, DEFAULT_WALL_HEIGHT, ModelSpec, ObjectType, PathRef, RobiSpec, RunSpec, SceneSpec, SerialLine, SimSpec, Solid, TypeRef,
     WallSpec, WorldKind, WorldSpec,
 };
 use super::{
-    Span, clearance, line, path, place, read_companion, read_costs, read_esobj, read_maze, read_robi, read_scene,
+    MeshReader, Span, clearance, line, path, place, read_companion, read_costs, read_esobj, read_maze, read_robi, read_scene,
     read_sim, read_world,
 };
 
@@ -93,7 +93,8 @@ pub fn load_scene_with(path: &str, seed: Option<u64>, files: &dyn Files) -> Load
     for (robi, _) in &mut sim.inline.robot_types {
         loader.serial_files(path, &folder, robi);
     }
-    let world = loader.world(&sim, &folder);
+    let mut world = loader.world(&sim, &folder);
+    loader.solids(path, world.as_mut(), &mut sim.inline.object_types);
     let placed = place::place(&mut loader, &sim, &folder, world.as_ref());
     let costs = sim.run.costs.take().and_then(|costs| loader.costs(path, &folder, costs));
     let scene = SceneSpec {
@@ -436,6 +437,39 @@ impl Loader<'_> {
     }
 }
 
+impl Loader<'_> {
+    /// Reads the meshes that range sensors see, as the scene `file` says: the terrain, and those of objects.
+    fn solids(&mut self, file: &str, world: Option<&mut WorldSpec>, objects: &mut [(ObjectType, Span)]) {
+        let mut reader = MeshReader::new(self.files);
+        let mut sink = Sink::new(file);
+        let mut missing = |model: &ModelSpec| {
+            let message = format!("range sensors are to see the mesh `{}`, which cannot be read", model.path.text);
+            sink.error(Code::MeshSolid, model.path.span, message, "an .obj file with triangles");
+        };
+        if let Some(world) = world {
+            let mesh = reader.terrain(world);
+            if let Some(terrain) = &mut world.terrain {
+                if mesh.is_none() {
+                    missing(&terrain.model);
+                }
+                terrain.mesh = mesh;
+            }
+        }
+        for (object, _) in objects {
+            let Some(model) = object.model.as_ref().filter(|_| object.solid != Solid::Colliders) else { continue };
+            let mesh = reader.object(object);
+            if mesh.is_none() {
+                missing(model);
+            }
+            object.solid = Solid::Mesh(mesh);
+        }
+        let (diagnostics, inputs) = reader.finish();
+        self.diagnostics.extend(diagnostics);
+        self.diagnostics.extend(sink.finish());
+        self.inputs.extend(inputs);
+    }
+}
+
 impl WorldSpec {
     /// The world that EyeSim VR takes where a scene names none: a box with a wall on each side.
     fn empty_box() -> Self {
@@ -447,6 +481,7 @@ impl WorldSpec {
             thickness: 0.0,
             height: DEFAULT_WALL_HEIGHT,
             colour: None,
+            surface: None,
             span: Span::default(),
         };
         Self { floor: DVec2::splat(SIDE), walls: (0..4).map(wall).collect(), ..Self::default() }

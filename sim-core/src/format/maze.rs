@@ -247,6 +247,7 @@ impl Drawing {
             thickness: 0.0,
             height: DEFAULT_WALL_HEIGHT,
             colour: None,
+            surface: None,
             span,
         });
         let mut world = WorldSpec {

@@ -12,7 +12,8 @@ use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::given::Given;
 use super::line::{self, Line, Quantity, Word};
 use super::spec::{
-    DEFAULT_ROBOT_MASS, DEFAULT_TRACTION, DriveKind, DriveSpec, InputSpec, LcdSpec, MotorSpec, RobiSpec, WheelSpec,
+    DEFAULT_ROBOT_MASS, DEFAULT_TRACTION, DriveKind, DriveSpec, InputSpec, LcdSpec, MotorSpec, RobiSpec, Surface,
+    WheelSpec,
 };
 use super::{Span, path};
 use crate::unit;
@@ -62,10 +63,13 @@ impl RobiSpec {
                 max_steer: unit::radians_from_degrees(MAX_STEER_DEG),
                 wheel_lag: 0.0,
             },
+            links: Vec::new(),
             psds: Vec::new(),
+            ranges: Vec::new(),
             camera: None,
             lidar: None,
             colliders: Vec::new(),
+            surface: Surface::default(),
             mass: DEFAULT_ROBOT_MASS,
             centre_of_mass: DVec3::ZERO,
             traction: DEFAULT_TRACTION,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Span;
 use super::spec::{
-    CostsRef, ModelSpec, ObjectLine, ObjectType, PathRef, RobiSpec, RobotLine, SceneSpec, SerialLine, SimSpec, TypeRef,
+    CostsRef, ModelSpec, ObjectLine, ObjectType, PathRef, RobiSpec, RobotLine, SceneSpec, SerialLine, SimSpec, Solid, TypeRef,
     WorldSpec,
 };
 
@@ -60,6 +60,10 @@ pub fn sim(sim: &SimSpec) -> SimSpec {
 pub fn world(world: &WorldSpec) -> WorldSpec {
     let mut world = WorldSpec { file: String::new(), ..world.clone() };
     world.texture.iter_mut().for_each(forget);
+    if let Some(terrain) = &mut world.terrain {
+        forget_model(&mut terrain.model);
+        terrain.mesh = None;
+    }
     world.walls.iter_mut().for_each(|wall| wall.span = Span::default());
     world.starts.iter_mut().for_each(|start| start.span = Span::default());
     world.objects.iter_mut().for_each(forget_object);
@@ -70,9 +74,24 @@ pub fn world(world: &WorldSpec) -> WorldSpec {
 pub fn robi(robi: &RobiSpec) -> RobiSpec {
     let mut robi = RobiSpec { file: String::new(), ..robi.clone() };
     robi.model.iter_mut().for_each(forget_model);
-    robi.psds.iter_mut().for_each(|device| device.span = Span::default());
+    for link in &mut robi.links {
+        link.span = Span::default();
+        link.mount.on.iter_mut().for_each(forget);
+        link.turn.iter_mut().for_each(|turn| forget(&mut turn.servo));
+    }
+    for psd in &mut robi.psds {
+        psd.span = Span::default();
+        psd.on.iter_mut().for_each(forget);
+    }
+    for range in &mut robi.ranges {
+        range.span = Span::default();
+        range.mount.on.iter_mut().for_each(forget);
+    }
     robi.camera.iter_mut().for_each(|device| device.span = Span::default());
-    robi.lidar.iter_mut().for_each(|device| device.span = Span::default());
+    for lidar in &mut robi.lidar {
+        lidar.span = Span::default();
+        lidar.mount.on.iter_mut().for_each(forget);
+    }
     robi.infrareds.iter_mut().for_each(|device| device.span = Span::default());
     robi.bumpers.iter_mut().for_each(|device| device.span = Span::default());
     robi.servos.iter_mut().for_each(|device| device.span = Span::default());
@@ -90,6 +109,9 @@ pub fn robi(robi: &RobiSpec) -> RobiSpec {
 pub fn object(object: &ObjectType) -> ObjectType {
     let mut object = ObjectType { file: String::new(), ..object.clone() };
     object.model.iter_mut().for_each(forget_model);
+    if let Solid::Mesh(mesh) = &mut object.solid {
+        *mesh = None;
+    }
     object
 }
 

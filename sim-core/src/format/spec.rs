@@ -2,6 +2,7 @@
 //!
 //! Every value in a spec is a finite number within its documented range, whatever the text was.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
@@ -9,7 +10,9 @@ use glam::{DVec2, DVec3};
 use super::Span;
 use crate::RobotId;
 pub use crate::drive::DriveKind;
+pub use crate::format::mount::{BODY, LinkSpec, MountSpec, RangeSpec, ServoRef, Solid, TerrainSpec, TurnSpec};
 use crate::pose::Pose;
+pub use crate::scene::Surface;
 use crate::time::Time;
 
 /// Height of a wall whose line does not say, in metres: what EyeSim VR shows of its walls.
@@ -42,6 +45,18 @@ pub const DEFAULT_ROLLING: f64 = 0.02;
 /// Restitution of an object type that does not say. Source: our choice.
 pub const DEFAULT_RESTITUTION: f64 = 0.3;
 
+/// Points of a laser scanner that does not say.
+pub const DEFAULT_LIDAR_POINTS: u32 = 360;
+
+/// Height of a laser scanner that does not say, in metres. Source: our choice.
+pub const DEFAULT_LIDAR_HEIGHT: f64 = 0.1;
+
+/// Greatest distance of a laser scanner that does not say, in metres: the 9999 mm that stand for nothing.
+pub const DEFAULT_LIDAR_RANGE: f64 = 9.999;
+
+/// Metres per unit of a terrain's mesh that does not say. Source: our choice, as meshes of robots have.
+pub const DEFAULT_TERRAIN_SCALE: f64 = 1.0;
+
 /// Largest coordinate or size that a file may have, in metres.
 pub const MAX_LENGTH: f64 = 1e6;
 
@@ -67,6 +82,8 @@ pub struct WallSpec {
     pub height: f64,
     /// Red, green, blue.
     pub colour: Option<[u8; 3]>,
+    /// How it reflects; `None`: as the world says.
+    pub surface: Option<Surface>,
     /// The wall's line (in a maze: its first character).
     pub span: Span,
 }
@@ -203,6 +220,10 @@ pub struct ObjectType {
     pub restitution: f64,
     /// Red, green, blue where no mesh shows it.
     pub colour: Option<[u8; 3]>,
+    /// How it reflects.
+    pub surface: Surface,
+    /// What range sensors in space see of it.
+    pub solid: Solid,
     /// Volume in cubic metres by which it floats; 0 for none. Without meaning on dry land.
     pub buoyancy: f64,
 }
@@ -271,6 +292,10 @@ pub struct WorldSpec {
     pub floor: DVec2,
     /// Image stretched over the whole floor.
     pub texture: Option<PathRef>,
+    /// How the floor reflects, and walls that do not say.
+    pub surface: Surface,
+    /// A mesh that range sensors see as the ground; robots drive on the plane z = 0 all the same.
+    pub terrain: Option<TerrainSpec>,
     /// Side of a maze's cells, in metres; `None` for a `.wld`.
     pub cell: Option<f64>,
     /// Walls in the order of the file; in a maze, the vertical ones from left to right, then the horizontal ones from
@@ -340,6 +365,10 @@ pub struct PsdSpec {
     pub position: DVec3,
     /// Direction of the beam in the floor plane, counter-clockwise from forward, in radians.
     pub angle: f64,
+    /// Angle of the beam above the floor plane of what it sits on, in radians.
+    pub pitch: f64,
+    /// The link that it sits on; `None`: the body.
+    pub on: Option<PathRef>,
     /// Greatest distance that it measures, in metres.
     pub range: f64,
     /// Its line.
@@ -380,8 +409,12 @@ pub struct CameraSpec {
 }
 
 /// A laser scanner: distances all around, at equal angles.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LidarSpec {
+    /// Where it sits; x is the middle of its scan.
+    pub mount: MountSpec,
+    /// Greatest distance that it measures along a ray, in metres.
+    pub range: f64,
     /// Number of points of a scan.
     pub points: u32,
     /// Angle of the scanning plane above the floor plane, in radians.
@@ -390,6 +423,15 @@ pub struct LidarSpec {
     pub sweep: f64,
     /// Its line.
     pub span: Span,
+}
+
+impl LidarSpec {
+    /// A scanner written at `span` that says nothing about itself.
+    pub fn new(span: Span) -> Self {
+        let position = DVec3::new(0.0, 0.0, DEFAULT_LIDAR_HEIGHT);
+        let mount = MountSpec { position, ..MountSpec::default() };
+        Self { mount, range: DEFAULT_LIDAR_RANGE, points: DEFAULT_LIDAR_POINTS, tilt: 0.0, sweep: TAU, span }
+    }
 }
 
 /// An infrared proximity switch: tells whether something is nearer than its range.
@@ -549,8 +591,12 @@ pub struct RobiSpec {
     pub wheel: WheelSpec,
     /// The drive.
     pub drive: DriveSpec,
+    /// Links in the order of the file; none hangs on itself.
+    pub links: Vec<LinkSpec>,
     /// PSD sensors in the order of the file.
     pub psds: Vec<PsdSpec>,
+    /// Range sensors beside the PSDs: lasers, ultrasonic, reflectance sensors, sonars, each in the order of the file.
+    pub ranges: Vec<RangeSpec>,
     /// The camera.
     pub camera: Option<CameraSpec>,
     /// The laser scanner.
@@ -559,6 +605,8 @@ pub struct RobiSpec {
     pub model: Option<ModelSpec>,
     /// The body's shape in space where the file gives it; contacts are those of the disc of `diameter`.
     pub colliders: Vec<Collider>,
+    /// How the body reflects.
+    pub surface: Surface,
     /// Mass in kg; positive.
     pub mass: f64,
     /// Centre of mass in the robot's frame, in metres.

@@ -189,8 +189,11 @@ fn with_looks(mut loaded: Loaded, files: &dyn Files, others: impl FnOnce(&mut Me
     objects.iter().for_each(|object| drop(reader.object(&object.kind)));
     others(&mut reader);
     let (diagnostics, inputs) = reader.finish();
-    loaded.diagnostics.extend(diagnostics);
-    loaded.inputs.extend(inputs);
+    // Meshes that range sensors see have been read with the scene.
+    let new: Vec<Diagnostic> = diagnostics.into_iter().filter(|it| !loaded.diagnostics.contains(it)).collect();
+    loaded.diagnostics.extend(new);
+    let new: Vec<InputFile> = inputs.into_iter().filter(|it| !loaded.inputs.contains(it)).collect();
+    loaded.inputs.extend(new);
     loaded
 }
 

@@ -1,7 +1,8 @@
 //! Looks of bodies: meshes with their materials and images.
 //!
-//! Nothing here can stop a scene: what is missing or broken is warned about, and the body is shown in its own shape. A run
-//! without a camera reads no meshes at all; `check`, pictures and cameras do, through [`MeshReader`].
+//! Nothing here can stop a scene: what is missing or broken is warned about, and the body is shown in its own shape. `check`,
+//! pictures and cameras read them through [`MeshReader`]. A run without a camera reads only those meshes that range sensors
+//! see, and cannot do without them ([`super::load`]).
 //!
 //! # Frames
 //! The numbers of an OBJ file are right-handed: x left, y up, z forward. EyeSim VR works in the left-handed frame of its
@@ -56,6 +57,12 @@ impl<'a> MeshReader<'a> {
     /// The mesh of an object type, in the object's frame; `None` if it names none or none that can be read.
     pub fn object(&mut self, kind: &ObjectType) -> Option<Arc<Mesh>> {
         self.mesh(&kind.file, kind.model.as_ref()?, kind.scale)
+    }
+
+    /// The mesh that range sensors see as the ground, in the world frame; `None` if there is none or none that can be read.
+    pub fn terrain(&mut self, world: &WorldSpec) -> Option<Arc<Mesh>> {
+        let terrain = world.terrain.as_ref()?;
+        self.mesh(&world.file, &terrain.model, terrain.scale)
     }
 
     /// The image on the floor, stretched over all of it; `None` if the world names none or none that can be read.

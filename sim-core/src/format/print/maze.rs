@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::number::written_mm;
-use crate::format::spec::{DEFAULT_CELL, WorldSpec};
+use crate::format::spec::{DEFAULT_CELL, Surface, WorldSpec};
 use crate::format::{read_maze, same};
 
 /// Cells that a drawing may have.
@@ -39,6 +39,8 @@ pub fn print_maze(world: &WorldSpec) -> Result<String, String> {
     let text = format!("{}{}\n", drawing.text(), written_mm(cell));
     let mut read = read_maze("", &text).0;
     read.texture.clone_from(&world.texture);
+    read.terrain.clone_from(&world.terrain);
+    read.surface = world.surface;
     let mut wanted = same::world(world);
     wanted.cell.get_or_insert(cell);
     if same::world(&read) == wanted {
@@ -51,6 +53,14 @@ pub fn print_maze(world: &WorldSpec) -> Result<String, String> {
     ];
     let what = what.into_iter().find(|(differs, _)| *differs).map_or("its objects stand elsewhere", |(_, what)| what);
     Err(format!("the world is no maze: {what}"))
+}
+
+/// What a maze file has no place for, of a world that is a maze.
+pub(in crate::format) fn beside_maze(world: &WorldSpec) -> Vec<String> {
+    let texture = world.texture.as_ref().map(|texture| format!("the texture `{}`", texture.text));
+    let surface = (world.surface != Surface::default()).then(|| "the surface of floor and walls".to_owned());
+    let terrain = world.terrain.as_ref().map(|_| "the terrain".to_owned());
+    [texture, surface, terrain].into_iter().flatten().collect()
 }
 
 /// The characters of a drawing, row 0 at the bottom.

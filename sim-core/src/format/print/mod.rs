@@ -8,10 +8,12 @@ mod number;
 mod object;
 mod robi;
 mod scene;
+mod sensor;
 mod sim;
 mod text;
 mod world;
 
+pub(super) use maze::beside_maze;
 pub use maze::print_maze;
 pub use object::print_esobj;
 pub use robi::{print_companion, print_robi};

@@ -80,6 +80,8 @@ fn differences(a: &ObjectType, b: &ObjectType) -> Vec<String> {
         ((a.mass, a.centre_of_mass, a.is_fixed) != (b.mass, b.centre_of_mass, b.is_fixed), "the mass"),
         ((a.friction, a.rolling, a.restitution) != (b.friction, b.rolling, b.restitution), "the friction"),
         (a.colour != b.colour, "the colour"),
+        (a.surface != b.surface, "the surface"),
+        (a.solid != b.solid, "`solid = \"mesh\"`"),
         (a.buoyancy != b.buoyancy, "the buoyancy"),
     ];
     points.into_iter().filter(|(differs, _)| *differs).map(|(_, what)| format!("{what} of the object type")).collect()

@@ -45,7 +45,13 @@ pub fn print_companion(robi: &RobiSpec) -> String {
     if !robi.psds.is_empty() {
         let mut ranges = Table::new();
         for psd in &robi.psds {
-            let range = Table::from_iter([("range_mm".to_owned(), super::number::mm(psd.range).into())]);
+            let mut range = Table::from_iter([("range_mm".to_owned(), super::number::mm(psd.range).into())]);
+            if psd.pitch != 0.0 {
+                range.insert("pitch_deg".to_owned(), degrees(psd.pitch).into());
+            }
+            if let Some(on) = &psd.on {
+                range.insert("on".to_owned(), on.text.clone().into());
+            }
             ranges.insert(psd.name.clone(), range.into());
         }
         whole.insert("psd".to_owned(), ranges.into());
@@ -69,7 +75,10 @@ fn differences(a: &RobiSpec, b: &RobiSpec) -> Vec<String> {
         (a.axis_offset != b.axis_offset, "the place of the axis"),
         (a.wheel != b.wheel, "the wheels"),
         (a.drive != b.drive, "the drive"),
+        (a.links != b.links, "the links"),
         (a.psds != b.psds, "the PSDs"),
+        (a.ranges != b.ranges, "the range sensors"),
+        (a.surface != b.surface, "the surface"),
         (a.camera != b.camera, "the camera"),
         (a.lidar != b.lidar, "the laser scanner"),
         (a.model != b.model, "the place of the mesh"),

@@ -7,21 +7,23 @@ use serde::Serialize;
 use toml::{Table, Value};
 
 use super::number::{degrees, heading, mm, shortest};
-use super::text;
+use super::{sensor, text};
 use crate::drive::DriveKind;
 use crate::format::read_maze;
 use crate::format::scene::default_wheelbase;
 use crate::format::scene::form::{
-    ArcForm, AxisForm, BodyForm, CameraForm, ColliderForm, CompassForm, CostsForm, DriveForm, DriveKindForm,
-    GenerationsForm, InputForm, JointForm, LayoutForm, LcdForm, LetterForm, LidarForm, MarkerForm, ModelForm,
+    ArcForm, BodyForm, CameraForm, ColliderForm, CompassForm, CostsForm, DriveForm, DriveKindForm,
+    GenerationsForm, InfraredForm, InputForm, JointForm, LayoutForm, LcdForm, LetterForm, LidarForm, MarkerForm, ModelForm,
     MotorForm, ObjectForm, ObjectTypeForm, PsdForm, RobotForm, RobotTypeForm, RunForm, SceneForm, SerialForm,
     SerialWord, ServoForm, SettingsForm, StartForm, WallForm, WheelForm, WorldForm, WorldKindForm,
 };
+use crate::format::scene::sensor_form::SolidForm;
 use crate::format::spec::{
-    Axis, CameraSpec, Collider, CostEntry, CostsRef, DEFAULT_MICROPHONE, DEFAULT_VOLTAGE, DEFAULT_WALL_HEIGHT,
-    InputSpec, JointSpec, Layout, LcdSpec, ModelSpec, ObjectLine, ObjectType, RobiSpec, RobotLine, RunSpec, SerialLine,
-    SimSpec, StartRef, WorldKind, WorldSpec,
+    CameraSpec, Collider, CostEntry, CostsRef, DEFAULT_MICROPHONE, DEFAULT_VOLTAGE, DEFAULT_WALL_HEIGHT,
+    InfraredSpec, InputSpec, JointSpec, Layout, LcdSpec, LidarSpec, ModelSpec, ObjectLine, ObjectType, PsdSpec, RobiSpec,
+    RobotLine, RunSpec, SerialLine, SimSpec, Solid, StartRef, WorldKind, WorldSpec,
 };
+use crate::sensor::{Echo, RangeModel};
 
 /// The text of a scene. All that a spec can say has its place in it.
 ///
@@ -41,12 +43,12 @@ fn point(point: DVec2) -> [f64; 2] {
     point.to_array().map(mm)
 }
 
-fn place(place: DVec3) -> [f64; 3] {
+pub(super) fn place(place: DVec3) -> [f64; 3] {
     place.to_array().map(mm)
 }
 
 /// A value that is left out where it is the default.
-fn unless<T: PartialEq>(value: T, default: T) -> Option<T> {
+pub(super) fn unless<T: PartialEq>(value: T, default: T) -> Option<T> {
     (value != default).then_some(value)
 }
 
@@ -126,8 +128,10 @@ fn world_of(sim: &SimSpec) -> WorldForm {
 /// The world in place: drawn where it is a maze that a drawing gives back, else by its walls.
 pub(super) fn world_form(world: &WorldSpec) -> WorldForm {
     let texture = world.texture.as_ref().map(|texture| texture.text.clone());
+    let surface = sensor::surface_form(world.surface);
+    let terrain = world.terrain.as_ref().map(sensor::terrain_form);
     if let Some(maze) = super::print_maze(world).ok().filter(|maze| is_drawing(world, maze)) {
-        return WorldForm { maze: Some(maze), texture, ..WorldForm::default() };
+        return WorldForm { maze: Some(maze), texture, surface, terrain, ..WorldForm::default() };
     }
     let wall = world.walls.iter().map(|wall| WallForm {
         from_mm: point(wall.from),
@@ -135,6 +139,7 @@ pub(super) fn world_form(world: &WorldSpec) -> WorldForm {
         thickness_mm: unless(wall.thickness, 0.0).map(mm),
         height_mm: unless(wall.height, DEFAULT_WALL_HEIGHT).map(mm),
         colour: wall.colour,
+        surface: wall.surface.map(sensor::explicit_surface),
     });
     let start = world.starts.iter().map(|start| StartForm {
         x_mm: mm(start.pose.position.x),
@@ -145,6 +150,8 @@ pub(super) fn world_form(world: &WorldSpec) -> WorldForm {
     WorldForm {
         floor_mm: Some(point(world.floor)),
         texture,
+        surface,
+        terrain,
         cell_mm: world.cell.map(mm),
         wall: wall.collect(),
         start: start.collect(),
@@ -153,10 +160,12 @@ pub(super) fn world_form(world: &WorldSpec) -> WorldForm {
     }
 }
 
-/// Whether reading `maze` gives `world` back, but for its texture.
+/// Whether reading `maze` gives `world` back, but for what stands beside the drawing.
 fn is_drawing(world: &WorldSpec, maze: &str) -> bool {
     let mut read = read_maze(&world.file, maze).0;
     read.texture.clone_from(&world.texture);
+    read.terrain.clone_from(&world.terrain);
+    read.surface = world.surface;
     crate::format::same::world(&read) == crate::format::same::world(world)
 }
 
@@ -252,11 +261,7 @@ fn collider_form(collider: &Collider) -> ColliderForm {
             centre_mm: at(centre),
             radius_mm: mm(radius),
             height_mm: mm(height),
-            axis: match axis {
-                Axis::X => Some(AxisForm::X),
-                Axis::Y => Some(AxisForm::Y),
-                Axis::Z => Some(AxisForm::Z),
-            },
+            axis: Some(sensor::axis_form(axis)),
         },
         Collider::Cylinder { centre, radius, height } => {
             ColliderForm::Cylinder { centre_mm: at(centre), radius_mm: mm(radius), height_mm: mm(height) }
@@ -266,11 +271,6 @@ fn collider_form(collider: &Collider) -> ColliderForm {
 
 /// A robot type in place.
 pub(crate) fn robot_type_form(robi: &RobiSpec) -> RobotTypeForm {
-    let beam = |name: &str, id, position: DVec3, angle, range| {
-        let [x, y, z] = place(position).map(|place| unless(place, 0.0));
-        let angle_deg = unless(degrees(angle), 0.0);
-        PsdForm { name: name.to_owned(), id, x_mm: x, y_mm: y, z_mm: z, angle_deg, range_mm: Some(mm(range)) }
-    };
     RobotTypeForm {
         file: None,
         name: Some(robi.name.clone()),
@@ -289,14 +289,25 @@ pub(crate) fn robot_type_form(robi: &RobiSpec) -> RobotTypeForm {
             track_mm: Some(mm(robi.wheel.track)),
         }),
         drive: Some(drive_form(robi)),
-        psd: robi.psds.iter().map(|psd| beam(&psd.name, psd.id, psd.position, psd.angle, psd.range)).collect(),
-        camera: robi.camera.as_ref().map(camera_form),
-        lidar: robi.lidar.map(|lidar| LidarForm {
-            points: Some(lidar.points),
-            tilt_deg: unless(degrees(lidar.tilt), 0.0),
-            sweep_deg: Some(degrees(lidar.sweep)),
+        surface: sensor::surface_form(robi.surface),
+        link: robi.links.iter().map(sensor::link_form).collect(),
+        psd: robi.psds.iter().map(psd_form).collect(),
+        laser: sensor::echo_forms(&robi.ranges, Echo::LASER, |model| match model {
+            RangeModel::Laser(echo) => Some(echo),
+            _ => None,
         }),
-        infrared: robi.infrareds.iter().map(|it| beam(&it.name, it.id, it.position, it.angle, it.range)).collect(),
+        ultrasonic: sensor::echo_forms(&robi.ranges, Echo::ULTRASONIC, |model| match model {
+            RangeModel::Ultrasonic(echo) => Some(echo),
+            _ => None,
+        }),
+        reflectance: sensor::echo_forms(&robi.ranges, Echo::REFLECTANCE, |model| match model {
+            RangeModel::Reflectance(echo) => Some(echo),
+            _ => None,
+        }),
+        sonar: robi.ranges.iter().filter_map(sensor::sonar_form).collect(),
+        camera: robi.camera.as_ref().map(camera_form),
+        lidar: robi.lidar.as_ref().map(lidar_form),
+        infrared: robi.infrareds.iter().map(infrared_form).collect(),
         bumper: robi.bumpers.iter().map(arc_form).collect(),
         servo: robi
             .servos
@@ -318,6 +329,46 @@ pub(crate) fn robot_type_form(robi: &RobiSpec) -> RobotTypeForm {
         input: input_form(&robi.inputs),
         serial: robi.serials.iter().map(|serial| (serial.interface.to_string(), serial_form(&serial.line))).collect(),
         hdt: robi.hdt.iter().cloned().collect(),
+    }
+}
+
+fn psd_form(psd: &PsdSpec) -> PsdForm {
+    let [x_mm, y_mm, z_mm] = place(psd.position).map(|place| unless(place, 0.0));
+    PsdForm {
+        name: psd.name.clone(),
+        id: psd.id,
+        on: psd.on.as_ref().map(|on| on.text.clone()),
+        x_mm,
+        y_mm,
+        z_mm,
+        angle_deg: unless(degrees(psd.angle), 0.0),
+        pitch_deg: unless(degrees(psd.pitch), 0.0),
+        range_mm: Some(mm(psd.range)),
+    }
+}
+
+fn infrared_form(infrared: &InfraredSpec) -> InfraredForm {
+    let [x_mm, y_mm, z_mm] = place(infrared.position).map(|place| unless(place, 0.0));
+    let angle_deg = unless(degrees(infrared.angle), 0.0);
+    let range_mm = Some(mm(infrared.range));
+    InfraredForm { name: infrared.name.clone(), id: infrared.id, x_mm, y_mm, z_mm, angle_deg, range_mm }
+}
+
+fn lidar_form(lidar: &LidarSpec) -> LidarForm {
+    let usual = LidarSpec::new(lidar.span);
+    let sensor::Pose { on, x_mm, y_mm, z_mm, roll_deg, pitch_deg, yaw_deg } = sensor::pose(&lidar.mount, &usual.mount);
+    LidarForm {
+        on,
+        x_mm,
+        y_mm,
+        z_mm,
+        roll_deg,
+        pitch_deg,
+        yaw_deg,
+        range_mm: unless(lidar.range, usual.range).map(mm),
+        points: Some(lidar.points),
+        tilt_deg: unless(degrees(lidar.tilt), 0.0),
+        sweep_deg: Some(degrees(lidar.sweep)),
     }
 }
 
@@ -394,7 +445,7 @@ pub(crate) fn object_form(object: &ObjectType) -> ObjectTypeForm {
         file: None,
         name: Some(object.name.clone()),
         model: object.model.as_ref().map(model_form),
-        scale_mm: unless(mm(object.scale), 1.0),
+        scale_mm: unless(mm(object.scale), 1000.0),
         collider: object.colliders.iter().map(collider_form).collect(),
         mass_kg: Some(object.mass),
         centre_of_mass_mm: unless(object.centre_of_mass, DVec3::ZERO).map(place),
@@ -403,6 +454,8 @@ pub(crate) fn object_form(object: &ObjectType) -> ObjectTypeForm {
         rolling: object.rolling,
         restitution: Some(object.restitution),
         colour: object.colour,
+        surface: sensor::surface_form(object.surface),
+        solid: matches!(object.solid, Solid::Mesh(_)).then_some(SolidForm::Mesh),
         buoyancy_m3: unless(object.buoyancy, 0.0),
     }
 }

@@ -67,7 +67,8 @@ impl Reader {
             let position = DVec3::new(x, y, z);
             self.psds.add(name.text, id, span.line);
             let name = name.text.to_owned();
-            self.robi.psds.push(PsdSpec { name, id, position, angle, range: DEFAULT_PSD_RANGE, span });
+            let (pitch, on, range) = (0.0, None, DEFAULT_PSD_RANGE);
+            self.robi.psds.push(PsdSpec { name, id, position, angle, pitch, on, range, span });
         }
     }
 
@@ -180,14 +181,14 @@ impl Reader {
 
     pub(super) fn lidar(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let span = span_of(keyword, rest);
-        let lidar = |points: f64, tilt, sweep| Some(LidarSpec { points: points as u32, tilt, sweep, span });
+        let lidar = |points: f64, tilt, sweep| Some(LidarSpec { points: points as u32, tilt, sweep, ..LidarSpec::new(span) });
         let read = match rest.len() {
             3 => values_of(&mut self.sink, "lidar", rest, span, &SWEPT_LIDAR, LIDAR_FORM)
                 .and_then(|[sweep, points, tilt]| lidar(points, tilt, sweep)),
             _ => values_of(&mut self.sink, "lidar", rest, span, &LIDAR, LIDAR_FORM)
                 .and_then(|[points, tilt]| lidar(points, tilt, TAU)),
         };
-        self.robi.lidar = read.or(self.robi.lidar);
+        self.robi.lidar = read.or(self.robi.lidar.take());
     }
 }
 

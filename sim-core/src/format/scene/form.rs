@@ -7,6 +7,8 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::sensor_form::{EchoForm, LinkForm, SolidForm, SonarForm, SurfaceForm, TerrainForm};
+
 /// A number; a whole one is written without a point.
 pub(crate) type Number = f64;
 
@@ -103,6 +105,12 @@ pub(crate) struct WorldForm {
     /// Image stretched over the whole floor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) texture: Option<String>,
+    /// How the floor reflects, and walls that do not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) surface: Option<SurfaceForm>,
+    /// A mesh that range sensors see as the ground; robots drive on the plane all the same.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) terrain: Option<TerrainForm>,
     /// The drawing of a maze, as in a `.maz`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) maze: Option<String>,
@@ -149,6 +157,9 @@ pub(crate) struct WallForm {
     /// Red, green and blue, 0 to 255.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) colour: Option<[u8; 3]>,
+    /// How it reflects; as the world says if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) surface: Option<SurfaceForm>,
 }
 
 /// A place where a robot may start.
@@ -370,9 +381,27 @@ pub(crate) struct RobotTypeForm {
     /// The drive.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) drive: Option<DriveForm>,
+    /// How the body reflects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) surface: Option<SurfaceForm>,
+    /// Links: parts that sensors sit on.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub(crate) link: Vec<LinkForm>,
     /// PSD distance sensors.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub(crate) psd: Vec<PsdForm>,
+    /// Laser range finders.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub(crate) laser: Vec<EchoForm>,
+    /// Ultrasonic range sensors with one ray.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub(crate) ultrasonic: Vec<EchoForm>,
+    /// Reflectance sensors.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub(crate) reflectance: Vec<EchoForm>,
+    /// Sonars: ultrasonic range sensors with a beam.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub(crate) sonar: Vec<SonarForm>,
     /// The camera.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) camera: Option<CameraForm>,
@@ -381,7 +410,7 @@ pub(crate) struct RobotTypeForm {
     pub(crate) lidar: Option<LidarForm>,
     /// Infrared switches.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
-    pub(crate) infrared: Vec<PsdForm>,
+    pub(crate) infrared: Vec<InfraredForm>,
     /// Bumpers.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub(crate) bumper: Vec<ArcForm>,
@@ -486,11 +515,43 @@ pub(crate) struct MotorForm {
     pub(crate) encoder: Option<String>,
 }
 
-/// A sensor with a beam.
+/// A PSD distance sensor.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PsdForm {
-    /// Its name, such as `PSD_FRONT` or `IR_LEFT`.
+    /// Its name, such as `PSD_FRONT`.
+    pub(crate) name: String,
+    /// Its number for programs; that of `hdt_sem.h` if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) id: Option<i32>,
+    /// The link that it sits on; `body` if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) on: Option<String>,
+    /// Place forward of the robot's centre in mm; 0 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) x_mm: Option<Number>,
+    /// Place to the left in mm; 0 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) y_mm: Option<Number>,
+    /// Height in mm; 0 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) z_mm: Option<Number>,
+    /// Direction in degrees, counter-clockwise from forward; 0 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) angle_deg: Option<Number>,
+    /// Angle of the beam upwards in degrees; 0 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) pitch_deg: Option<Number>,
+    /// Range in mm; 800 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) range_mm: Option<Number>,
+}
+
+/// An infrared switch.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct InfraredForm {
+    /// Its name, such as `IR_LEFT`.
     pub(crate) name: String,
     /// Its number for programs; that of `hdt_sem.h` if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -507,7 +568,7 @@ pub(crate) struct PsdForm {
     /// Direction in degrees, counter-clockwise from forward; 0 if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) angle_deg: Option<Number>,
-    /// Range in mm; of a PSD 800 if left out, of an infrared switch 100.
+    /// Range in mm; 100 if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) range_mm: Option<Number>,
 }
@@ -600,6 +661,30 @@ pub(crate) struct JointForm {
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LidarForm {
+    /// The link that it sits on; `body` if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) on: Option<String>,
+    /// Place forward in mm; 0 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) x_mm: Option<Number>,
+    /// Place to the left in mm; 0 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) y_mm: Option<Number>,
+    /// Height in mm; 100 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) z_mm: Option<Number>,
+    /// Turn about x, the left side upwards, in degrees; the first of the three turns; 0 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) roll_deg: Option<Number>,
+    /// Turn upwards in degrees, the second; 0 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) pitch_deg: Option<Number>,
+    /// Turn to the left in degrees, the third; 0 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) yaw_deg: Option<Number>,
+    /// Greatest distance along a ray in mm; 9999 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) range_mm: Option<Number>,
     /// Points of a scan; 360 if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) points: Option<u32>,
@@ -772,7 +857,7 @@ pub(crate) struct ObjectTypeForm {
     /// Its looks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) model: Option<ModelForm>,
-    /// Length of the mesh's unit in mm; 1 if left out.
+    /// Length of the mesh's unit in mm; 1000 if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) scale_mm: Option<Number>,
     /// Its shape; an upright cylinder 100 mm wide and high if left out.
@@ -803,6 +888,12 @@ pub(crate) struct ObjectTypeForm {
     /// Red, green and blue, 0 to 255.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) colour: Option<[u8; 3]>,
+    /// How it reflects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) surface: Option<SurfaceForm>,
+    /// What range sensors see of it; its colliders if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) solid: Option<SolidForm>,
     /// Volume in cubic metres by which it floats; 0 if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1e6))]

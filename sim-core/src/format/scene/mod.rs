@@ -6,6 +6,7 @@
 pub(super) mod form;
 mod place;
 mod room;
+pub(super) mod sensor_form;
 mod types;
 mod world;
 

@@ -5,14 +5,16 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 
 use super::inline_file;
+use super::world::MESH_UNIT;
 use crate::drive::DriveKind;
 use crate::format::code::Code;
 use crate::format::line::Quantity;
+use crate::format::range::PITCH;
 use crate::format::read_robi;
 use crate::format::robi::WHEELBASE_OF_DIAMETER;
 use crate::format::spec::{
     Axis, CameraSpec, Collider, DEFAULT_PSD_RANGE, DEFAULT_ROLLING, DriveSpec, JointSpec, ModelSpec, MotorSpec,
-    ObjectType, PsdSpec, RobiSpec, SimSpec,
+    ObjectType, PsdSpec, RobiSpec, SimSpec, Solid,
 };
 use crate::format::table::{Reader, Section};
 
@@ -22,6 +24,8 @@ const DRIVES: [&str; 3] = ["differential", "ackermann", "omni"];
 const DRIVE_WORDS: [&str; 3] = ["DIFFERENTIAL_DRIVE", "ACKERMANN_DRIVE", "OMNI_DRIVE"];
 /// Shapes of colliders.
 const SHAPES: [&str; 4] = ["box", "sphere", "capsule", "cylinder"];
+/// What range sensors in space see of an object.
+const SOLIDS: [&str; 2] = ["colliders", "mesh"];
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 const PLACE: [Quantity; 3] = [Quantity::coordinate("x"), Quantity::coordinate("y"), Quantity::coordinate("z")];
@@ -82,7 +86,7 @@ impl Reader<'_> {
         }
         self.devices(&mut section, &mut robi);
         self.unknown_keys(&section);
-        self.doubles(&robi);
+        self.settle_devices(&mut robi);
         let Some(name) = name else { return };
         if !names.insert(name.text.clone()) {
             let message = format!("a second type named `{}`; it is left out", name.text);
@@ -155,11 +159,13 @@ impl Reader<'_> {
     fn psd_of_type(&mut self, mut section: Section<'_, '_>) -> Option<PsdSpec> {
         let (name, id) = self.device(&mut section);
         let position = self.position(&mut section);
-        let [mut angle, mut range] = [0.0, DEFAULT_PSD_RANGE];
+        let [mut angle, mut pitch, mut range] = [0.0, 0.0, DEFAULT_PSD_RANGE];
+        let on = self.on(&mut section);
+        self.set(&mut section, "pitch_deg", &PITCH, &mut pitch);
         self.set(&mut section, "angle_deg", &Quantity::angle("angle of the sensor"), &mut angle);
         self.set(&mut section, "range_mm", &Quantity::size("range of the sensor"), &mut range);
         self.unknown_keys(&section);
-        Some(PsdSpec { name: name?, id, position, angle, range, span: section.span })
+        Some(PsdSpec { name: name?, id, position, angle, pitch, on, range, span: section.span })
     }
 
     fn camera(&mut self, mut section: Section<'_, '_>) -> Option<CameraSpec> {
@@ -203,7 +209,7 @@ impl Reader<'_> {
         Some([width? as u32, height? as u32])
     }
 
-    fn position(&mut self, section: &mut Section<'_, '_>) -> DVec3 {
+    pub(in crate::format) fn position(&mut self, section: &mut Section<'_, '_>) -> DVec3 {
         let mut position = DVec3::ZERO;
         self.set(section, "x_mm", &PLACE[0], &mut position.x);
         self.set(section, "y_mm", &PLACE[1], &mut position.y);
@@ -211,7 +217,7 @@ impl Reader<'_> {
         position
     }
 
-    fn model(&mut self, mut section: Section<'_, '_>) -> Option<ModelSpec> {
+    pub(super) fn model(&mut self, mut section: Section<'_, '_>) -> Option<ModelSpec> {
         let path = self.required_reference(&mut section, "file");
         let offset = self.numbers(&mut section, "offset_mm", &PLACE).map_or(DVec3::ZERO, DVec3::from);
         let turns = self.numbers(&mut section, "turns_deg", &TURNS).map_or(DVec3::ZERO, DVec3::from);
@@ -279,8 +285,7 @@ impl Reader<'_> {
         if let Some(model) = self.section(&mut section, "model") {
             object.model = self.model(model);
         }
-        let scale = Quantity::coordinate("length of the mesh's unit").within(1e-6, 1e9);
-        self.set(&mut section, "scale_mm", &scale, &mut object.scale);
+        self.set(&mut section, "scale_mm", &MESH_UNIT, &mut object.scale);
         let colliders = self.sections(&mut section, "collider");
         let colliders: Vec<Collider> = colliders.into_iter().filter_map(|collider| self.collider(collider)).collect();
         if !colliders.is_empty() {
@@ -297,6 +302,16 @@ impl Reader<'_> {
         object.rolling = self.number(&mut section, "rolling", &rolling).or(is_ball.then_some(DEFAULT_ROLLING));
         self.set(&mut section, "restitution", &Quantity::number("restitution", 0.0, 1.0), &mut object.restitution);
         object.colour = self.shades(&mut section, "colour").or(object.colour);
+        if let Some(surface) = self.section(&mut section, "surface") {
+            object.surface = self.surface(surface);
+        }
+        if self.choice(&mut section, "solid", &SOLIDS) == Some(1) {
+            if object.model.is_some() {
+                object.solid = Solid::Mesh(None);
+            } else {
+                self.missing(&section, "model");
+            }
+        }
         self.set(&mut section, "buoyancy_m3", &Quantity::number("volume", 0.0, 1e6), &mut object.buoyancy);
         self.unknown_keys(&section);
         let Some(name) = name else { return };

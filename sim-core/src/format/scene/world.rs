@@ -1,13 +1,16 @@
 //! The world of a scene: a file, or described in place by walls or by the text of a maze.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use toml::Spanned;
 use toml::de::DeValue;
 
 use crate::format::code::Code;
 use crate::format::diagnostic::Diagnostic;
 use crate::format::line::Quantity;
-use crate::format::spec::{DEFAULT_WALL_HEIGHT, SimSpec, StartSpec, WallSpec, WorldKind, WorldLine, WorldSpec};
+use crate::format::spec::{
+    DEFAULT_TERRAIN_SCALE, DEFAULT_WALL_HEIGHT, ModelSpec, SimSpec, StartSpec, TerrainSpec, WallSpec, WorldKind,
+    WorldLine, WorldSpec,
+};
 use crate::format::table::{Reader, Section};
 use crate::format::{Span, path, read_maze};
 use crate::pose::Pose;
@@ -15,9 +18,12 @@ use crate::pose::Pose;
 /// Keys that describe a world by its walls.
 const OF_WALLS: [&str; 3] = ["floor_mm", "wall", "cell_mm"];
 /// Keys that describe a world in place.
-const INLINE: [&str; 7] = ["floor_mm", "wall", "maze", "cell_mm", "texture", "start", "object"];
+const INLINE: [&str; 9] =
+    ["floor_mm", "wall", "maze", "cell_mm", "texture", "surface", "terrain", "start", "object"];
 
 const KINDS: [&str; 2] = ["world", "maze"];
+/// Length of the unit of a mesh.
+pub(super) const MESH_UNIT: Quantity = Quantity::coordinate("length of the mesh's unit").within(1e-6, 1e9);
 const POINT: [Quantity; 2] = [Quantity::coordinate("x"), Quantity::coordinate("y")];
 
 impl Reader<'_> {
@@ -38,6 +44,10 @@ impl Reader<'_> {
         section.get("file");
         let mut world = if section.has("maze") { self.maze(&mut section, sim) } else { self.walls(&mut section, sim) };
         world.texture = self.reference(&mut section, "texture");
+        if let Some(surface) = self.section(&mut section, "surface") {
+            world.surface = self.surface(surface);
+        }
+        world.terrain = self.terrain(&mut section);
         for start in self.sections(&mut section, "start") {
             world.starts.extend(self.start_place(start));
         }
@@ -67,6 +77,7 @@ impl Reader<'_> {
         self.set(&mut section, "thickness_mm", &Quantity::length("thickness"), &mut thickness);
         self.set(&mut section, "height_mm", &Quantity::size("height"), &mut height);
         let colour = self.shades(&mut section, "colour");
+        let surface = self.section(&mut section, "surface").map(|surface| self.surface(surface));
         self.unknown_keys(&section);
         let (from, to) = (from?, to?);
         if from == to {
@@ -74,7 +85,21 @@ impl Reader<'_> {
             self.sink.warn(Code::WldWallLength, section.span, message, "two different ends");
             return None;
         }
-        Some(WallSpec { from, to, thickness, height, colour, span: section.span })
+        Some(WallSpec { from, to, thickness, height, colour, surface, span: section.span })
+    }
+
+    /// `terrain = "FILE"`, or a table with the place of the mesh.
+    fn terrain(&mut self, section: &mut Section<'_, '_>) -> Option<TerrainSpec> {
+        let is_table = section.get("terrain").is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_)));
+        if !is_table {
+            let path = self.reference(section, "terrain")?;
+            let model = ModelSpec { path, offset: DVec3::ZERO, turns: DVec3::ZERO };
+            return Some(TerrainSpec { model, scale: DEFAULT_TERRAIN_SCALE, mesh: None });
+        }
+        let mut section = self.section(section, "terrain")?;
+        let mut scale = DEFAULT_TERRAIN_SCALE;
+        self.set(&mut section, "scale_mm", &MESH_UNIT, &mut scale);
+        Some(TerrainSpec { model: self.model(section)?, scale, mesh: None })
     }
 
     fn start_place(&mut self, mut section: Section<'_, '_>) -> Option<StartSpec> {
