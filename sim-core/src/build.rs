@@ -1,13 +1,19 @@
 //! From specs to the things that are simulated.
 
+use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use crate::drive::Model;
-use crate::format::{Axis, Collider, ObjectSpec, RobiSpec, SceneSpec, WorldSpec};
+use crate::format::{
+    Axis, Collider, LidarSpec, LinkSpec, MountSpec, ObjectSpec, PathRef, RobiSpec, SceneSpec, WorldSpec,
+};
 use crate::object::{Part, Properties, Resistance, Shape};
-use crate::pose::Pose;
+use crate::pose::{Pose, Pose3};
 use crate::scene::{Segment, Walls};
+use crate::sensor::{Link, RangeModel, RangeSensor};
 
 /// Friction of an object against walls, robots and other objects. Source: our choice.
 const CONTACT_FRICTION: f64 = 0.3;
@@ -75,6 +81,89 @@ fn part(collider: &Collider) -> Part {
         }
     };
     Part { shape, object_from_part: Pose::new(centre.x, centre.y, phi) }
+}
+
+/// The links of a robot type, each behind the one that bears it.
+pub fn links(robi: &RobiSpec) -> Vec<Link> {
+    let order = link_order(robi);
+    let places = link_places(robi, &order);
+    let servos = robi.all_servos();
+    let link = |index: &usize| {
+        let LinkSpec { mount, turn, .. } = &robi.links[*index];
+        let axis = match turn.as_ref().map_or(Axis::Z, |turn| turn.axis) {
+            Axis::X => DVec3::X,
+            // A positive angle raises x, as a pitch does.
+            Axis::Y => DVec3::NEG_Y,
+            Axis::Z => DVec3::Z,
+        };
+        let servo = turn.as_ref().and_then(|turn| servos.iter().position(|servo| servo.name == turn.servo.text));
+        Link { parent: bearer(mount.on.as_ref(), &places), origin: pose(mount), axis, servo }
+    };
+    order.iter().map(link).collect()
+}
+
+/// The range sensors of a robot type, the PSDs first. Their links are those of [`links`].
+pub fn range_sensors(robi: &RobiSpec) -> Vec<RangeSensor> {
+    let places = link_places(robi, &link_order(robi));
+    let psds = robi.psds.iter().map(|psd| RangeSensor {
+        mount: Pose3::from_angles(psd.position, 0.0, psd.pitch, psd.angle),
+        link: bearer(psd.on.as_ref(), &places),
+        model: RangeModel::Psd { range: psd.range },
+    });
+    let others = robi.ranges.iter().map(|range| RangeSensor {
+        mount: pose(&range.mount),
+        link: bearer(range.mount.on.as_ref(), &places),
+        model: range.model.clone(),
+    });
+    psds.chain(others).collect()
+}
+
+/// The pose of a laser scanner and the link that bears it, by its place in [`links`].
+pub fn scanner_mount(robi: &RobiSpec, lidar: &LidarSpec) -> (Pose3, Option<usize>) {
+    let places = link_places(robi, &link_order(robi));
+    (pose(&lidar.mount), bearer(lidar.mount.on.as_ref(), &places))
+}
+
+/// A pose on what bears it.
+fn pose(mount: &MountSpec) -> Pose3 {
+    Pose3::from_angles(mount.position, mount.roll, mount.pitch, mount.yaw)
+}
+
+/// The place of the link of a name.
+fn bearer(on: Option<&PathRef>, places: &BTreeMap<&str, usize>) -> Option<usize> {
+    on.and_then(|on| places.get(on.text.as_str()).copied())
+}
+
+/// Places of the links in [`links`] by their names; the first of one name counts.
+fn link_places<'r>(robi: &'r RobiSpec, order: &[usize]) -> BTreeMap<&'r str, usize> {
+    let mut places = BTreeMap::new();
+    for (place, index) in order.iter().enumerate() {
+        places.entry(robi.links[*index].name.as_str()).or_insert(place);
+    }
+    places
+}
+
+/// The links of the file in an order in which each comes after the one that bears it.
+fn link_order(robi: &RobiSpec) -> Vec<usize> {
+    let mut names: BTreeMap<&str, usize> = BTreeMap::new();
+    for (index, link) in robi.links.iter().enumerate() {
+        names.entry(&link.name).or_insert(index);
+    }
+    let parent = |index: usize| robi.links[index].mount.on.as_ref().and_then(|on| names.get(on.text.as_str()).copied());
+    let mut is_placed = vec![false; robi.links.len()];
+    let mut order = Vec::with_capacity(robi.links.len());
+    for index in 0..robi.links.len() {
+        // Up to what is placed already, then down again.
+        let mut chain = Vec::new();
+        let mut at = Some(index);
+        while let Some(link) = at.filter(|link| !is_placed[*link]) {
+            is_placed[link] = true;
+            chain.push(link);
+            at = parent(link);
+        }
+        order.extend(chain.into_iter().rev());
+    }
+    order
 }
 
 /// The walls of a world, and the height of each.

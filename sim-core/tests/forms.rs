@@ -201,6 +201,8 @@ fn schema_and_reader_know_the_same_keys() {
         .map(|kind| format!("[[robot]]\ntype = \"S4\"\nlayout = {{ kind = \"{kind}\", zzz = 1 }}"));
     let colliders = ["box", "sphere", "capsule", "cylinder"]
         .map(|kind| object(&format!("collider = {{ kind = \"{kind}\", zzz = 1 }}")));
+    let echoes =
+        ["laser", "ultrasonic", "reflectance"].map(|kind| robot(&format!("{kind} = [{{ name = \"a\", zzz = 1 }}]")));
     let cases: &[(&str, Vec<String>)] = &[
         ("", vec!["zzz = 1".into()]),
         ("RunForm", vec!["[scene]\nzzz = 1".into()]),
@@ -220,7 +222,14 @@ fn schema_and_reader_know_the_same_keys() {
         ("WheelForm", vec![robot("wheel = { zzz = 1 }")]),
         ("DriveForm", vec![robot("drive = { zzz = 1 }")]),
         ("MotorForm", vec![robot("drive = { motor = [{ name = \"a\", zzz = 1 }] }")]),
-        ("PsdForm", vec![robot("psd = [{ name = \"a\", zzz = 1 }]"), robot("infrared = [{ name = \"a\", zzz = 1 }]")]),
+        ("PsdForm", vec![robot("psd = [{ name = \"a\", zzz = 1 }]")]),
+        ("InfraredForm", vec![robot("infrared = [{ name = \"a\", zzz = 1 }]")]),
+        ("LinkForm", vec![robot("link = [{ name = \"a\", zzz = 1 }]")]),
+        ("EchoForm", echoes.to_vec()),
+        ("SonarForm", vec![robot("sonar = [{ name = \"a\", zzz = 1 }]")]),
+        ("SideLobesForm", vec![robot("sonar = [{ name = \"a\", side_lobes = { zzz = 1 } }]")]),
+        ("SurfaceForm", vec![robot("surface = { zzz = 1 }"), object("surface = { zzz = 1 }")]),
+        ("PlacedTerrainForm", vec!["[world.terrain]\nzzz = 1".into()]),
         ("CameraForm", vec![robot("camera = { zzz = 1 }")]),
         ("JointForm", vec![robot("camera = { pan_servo = { zzz = 1 } }")]),
         ("LidarForm", vec![robot("lidar = { zzz = 1 }")]),
@@ -500,6 +509,47 @@ fn robi() -> impl Strategy<Value = String> {
     })
 }
 
+/// Links and range sensors of a robot type in place, as tables.
+fn sensors() -> impl Strategy<Value = String> {
+    let mount = (prop::collection::vec(number(), 6), prop::sample::select(vec!["body", "mast", "head", "eye"]));
+    let mount = mount.prop_map(|(values, on)| {
+        let keys = ["x_mm", "y_mm", "z_mm", "roll_deg", "pitch_deg", "yaw_deg"];
+        let pose: String = keys.iter().zip(&values).map(|(key, value)| format!(", {key} = {value}")).collect();
+        format!("on = \"{on}\"{pose}")
+    });
+    let echo = (1..900_u32, 901..9_000_u32, 0.0..90.0_f64, 0.0..1.0_f64);
+    let echo = echo.prop_map(|(min, max, alpha, sigma)| {
+        format!("min_mm = {min}, max_mm = {max}, incidence_deg = {alpha}, sigma = {sigma}, mean = {}", sigma - 0.5)
+    });
+    let sonar =
+        (0.1..90.0_f64, 0.0..0.1_f64, 1..4096_u32, prop::option::of((0.0..90.0_f64, 0.01..90.0_f64, 0.0..1.0_f64)));
+    let sonar = sonar.prop_map(|(half, threshold, rays, lobes)| {
+        let lobes = lobes.map_or(String::new(), |(angle, width, gain)| {
+            format!(", side_lobes = {{ angle_deg = {angle}, half_width_deg = {width}, gain = {gain} }}")
+        });
+        format!("preset = \"SRF08\", half_angle_deg = {half}, threshold = {threshold}, rays = {rays}{lobes}")
+    });
+    (prop::collection::vec(mount, 7), prop::collection::vec(echo, 3), sonar, size()).prop_map(
+        |(mounts, echoes, sonar, range)| {
+            let [a, b, c, d, e, f, g] = &mounts[..] else { unreachable!("seven poses") };
+            let [laser, ultrasonic, reflectance] = &echoes[..] else { unreachable!("three echoes") };
+            // Links in any order, but without circles.
+            let [a, b] = [a.replace("eye", "mast").replace("head", "mast"), b.replace("head", "body").replace("eye", "body")];
+            let b = b.replace("\"mast\"", "\"body\"");
+            format!(
+                "servo = {{ name = \"SERVO1\" }}\n\
+                 link = [{{ name = \"head\", {a}, axis = \"y\", servo = \"SERVO1\" }}, {{ name = \"mast\", {b} }}, \
+                 {{ name = \"eye\", on = \"head\", servo = \"SERVO1\" }}]\n\
+                 psd = [{{ name = \"PSD_FRONT\", on = \"eye\", pitch_deg = -30, range_mm = {range} }}]\n\
+                 laser = [{{ name = \"L\", {c}, {laser} }}]\nultrasonic = [{{ name = \"U\", id = 7, {d}, {ultrasonic} }}]\n\
+                 reflectance = [{{ name = \"R\", {e}, {reflectance} }}]\n\
+                 sonar = [{{ name = \"S\", {f}, {sonar} }}, {{ name = \"T\" }}]\n\
+                 lidar = {{ {g}, range_mm = {range} }}\nsurface = {{ reflectivity = 0.5, specular = 0.25 }}\n"
+            )
+        },
+    )
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -539,6 +589,57 @@ proptest! {
         let mut read = read_robi("a.robi", &printed.text).0;
         read_companion("a.toml", &print_companion(&robi), &mut read);
         prop_assert!(!printed.lost.is_empty() || same::robi(&read) == same::robi(&robi), "{}", printed.text);
+    }
+
+    #[test]
+    fn range_sensors_read_back_as_they_were_printed(text in sensors()) {
+        let head = "[[robot_type]]\nname = \"A\"\n";
+        let (sim, said) = read_scene("a.scene.toml", &format!("{head}{text}"));
+        let others: Vec<_> = said.iter().filter(|said| said.code != Code::TomlMissing).collect();
+        prop_assert!(others.is_empty(), "{:?}\n{}", others, text);
+        let robi = &sim.inline.robot_types[0].0;
+        prop_assert!(robi.links.len() == 3 && robi.ranges.len() >= 4);
+        let toml = print_scene(&sim);
+        let read = read_scene("a.scene.toml", &toml).0;
+        prop_assert_eq!(same::robi(&read.inline.robot_types[0].0), same::robi(robi), "{}", toml);
+        // The same words beside a robi.
+        let printed = print_robi(robi);
+        let companion = print_companion(robi);
+        let mut read = read_robi("a.robi", &printed.text).0;
+        let said = read_companion("a.toml", &companion, &mut read);
+        prop_assert_eq!(said, vec![], "{}", companion);
+        prop_assert_eq!(&read.links.len(), &robi.links.len());
+        let (read, robi) = (same::robi(&read), same::robi(robi));
+        prop_assert_eq!((read.links, read.ranges, read.lidar, read.surface, read.psds),
+            (robi.links, robi.ranges, robi.lidar, robi.surface, robi.psds), "{}", companion);
+    }
+
+    #[test]
+    fn surfaces_and_terrain_read_back_as_they_were_printed(
+        shares in prop::collection::vec(0..=1_000_u32, 6), place in prop::collection::vec(number(), 3), scale in size(),
+        is_placed in any::<bool>(), is_solid in any::<bool>(),
+    ) {
+        let surface = |at: usize| {
+            let [a, b] = [shares[at], shares[at + 1]].map(|share| f64::from(share) / 1e3);
+            format!("surface = {{ reflectivity = {a}, specular = {b} }}")
+        };
+        let terrain = match is_placed {
+            true => format!("{{ file = \"h.obj\", offset_mm = [{}], scale_mm = {scale} }}", place.join(", ")),
+            false => "\"h.obj\"".to_owned(),
+        };
+        let solid = if is_solid { "model = { file = \"a.obj\" }\nsolid = \"mesh\"\n" } else { "" };
+        let text = format!(
+            "[world]\nfloor_mm = [900, 900]\n{}\nterrain = {terrain}\n\
+             wall = [{{ from_mm = [0, 0], to_mm = [9, 9], {} }}, {{ from_mm = [0, 0], to_mm = [5, 9] }}]\n\
+             [[object_type]]\nname = \"A\"\nscale_mm = {scale}\n{}\n{solid}",
+            surface(0), surface(2), surface(4),
+        );
+        let (sim, said) = read_scene("a.scene.toml", &text);
+        prop_assert_eq!(said, vec![], "{}", text);
+        let printed = print_scene(&sim);
+        let (read, said) = read_scene("a.scene.toml", &printed);
+        prop_assert_eq!(said, vec![], "{}", printed);
+        prop_assert_eq!(same::sim(&read), same::sim(&sim), "{}", printed);
     }
 
     #[test]

@@ -48,6 +48,8 @@ fn object(file: &Path, mesh: &str, scale: f64) -> ObjectType {
         rolling: None,
         restitution: 0.0,
         colour: None,
+        surface: Default::default(),
+        solid: Default::default(),
         buoyancy: 0.0,
     }
 }

@@ -68,9 +68,7 @@ impl Reader<'_> {
         if let Some(section) = self.section(parent, "surface") {
             robi.surface = self.surface(section);
         }
-        for section in self.sections(parent, "link") {
-            robi.links.extend(self.link(section));
-        }
+        self.links(parent, robi);
         self.ranges(parent, robi);
         if let Some(section) = self.section(parent, "lidar") {
             self.lidar(section, robi);
@@ -320,7 +318,8 @@ impl Reader<'_> {
     /// Devices that a program could not tell apart.
     pub(super) fn doubles(&mut self, robi: &RobiSpec) {
         let psds = robi.psds.iter().map(|device| ("PSD", &*device.name, device.id, device.span));
-        let ranges = robi.ranges.iter().map(|device| (model_name(&device.model), &*device.name, device.id, device.span));
+        let ranges =
+            robi.ranges.iter().map(|device| (model_name(&device.model), &*device.name, device.id, device.span));
         self.doubles_of(psds.chain(ranges));
         let infrareds = robi.infrareds.iter();
         self.doubles_of(infrareds.map(|device| ("infrared", &*device.name, device.id, device.span)));

@@ -8,12 +8,12 @@ use glam::DVec2;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::spec::{
-    CostsRef, DEFAULT_WALL_HEIGHT, ModelSpec, ObjectType, PathRef, RobiSpec, RunSpec, SceneSpec, SerialLine, SimSpec, Solid, TypeRef,
-    WallSpec, WorldKind, WorldSpec,
+    CostsRef, DEFAULT_WALL_HEIGHT, ModelSpec, ObjectType, PathRef, RobiSpec, RunSpec, SceneSpec, SerialLine, SimSpec,
+    Solid, TypeRef, WallSpec, WorldKind, WorldSpec,
 };
 use super::{
-    MeshReader, Span, clearance, line, path, place, read_companion, read_costs, read_esobj, read_maze, read_robi, read_scene,
-    read_sim, read_world,
+    MeshReader, Span, clearance, line, path, place, read_companion, read_costs, read_esobj, read_maze, read_robi,
+    read_scene, read_sim, read_world,
 };
 
 /// The file system as the readers see it; paths have slashes.

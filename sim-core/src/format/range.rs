@@ -13,6 +13,8 @@ use crate::sensor::{Echo, PAPER_SIGMA, RangeModel, SideLobes, Sonar};
 /// Names that a message lists at most.
 const MAX_LISTED: usize = 32;
 
+/// Most links of a robot: none needs a tenth of them.
+const MAX_LINKS: usize = 256;
 /// Most rays of a sonar's fan.
 const MAX_RAYS: i64 = 4096;
 /// Sonars whose values are known.
@@ -64,8 +66,22 @@ impl Reader<'_> {
         self.set(section, "yaw_deg", &YAW, &mut mount.yaw);
     }
 
+    /// The links.
+    pub(super) fn links(&mut self, parent: &mut Section<'_, '_>, robi: &mut RobiSpec) {
+        let sections = self.sections(parent, "link");
+        if sections.len() > MAX_LINKS {
+            let message = format!("the robot has {} links", sections.len());
+            let span = self.key_span(parent, "link");
+            self.sink.error(Code::NumberRange, span, message, format!("at most {MAX_LINKS} links"));
+            return;
+        }
+        for section in sections {
+            robi.links.extend(self.link(section));
+        }
+    }
+
     /// `[[link]]`
-    pub(super) fn link(&mut self, mut section: Section<'_, '_>) -> Option<LinkSpec> {
+    fn link(&mut self, mut section: Section<'_, '_>) -> Option<LinkSpec> {
         let name = self.required_reference(&mut section, "name");
         let mut mount = MountSpec::default();
         self.mount(&mut section, &mut mount);
@@ -102,12 +118,7 @@ impl Reader<'_> {
 
 impl Reader<'_> {
     /// A sensor of one ray with the values of `usual` for what it does not say.
-    fn echo(
-        &mut self,
-        mut section: Section<'_, '_>,
-        usual: Echo,
-        model: fn(Echo) -> RangeModel,
-    ) -> Option<RangeSpec> {
+    fn echo(&mut self, mut section: Section<'_, '_>, usual: Echo, model: fn(Echo) -> RangeModel) -> Option<RangeSpec> {
         let incidence = Quantity::angle("greatest incidence").within(0.0, 90.0);
         let mut echo = usual;
         self.limits(&mut section, &mut echo.min, &mut echo.max);
@@ -197,7 +208,8 @@ impl Reader<'_> {
         let servos: Vec<String> = robi.all_servos().into_iter().map(|servo| servo.name.to_owned()).collect();
         for link in &mut robi.links {
             let Some(turn) = link.turn.take_if(|turn| !servos.contains(&turn.servo.text)) else { continue };
-            let message = format!("link `{}` is turned by `{}`, a servo that the robot has not", link.name, turn.servo.text);
+            let message =
+                format!("link `{}` is turned by `{}`, a servo that the robot has not", link.name, turn.servo.text);
             let known: Vec<&str> = servos.iter().map(String::as_str).take(MAX_LISTED).collect();
             let expected = match known.as_slice() {
                 [] => "a table `[[servo]]` of this name".to_owned(),

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::Span;
 use super::spec::{
-    CostsRef, ModelSpec, ObjectLine, ObjectType, PathRef, RobiSpec, RobotLine, SceneSpec, SerialLine, SimSpec, Solid, TypeRef,
-    WorldSpec,
+    CostsRef, ModelSpec, ObjectLine, ObjectType, PathRef, RobiSpec, RobotLine, SceneSpec, SerialLine, SimSpec, Solid,
+    TypeRef, WorldSpec,
 };
 
 /// What a scene says, wherever it and the files of its world and types lie.
@@ -88,7 +88,7 @@ pub fn robi(robi: &RobiSpec) -> RobiSpec {
         range.mount.on.iter_mut().for_each(forget);
     }
     robi.camera.iter_mut().for_each(|device| device.span = Span::default());
-    for lidar in &mut robi.lidar {
+    if let Some(lidar) = &mut robi.lidar {
         lidar.span = Span::default();
         lidar.mount.on.iter_mut().for_each(forget);
     }

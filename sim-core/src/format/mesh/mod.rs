@@ -24,12 +24,15 @@ use self::mtl::Entry;
 use self::obj::Obj;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::load::Loader;
-use super::spec::{ModelSpec, ObjectType, PathRef, RobiSpec, WorldSpec};
+use super::spec::{ModelSpec, ObjectType, PathRef, RobiSpec, Solid, WorldSpec};
 use super::{Code, Files, InputFile, Span, path};
 use crate::scene::{Material, Mesh, Texture};
 
 /// What is shown where a mesh is not.
 const SHAPE: &str = "the body's own shape is shown instead";
+
+/// What follows where range sensors see the mesh.
+const SEEN: &str = "range sensors cannot do without it";
 
 /// Metres per unit of the mesh of a robot, which has no scale of its own.
 const ROBOT_SCALE: f64 = 1.0;
@@ -51,18 +54,19 @@ impl<'a> MeshReader<'a> {
 
     /// The mesh of a robot type, in the robot's frame; `None` if it names none or none that can be read.
     pub fn robot(&mut self, robi: &RobiSpec) -> Option<Arc<Mesh>> {
-        self.mesh(&robi.file, robi.model.as_ref()?, ROBOT_SCALE)
+        self.mesh(&robi.file, robi.model.as_ref()?, ROBOT_SCALE, SHAPE)
     }
 
     /// The mesh of an object type, in the object's frame; `None` if it names none or none that can be read.
     pub fn object(&mut self, kind: &ObjectType) -> Option<Arc<Mesh>> {
-        self.mesh(&kind.file, kind.model.as_ref()?, kind.scale)
+        let without = if kind.solid == Solid::Colliders { SHAPE } else { SEEN };
+        self.mesh(&kind.file, kind.model.as_ref()?, kind.scale, without)
     }
 
     /// The mesh that range sensors see as the ground, in the world frame; `None` if there is none or none that can be read.
     pub fn terrain(&mut self, world: &WorldSpec) -> Option<Arc<Mesh>> {
         let terrain = world.terrain.as_ref()?;
-        self.mesh(&world.file, &terrain.model, terrain.scale)
+        self.mesh(&world.file, &terrain.model, terrain.scale, SEEN)
     }
 
     /// The image on the floor, stretched over all of it; `None` if the world names none or none that can be read.
@@ -75,17 +79,18 @@ impl<'a> MeshReader<'a> {
         (self.loader.diagnostics, self.loader.inputs)
     }
 
-    fn mesh(&mut self, file: &str, model: &ModelSpec, scale: f64) -> Option<Arc<Mesh>> {
+    /// `without` says what happens where there is none.
+    fn mesh(&mut self, file: &str, model: &ModelSpec, scale: f64, without: &str) -> Option<Arc<Mesh>> {
         let key = (file.to_owned(), model.path.text.clone());
         if let Some(known) = self.meshes.get(&key) {
             return known.clone();
         }
-        let mesh = self.mesh_anew(file, model, scale).map(Arc::new);
+        let mesh = self.mesh_anew(file, model, scale, without).map(Arc::new);
         self.meshes.insert(key, mesh.clone());
         mesh
     }
 
-    fn mesh_anew(&mut self, file: &str, model: &ModelSpec, scale: f64) -> Option<Mesh> {
+    fn mesh_anew(&mut self, file: &str, model: &ModelSpec, scale: f64, without: &str) -> Option<Mesh> {
         let extension = path::extension(&model.path.text);
         if extension != "obj" {
             let kind = match extension.as_str() {
@@ -93,23 +98,23 @@ impl<'a> MeshReader<'a> {
                 "iv" => "Open Inventor meshes are",
                 _ => "meshes of this kind are",
             };
-            let message = format!("`{}`: {kind} not read; {SHAPE}", model.path.text);
+            let message = format!("`{}`: {kind} not read; {without}", model.path.text);
             self.warn(file, Code::MeshFormat, model.path.span, message, "an .obj file");
             return None;
         }
-        let (path, bytes) = self.find(file, &model.path, SHAPE)?;
+        let (path, bytes) = self.find(file, &model.path, without)?;
         let text = self.loader.take(&path, bytes);
         let placement = Placement::new(model, scale);
         let (obj, faults) = obj::read_obj(&path, &text, |point| placement.point(point), |way| placement.rotation * way);
         self.loader.diagnostics.extend(faults);
         let whole = Span::default();
         if obj.is_too_large {
-            let message = format!("the mesh has more than two million corners or triangles; {SHAPE}");
+            let message = format!("the mesh has more than two million corners or triangles; {without}");
             self.warn(&path, Code::MeshSize, whole, message, "a mesh of fewer triangles");
             return None;
         }
         if obj.triangles.is_empty() {
-            let message = format!("the mesh has no triangle; {SHAPE}");
+            let message = format!("the mesh has no triangle; {without}");
             self.warn(&path, Code::MeshEmpty, whole, message, "lines `v X Y Z` and `f A B C`");
             return None;
         }

@@ -181,7 +181,8 @@ impl Reader {
 
     pub(super) fn lidar(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let span = span_of(keyword, rest);
-        let lidar = |points: f64, tilt, sweep| Some(LidarSpec { points: points as u32, tilt, sweep, ..LidarSpec::new(span) });
+        let lidar =
+            |points: f64, tilt, sweep| Some(LidarSpec { points: points as u32, tilt, sweep, ..LidarSpec::new(span) });
         let read = match rest.len() {
             3 => values_of(&mut self.sink, "lidar", rest, span, &SWEPT_LIDAR, LIDAR_FORM)
                 .and_then(|[sweep, points, tilt]| lidar(points, tilt, sweep)),

@@ -18,8 +18,7 @@ use crate::pose::Pose;
 /// Keys that describe a world by its walls.
 const OF_WALLS: [&str; 3] = ["floor_mm", "wall", "cell_mm"];
 /// Keys that describe a world in place.
-const INLINE: [&str; 9] =
-    ["floor_mm", "wall", "maze", "cell_mm", "texture", "surface", "terrain", "start", "object"];
+const INLINE: [&str; 9] = ["floor_mm", "wall", "maze", "cell_mm", "texture", "surface", "terrain", "start", "object"];
 
 const KINDS: [&str; 2] = ["world", "maze"];
 /// Length of the unit of a mesh.

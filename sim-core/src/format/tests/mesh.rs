@@ -33,6 +33,8 @@ fn object(model: ModelSpec, scale: f64) -> ObjectType {
         rolling: None,
         restitution: 0.0,
         colour: None,
+        surface: Default::default(),
+        solid: Default::default(),
         buoyancy: 0.0,
     }
 }

@@ -7,9 +7,10 @@ use glam::DVec3;
 use proptest::prelude::*;
 
 use super::super::*;
+use crate::sensor::RangeModel;
 use crate::unit::{metres_from_mm, radians_from_degrees};
 
-const VALID: [&str; 9] = [
+const VALID: [&str; 10] = [
     "floor 4000 3000\npush 10 20 90\n0 0 100 0\n0 0 10 10 5 200 1 2 3\npop\nposition 1 2 3\nfloor_texture \"a b.png\"\n",
     "360\n _____\n|S|  X|\n|o_.u_|\n|_____|\n720\n",
     "  __ __\n |S |x |\n |__|__|\n",
@@ -21,6 +22,10 @@ const VALID: [&str; 9] = [
      Sign 5 5 0\ncan 1 2 3\nmarker 1 2 255 0 0 9\n",
     "obj a.obj\nname \"A b\"\nscale 0.025\nmass 2 0 0 0\ncollider capsule 0 7500 0 150 14200 y\nbox 0 1 0 2 2 2\n\
      sphere 0 0 0 5\nbuoyancy 0\nfixed\nfriction 0.5\nrolling 0.1\nrestitution 1\ncolour 1 2 3\n",
+    "servo = [{ name = \"S\" }]\nlink = [{ name = \"a\", on = \"b\", servo = \"S\", axis = \"x\" }, { name = \"b\", roll_deg = 3 }]\n\
+     laser = [{ name = \"L\", on = \"a\", min_mm = 1, max_mm = 2 }]\nultrasonic = [{ name = \"U\" }]\n\
+     reflectance = [{ name = \"R\" }]\nsonar = [{ name = \"N\", side_lobes = { angle_deg = 9, half_width_deg = 1, gain = 1 } }]\n\
+     lidar = { on = \"b\", z_mm = 9, range_mm = 5 }\nsurface = { specular = 1 }\n",
 ];
 
 /// Reads `text` with every reader and checks what must hold for any text.
@@ -62,9 +67,24 @@ fn read_all(text: &str) {
     assert!(robi.mass > 0.0 && robi.traction >= 0.0 && robi.max_speed > 0.0 && robi.max_turn > 0.0);
     assert!(robi.diameter <= MAX_LENGTH && robi.drive.wheelbase.is_finite() && robi.axis_offset.is_finite());
     assert!(robi.centre_of_mass.is_finite() && robi.colliders.iter().all(|collider| collider.reach().is_finite()));
-    assert!(robi.camera.is_none_or(|camera| camera.position.is_finite()));
-    assert!(robi.lidar.is_none_or(|lidar| lidar.points > 0 && lidar.sweep > 0.0 && lidar.tilt.is_finite()));
+    assert!(robi.camera.as_ref().is_none_or(|camera| camera.position.is_finite()));
+    assert!(robi.lidar.as_ref().is_none_or(|lidar| lidar.points > 0 && lidar.sweep > 0.0 && lidar.tilt.is_finite()));
     assert!(robi.psds.iter().all(|psd| psd.position.is_finite() && psd.range > 0.0));
+    for range in &robi.ranges {
+        let MountSpec { position, roll, pitch, yaw, .. } = range.mount;
+        assert!(position.is_finite() && roll.is_finite() && pitch.is_finite() && yaw.is_finite(), "{range:?}");
+        let (min, max) = match &range.model {
+            RangeModel::Laser(echo) | RangeModel::Ultrasonic(echo) | RangeModel::Reflectance(echo) => {
+                (echo.min, echo.max)
+            }
+            RangeModel::Sonar(sonar) => (sonar.min, sonar.max),
+            RangeModel::Psd { range } => (0.0, *range),
+        };
+        assert!(0.0 <= min && min < max && max <= MAX_LENGTH && range.sigma.is_finite(), "{range:?}");
+    }
+    // Links have an order in which each comes after what bears it, and sensors sit on links that are there.
+    assert_eq!(crate::build::links(&robi).len(), robi.links.len());
+    assert_eq!(crate::build::range_sensors(&robi).len(), robi.psds.len() + robi.ranges.len());
     assert!(sim.robots.iter().all(|robot| !matches!(robot.start, StartRef::Pose(pose) if !pose.position.is_finite())));
     for diagnostic in [of_world, of_maze, of_robi, of_companion, of_sim, of_object].concat() {
         let Span { start, end, .. } = diagnostic.span;
