@@ -31,7 +31,7 @@ pub struct Lidar {
 
 /// `LIDARGet`
 pub fn get(robot: &mut Robot, world: &World, distances: &mut OutInts) -> i32 {
-    let Some(spec) = robot.spec.lidar else { return robot.refused(Call::LIDARGet, 1, has_none) };
+    let Some(spec) = robot.spec.lidar.clone() else { return robot.refused(Call::LIDARGet, 1, has_none) };
     if distances.is_null() {
         return robot.refused(Call::LIDARGet, 1, |_| "it takes room for the distances".to_owned());
     }
