@@ -5,6 +5,7 @@
 
 mod figure;
 mod moving_target;
+mod reflectance;
 mod stopwatch;
 
 use serde::Serialize;
@@ -78,4 +79,4 @@ pub struct Study {
 }
 
 /// All studies, in the order of the report.
-pub const STUDIES: &[Study] = &[moving_target::STUDY];
+pub const STUDIES: &[Study] = &[reflectance::STUDY, moving_target::STUDY];

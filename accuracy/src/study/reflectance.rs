@@ -1,0 +1,84 @@
+//! `reflectance`: the distance recovered from the signal of a reflectance sensor, by the root as the paper prints it and by the
+//! one that keeps its digits.
+//!
+//! Both invert s = (max - d) / d^2 of a surface met head on (France et al. 1999, Eq. 1 and section 5). The printed root
+//! subtracts two numbers that become equal as the signal vanishes.
+
+use sim_core::sensor::recovered_distance;
+
+use super::{Effort, Outcome, Row, Study, nanoseconds};
+
+pub const STUDY: Study = Study {
+    name: "reflectance",
+    title: "Distance recovered from the signal of a reflectance sensor, as the signal vanishes",
+    run,
+};
+
+/// Greatest distance of the paper's sensor, m.
+const MAX: f64 = 1.0;
+/// Signals as powers of ten, 1/m.
+const EXPONENTS: [i32; 9] = [3, 1, -1, -3, -5, -7, -9, -12, -16];
+/// Signals at each setting: from that one to ten times it.
+const SIGNALS: usize = 1_000;
+
+fn run(effort: Effort) -> Outcome {
+    let methods: [(&str, fn(f64, f64) -> f64); 2] =
+        [("stable root", recovered_distance), ("printed root", printed_root)];
+    let mut rows = Vec::new();
+    for (method, root) in methods {
+        for exponent in EXPONENTS {
+            let least = power_of_ten(exponent);
+            let signals: Vec<f64> = (0..SIGNALS).map(|i| least * (1.0 + 9.0 * i as f64 / SIGNALS as f64)).collect();
+            let error = signals.iter().map(|s| (root(*s, MAX) - distance_of(*s)).abs()).fold(0.0, f64::max);
+            let recover_all = || signals.iter().map(|signal| root(*signal, MAX)).sum::<f64>();
+            rows.push(Row {
+                study: STUDY.name,
+                method: method.to_owned(),
+                setting: format!("signal from 1e{exponent}/m on"),
+                error,
+                unit: "m",
+                time_ns: nanoseconds(effort.of(1_000), SIGNALS, recover_all),
+                per: "reading",
+            });
+        }
+    }
+    rows.into()
+}
+
+/// 10 to the power of `exponent`.
+fn power_of_ten(exponent: i32) -> f64 {
+    let power = (0..exponent.abs()).fold(1.0, |power, _| power * 10.0);
+    if exponent < 0 { 1.0 / power } else { power }
+}
+
+/// The distance d of a signal s: Newton's method for what is missing to the greatest distance, u = s (max - u)^2, which is
+/// small where d would lose digits.
+fn distance_of(signal: f64) -> f64 {
+    let mut missing = 0.0;
+    for _ in 0..100 {
+        let left = MAX - missing;
+        missing -= (missing - signal * left * left) / (1.0 + 2.0 * signal * left);
+    }
+    MAX - missing
+}
+
+/// The positive root as the paper prints it, 0 / 0 where there is no signal.
+fn printed_root(signal: f64, max: f64) -> f64 {
+    ((1.0 + 4.0 * signal * max).sqrt() - 1.0) / (2.0 * signal)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_printed_root_loses_its_digits_and_ours_does_not() {
+        let rows = run(Effort::Quick).rows;
+        let errors = |method: &str| -> Vec<f64> {
+            rows.iter().filter(|row| row.method == method).map(|row| row.error).collect()
+        };
+        assert!(errors("stable root").iter().all(|error| *error <= 3e-16), "{:?}", errors("stable root"));
+        let printed = errors("printed root");
+        assert!(printed[0] < 1e-14 && printed[4] > 1e-13 && printed[8] > 0.01, "{printed:?}");
+    }
+}
