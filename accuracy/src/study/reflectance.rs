@@ -6,7 +6,7 @@
 
 use sim_core::sensor::recovered_distance;
 
-use super::{Effort, Outcome, Row, Study, nanoseconds};
+use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};
 
 pub const STUDY: Study = Study {
     name: "reflectance",
@@ -25,11 +25,14 @@ fn run(effort: Effort) -> Outcome {
     let methods: [(&str, fn(f64, f64) -> f64); 2] =
         [("stable root", recovered_distance), ("printed root", printed_root)];
     let mut rows = Vec::new();
+    let mut series = Vec::new();
     for (method, root) in methods {
+        let mut points = Vec::new();
         for exponent in EXPONENTS {
             let least = power_of_ten(exponent);
             let signals: Vec<f64> = (0..SIGNALS).map(|i| least * (1.0 + 9.0 * i as f64 / SIGNALS as f64)).collect();
             let error = signals.iter().map(|s| (root(*s, MAX) - distance_of(*s)).abs()).fold(0.0, f64::max);
+            points.push((least, error));
             let recover_all = || signals.iter().map(|signal| root(*signal, MAX)).sum::<f64>();
             rows.push(Row {
                 study: STUDY.name,
@@ -41,8 +44,18 @@ fn run(effort: Effort) -> Outcome {
                 per: "reading",
             });
         }
+        series.push(Series { name: method.to_owned(), mark: Mark::LineAndDots, points });
     }
-    rows.into()
+    let figure = Figure {
+        name: "reflectance-signal".to_owned(),
+        title: "Greatest error of the recovered distance".to_owned(),
+        x_label: "signal, 1/m".to_owned(),
+        y_label: "error, m".to_owned(),
+        x_scale: Scale::Logarithmic,
+        y_scale: Scale::Logarithmic,
+        series,
+    };
+    Outcome { rows, figures: vec![figure] }
 }
 
 /// 10 to the power of `exponent`.
