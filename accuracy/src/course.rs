@@ -1,0 +1,266 @@
+//! A long drive, by the core and by the integrators of other simulators, against its end to 30 digits.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use glam::DVec2;
+use sim_core::RobotId;
+use sim_core::drive::{Command, DriveKind, Model, Motion};
+use sim_core::math;
+use sim_core::pose::{Pose, Twist};
+use sim_core::scene::Walls;
+use sim_core::time::Time;
+use sim_core::world::World;
+
+use crate::wide::Wide;
+use crate::world::Random;
+
+/// One drive of a course: a straight line, a curve or a turn on the spot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Arc length, m, and angle, rad.
+    pub displacement: Twist,
+    /// How long it takes, whole seconds, so that it begins and ends with a step of every integrator.
+    pub seconds: u32,
+}
+
+/// Drives one after the other, from the origin on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Course(pub Vec<Drive>);
+
+impl Course {
+    /// 600 s of drives of 1 to 8 s, in turn a straight line, a curve and a turn on the spot, drawn with a fixed seed: up to 0.5 m/s and
+    /// 2 rad/s, forwards and backwards.
+    pub fn ten_minutes() -> Self {
+        let mut random = Random::new(600);
+        let mut drives = Vec::new();
+        let mut left = 600;
+        while left > 0 {
+            let seconds = (1 + random.below(8) as u32).min(left);
+            let (speed, turn) = (random.between(-0.5, 0.5), random.between(-2.0, 2.0));
+            let twist = match drives.len() % 3 {
+                0 => Twist::new(speed, 0.0),
+                1 => Twist::new(speed, turn),
+                _ => Twist::new(0.0, turn),
+            };
+            drives.push(Drive { displacement: twist.scaled(f64::from(seconds)), seconds });
+            left -= seconds;
+        }
+        Self(drives)
+    }
+
+    /// The first drives of this course, of `seconds` together: the last is cut short.
+    pub fn first(&self, seconds: u32) -> Self {
+        let mut left = seconds;
+        let mut drives = Vec::new();
+        for drive in &self.0 {
+            let part = drive.seconds.min(left);
+            if part > 0 {
+                let share = f64::from(part) / f64::from(drive.seconds);
+                drives.push(Drive { displacement: drive.displacement.scaled(share), seconds: part });
+            }
+            left -= part;
+        }
+        Self(drives)
+    }
+
+    /// Seconds that all of it takes.
+    pub fn seconds(&self) -> u32 {
+        self.0.iter().map(|drive| drive.seconds).sum()
+    }
+
+    /// Where it ends: the closed form of each drive, in numbers of 30 digits.
+    pub fn end(&self) -> End {
+        let mut end = End::default();
+        for Drive { displacement: Twist { vx, vy, omega }, .. } in &self.0 {
+            let (vx, vy, angle) = (Wide::from(*vx), Wide::from(*vy), Wide::from(*omega));
+            let (sin, cos) = end.heading.sin_cos();
+            end.heading = end.heading + angle;
+            let (along_x, along_y) = if *omega == 0.0 {
+                (cos, sin)
+            } else {
+                let (sin_end, cos_end) = end.heading.sin_cos();
+                ((sin_end - sin) / angle, (cos - cos_end) / angle)
+            };
+            end.x = end.x + vx * along_x - vy * along_y;
+            end.y = end.y + vx * along_y + vy * along_x;
+        }
+        end
+    }
+}
+
+/// A pose in numbers of 30 digits.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct End {
+    /// Position, m.
+    pub x: Wide,
+    /// Position, m.
+    pub y: Wide,
+    /// Heading with its whole turns, rad.
+    pub heading: Wide,
+}
+
+impl End {
+    /// Metres from here to a pose's position.
+    pub fn distance(&self, pose: &Pose) -> f64 {
+        let [x, y] = pose.position.to_array().map(Wide::from);
+        math::hypot((x - self.x).rounded(), (y - self.y).rounded())
+    }
+
+    /// Radians between this heading and a pose's, up to half a turn.
+    pub fn angle(&self, pose: &Pose) -> f64 {
+        let (sin, cos) = (Wide::from(pose.heading.remainder()) - self.heading).sin_cos();
+        math::atan2(sin.rounded(), cos.rounded()).abs()
+    }
+}
+
+/// The course as the core drives it in slots of this length: a program that gives the next drive when the one before has ended, in a
+/// world without walls. The true pose after the last drive; the robot is asked for it at the end of each slot too.
+pub fn core(course: &Course, slot: Time) -> Pose {
+    let walls = Arc::new(Walls::new(Vec::new()));
+    let mut motion = Motion::new(RobotId(1), Arc::new(model()), Arc::clone(&walls), Pose::default());
+    let mut world = World::new(walls, slot, [&mut motion]);
+    let mut now = Time::ZERO;
+    for drive in &course.0 {
+        let command = Command::Drive { displacement: drive.displacement, duration: f64::from(drive.seconds) };
+        motion.command(now, command, &[]).expect("a drive within the limits");
+        now = motion.drive_end().expect("nothing is in the way");
+        while world.slot_end() <= now {
+            world.advance(&mut [&mut motion]);
+            motion.pose(world.slot_start());
+        }
+    }
+    motion.pose(now)
+}
+
+/// The course by Euler's method in steps of `step` seconds, which must divide a second: heading and speed of the step's start hold
+/// all through it.
+pub fn euler(course: &Course, step: f64) -> Pose {
+    integrate(course, step, |twist, heading, step| velocity(twist, heading) * step)
+}
+
+/// The course by the classical method of Runge and Kutta, of fourth order, in steps of `step` seconds, which must divide a second.
+pub fn runge_kutta(course: &Course, step: f64) -> Pose {
+    integrate(course, step, |twist, heading, step| {
+        // The heading grows evenly, so that both slopes in the middle are the same.
+        let middle = velocity(twist, heading + 0.5 * step * twist.omega);
+        let (first, last) = (velocity(twist, heading), velocity(twist, heading + step * twist.omega));
+        (first + 4.0 * middle + last) * (step / 6.0)
+    })
+}
+
+/// Velocity in the world, m/s.
+fn velocity(twist: Twist, heading: f64) -> DVec2 {
+    let (sin, cos) = math::sin_cos(heading);
+    DVec2::new(cos, sin).rotate(DVec2::new(twist.vx, twist.vy))
+}
+
+fn integrate(course: &Course, step: f64, gain: impl Fn(Twist, f64, f64) -> DVec2) -> Pose {
+    let (mut position, mut heading) = (DVec2::ZERO, 0.0_f64);
+    for drive in &course.0 {
+        let seconds = f64::from(drive.seconds);
+        let twist = drive.displacement.scaled(1.0 / seconds);
+        let steps = (seconds / step).round() as u64;
+        for _ in 0..steps {
+            position += gain(twist, heading, step);
+            heading += step * twist.omega;
+        }
+    }
+    Pose { position, ..Pose::new(0.0, 0.0, heading) }
+}
+
+/// The course as a robot's own odometry sees it that reads its encoders every `period` and takes each stretch for an arc: in whole ticks
+/// of `ticks_per_turn`, or exactly without.
+pub fn odometry(course: &Course, period: Time, ticks_per_turn: Option<f64>) -> Pose {
+    let model = Model { ticks_per_turn: ticks_per_turn.unwrap_or(1.0), ..model() };
+    let per_tick = 2.0 * PI / model.ticks_per_turn;
+    let mut motion =
+        Motion::new(RobotId(1), Arc::new(model.clone()), Arc::new(Walls::new(Vec::new())), Pose::default());
+    let mut world = World::new(Arc::new(Walls::new(Vec::new())), period, [&mut motion]);
+    let (mut pose, mut last) = (Pose::default(), [0.0; 4]);
+    let mut now = Time::ZERO;
+    let mut read = |motion: &mut Motion, at: Time| {
+        let angles = motion.wheel_angles(at);
+        let angles =
+            if ticks_per_turn.is_some() { angles.map(|angle| (angle / per_tick).floor() * per_tick) } else { angles };
+        let turned = std::array::from_fn(|i| angles[i] - last[i]);
+        last = angles;
+        pose = pose.moved(model.twist_from_wheels(&turned, 0.0));
+        pose
+    };
+    for drive in &course.0 {
+        let command = Command::Drive { displacement: drive.displacement, duration: f64::from(drive.seconds) };
+        motion.command(now, command, &[]).expect("a drive within the limits");
+        now = motion.drive_end().expect("nothing is in the way");
+        while world.slot_end() <= now {
+            let end = world.slot_end();
+            read(&mut motion, end);
+            world.advance(&mut [&mut motion]);
+        }
+    }
+    read(&mut motion, now)
+}
+
+/// A small differential drive that keeps up with any course.
+pub fn model() -> Model {
+    Model {
+        kind: DriveKind::Differential,
+        wheel_diameter: 0.05,
+        max_wheel_rate: 100.0,
+        ticks_per_turn: 1_000.0,
+        track: 0.1,
+        wheelbase: 0.1,
+        axis_offset: 0.0,
+        max_speed: f64::INFINITY,
+        max_turn: f64::INFINITY,
+        body_radius: 0.08,
+        wheel_lag: 0.0,
+        max_steering: 0.5,
+        mass: 1.0,
+        traction: 0.6,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_core_ends_where_the_course_does_whatever_the_slot() {
+        let course = Course::ten_minutes();
+        assert_eq!(course.seconds(), 600);
+        let end = course.end();
+        let expected = core(&course, Time(1_000_000));
+        // A picometre and a picoradian after 130 drives.
+        assert!(end.distance(&expected) < 1e-12 && end.angle(&expected) < 1e-12, "{} m", end.distance(&expected));
+        for slot in [1_000, 7_919, 50_000, 200_000] {
+            assert_eq!(core(&course, Time(slot)), expected, "slots of {slot} us");
+        }
+        let short = course.first(2);
+        assert_eq!(core(&short, Time(1)), core(&short, Time(1_000_000)));
+    }
+
+    #[test]
+    fn integrators_come_nearer_with_their_order() {
+        let course = Course::ten_minutes().first(60);
+        let end = course.end();
+        assert!(end.distance(&core(&course, Time(10_000))) < 1e-13);
+        let error = |integrator: fn(&Course, f64) -> Pose, step| end.distance(&integrator(&course, step));
+        for (integrator, order) in [(euler as fn(&Course, f64) -> Pose, 1.0), (runge_kutta, 4.0)] {
+            let (coarse, fine) = (error(integrator, 0.1), error(integrator, 0.05));
+            let found = (coarse / fine).log2();
+            assert!((found - order).abs() < 0.2, "order {found} for {order}: {coarse} and {fine} m");
+        }
+    }
+
+    #[test]
+    fn odometry_is_off_by_ticks_only() {
+        let course = Course::ten_minutes().first(60);
+        let end = course.end();
+        let exact = end.distance(&odometry(&course, Time(10_000), None));
+        // A drive's end is known up to a microsecond, which a period shares with the next drive.
+        assert!(exact < 1e-7, "arcs of constant twist lose nothing: {exact} m");
+        let [fine, coarse] = [10_000.0, 100.0].map(|ticks| end.distance(&odometry(&course, Time(10_000), Some(ticks))));
+        assert!(fine < coarse && fine > exact && coarse < 0.2, "{fine} and {coarse} m");
+    }
+}

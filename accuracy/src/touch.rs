@@ -1,0 +1,158 @@
+//! Contacts of a disc with walls whose instants have a formula, and how the core and a simulator that steps find them.
+
+use std::f64::consts::PI;
+
+use sim_core::contact::{Path, SKIN, first_contact};
+use sim_core::pose::{Pose, Twist};
+use sim_core::scene::Segment;
+
+use crate::oracle;
+use crate::world::Random;
+
+/// How a disc comes to its contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Approach {
+    /// Straight, along the wall's normal.
+    HeadOn,
+    /// Straight, up to 80 degrees off the normal.
+    Oblique,
+    /// On an arc, against the middle of a wall.
+    Arc,
+    /// On an arc, against an end of a wall.
+    ArcToCorner,
+}
+
+impl Approach {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::HeadOn, Self::Oblique, Self::Arc, Self::ArcToCorner];
+
+    /// Its name in a table.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::HeadOn => "head on",
+            Self::Oblique => "oblique",
+            Self::Arc => "on an arc, wall",
+            Self::ArcToCorner => "on an arc, corner",
+        }
+    }
+}
+
+/// A disc on its way to a wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Case {
+    /// What is met.
+    pub wall: Segment,
+    /// The disc's centre and its direction at the start.
+    pub start: Pose,
+    /// Its constant twist.
+    pub twist: Twist,
+    /// Its radius, m.
+    pub radius: f64,
+    /// Seconds until the gap has become the skin, by the formula.
+    pub instant: f64,
+}
+
+impl Case {
+    /// A case drawn at random: a contact within some seconds, its start within 5 m of the origin.
+    ///
+    /// The instant is chosen first and the wall then put where the disc is at that instant, so that no formula need be
+    /// inverted; drawn anew until the disc touches nothing before.
+    pub fn draw(random: &mut Random, approach: Approach) -> Self {
+        loop {
+            let case = Self::draw_any(random, approach);
+            let is_clear = |part: u32| {
+                let seconds = case.instant * (1.0 - f64::from(part) / 100.0);
+                let centre = case.start.moved(case.twist.scaled(seconds)).position;
+                oracle::clearance(&[case.wall], centre, case.radius) > SKIN
+            };
+            if (1..=100).all(is_clear) {
+                return case;
+            }
+        }
+    }
+
+    fn draw_any(random: &mut Random, approach: Approach) -> Self {
+        let radius = random.between(0.05, 0.3);
+        let speed = random.between(0.1, 1.0);
+        let turn = random.between(0.2, 2.0);
+        let is_left = random.chance(0.5);
+        let omega = match approach {
+            Approach::HeadOn | Approach::Oblique => 0.0,
+            Approach::Arc | Approach::ArcToCorner => {
+                if is_left {
+                    turn
+                } else {
+                    -turn
+                }
+            }
+        };
+        let twist = Twist::new(speed, omega);
+        let instant = random.between(0.2, 2.0);
+        let start = Pose::new(random.between(-5.0, 5.0), random.between(-5.0, 5.0), random.between(-PI, PI));
+        let at_contact = start.moved(twist.scaled(instant));
+        // Towards the touched point, off the direction of the motion there.
+        let off = match approach {
+            Approach::HeadOn => 0.0,
+            Approach::Oblique => random.between(-1.4, 1.4),
+            Approach::Arc | Approach::ArcToCorner => random.between(-1.0, 1.0),
+        };
+        let towards = at_contact.heading.turned(off).direction();
+        let point = at_contact.position + towards * (radius + SKIN);
+        let wall = match approach {
+            // Leads away from the disc.
+            Approach::ArcToCorner => Segment::new(point, point + towards * 0.1),
+            _ => Segment::new(point - towards.perp() * 0.5, point + towards.perp() * 0.5),
+        };
+        Self { wall, start, twist, radius, instant }
+    }
+
+    /// The instant that the core finds, seconds.
+    pub fn by_core(&self) -> Option<f64> {
+        let path = Path::new(&self.start, self.twist);
+        first_contact(&path, self.radius, &self.wall, f64::INFINITY).map(|contact| contact.after)
+    }
+
+    /// The instant that a simulator finds which looks for overlap after each step of `step` seconds: the end of the first step with
+    /// one. `None` if it has found none within `horizon` seconds: the disc has gone through.
+    pub fn by_steps(&self, step: f64, horizon: f64) -> Option<f64> {
+        let is_touching = |seconds: f64| {
+            let centre = self.start.moved(self.twist.scaled(seconds)).position;
+            oracle::clearance(&[self.wall], centre, self.radius) <= SKIN
+        };
+        (1..=(horizon / step).ceil() as u64).map(|n| n as f64 * step).find(|&seconds| is_touching(seconds))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_core_finds_the_instant_of_the_formula() {
+        let mut random = Random::new(3);
+        for approach in Approach::ALL {
+            for _ in 0..500 {
+                let case = Case::draw(&mut random, approach);
+                let found = case.by_core().unwrap_or_else(|| panic!("missed {case:?}"));
+                // Rounding of the positions, some 1e-15 m, over an approach of 0.017 m/s and more.
+                assert!((found - case.instant).abs() < 1e-12, "{found} for {case:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn steps_find_it_late_by_up_to_one() {
+        let mut random = Random::new(4);
+        let mut missed = 0;
+        for approach in Approach::ALL {
+            for _ in 0..100 {
+                let case = Case::draw(&mut random, approach);
+                match case.by_steps(0.05, case.instant + 0.1) {
+                    Some(found) => assert!((-1e-9..=0.05).contains(&(found - case.instant)), "{found} for {case:?}"),
+                    None => missed += 1,
+                }
+            }
+        }
+        assert!(missed < 10, "{missed}");
+    }
+}
