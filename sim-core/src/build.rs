@@ -10,10 +10,11 @@ use crate::drive::Model;
 use crate::format::{
     Axis, Collider, LidarSpec, LinkSpec, MountSpec, ObjectSpec, PathRef, RobiSpec, SceneSpec, WorldSpec,
 };
-use crate::object::{Part, Properties, Resistance, Shape};
+use crate::object::{Figure, Part, Properties, Resistance, Shape, Solid};
 use crate::pose::{Pose, Pose3};
-use crate::scene::{Segment, Walls};
+use crate::scene::{Segment, Surface, WallId, Walls};
 use crate::sensor::{Link, RangeModel, RangeSensor};
+use crate::world::{Block, Space};
 
 /// Friction of an object against walls, robots and other objects. Source: our choice.
 const CONTACT_FRICTION: f64 = 0.3;
@@ -39,6 +40,72 @@ pub fn obstacles(scene: &SceneSpec) -> Arc<Walls> {
         }
     }
     Arc::new(Walls::new(segments).with_heights(heights))
+}
+
+/// What rays in space tell apart in a scene whose [`obstacles`] and [`movable`] objects are in the world: shapes of bodies
+/// and upper faces of walls.
+///
+/// Robots are upright cylinders of their diameter, as high as the highest part of their shape where the file gives one.
+pub fn space(scene: &SceneSpec) -> Space {
+    let world = &scene.world;
+    let mut surfaces = Vec::new();
+    let mut blocks = Vec::new();
+    for wall in &world.walls {
+        let first = surfaces.len();
+        let sides = if wall.thickness > 0.0 { 4 } else { 1 };
+        surfaces.resize(first + sides, wall.surface.unwrap_or(world.surface));
+        if wall.thickness > 0.0 {
+            let centre_line = Segment { a: wall.from, b: wall.to };
+            blocks.push(Block::new(WallId(first as u32), &centre_line, wall.thickness, wall.height));
+        }
+    }
+    let fixed = scene.objects.iter().filter(|object| object.kind.is_fixed);
+    let robot = |robi: &RobiSpec| {
+        let top = robi.colliders.iter().map(Collider::top).reduce(f64::max).unwrap_or(f64::INFINITY);
+        Arc::new(Figure::cylinder(0.5 * robi.diameter, top, robi.surface))
+    };
+    // A floor of which the world says nothing is smooth: a rough one would be all that a low sonar hears.
+    let floor = if world.surface == Surface::default() { Surface::SMOOTH } else { world.surface };
+    Space {
+        floor,
+        outlines: Some(WallId(surfaces.len() as u32)),
+        walls: surfaces,
+        blocks,
+        fixed: fixed.map(|object| (object.pose, figure(object))).collect(),
+        robots: scene.robots.iter().map(|spec| robot(&spec.robi)).collect(),
+        objects: movable(scene).map(figure).collect(),
+    }
+}
+
+/// The shape in space of an object: that of its colliders; without any, that of its footprint.
+pub fn figure(object: &ObjectSpec) -> Arc<Figure> {
+    let colliders = &object.kind.colliders;
+    if colliders.is_empty() {
+        return Figure::endless(&properties(object), object.kind.surface);
+    }
+    Arc::new(Figure { solids: colliders.iter().map(solid).collect(), surface: object.kind.surface })
+}
+
+/// A collider as a solid.
+fn solid(collider: &Collider) -> Solid {
+    let prism = |bottom, top| {
+        let Part { shape: footprint, object_from_part: body_from_footprint } = part(collider);
+        Solid::Prism { footprint, body_from_footprint, bottom, top }
+    };
+    match *collider {
+        Collider::Box { centre, size } => prism(centre.z - 0.5 * size.z, centre.z + 0.5 * size.z),
+        Collider::Cylinder { centre, height, .. } => prism(centre.z - 0.5 * height, centre.z + 0.5 * height),
+        Collider::Sphere { centre, radius } => Solid::Capsule { ends: [centre; 2], radius },
+        Collider::Capsule { centre, radius, height, axis } => {
+            let axis = match axis {
+                Axis::X => DVec3::X,
+                Axis::Y => DVec3::Y,
+                Axis::Z => DVec3::Z,
+            };
+            let half = axis * (0.5 * height - radius).max(0.0);
+            Solid::Capsule { ends: [centre - half, centre + half], radius }
+        }
+    }
 }
 
 /// The objects of a scene that can be moved: their numbers count from 1 on in this order.
@@ -113,7 +180,7 @@ pub fn range_sensors(robi: &RobiSpec) -> Vec<RangeSensor> {
     let others = robi.ranges.iter().map(|range| RangeSensor {
         mount: pose(&range.mount),
         link: bearer(range.mount.on.as_ref(), &places),
-        model: range.model.clone(),
+        model: range.model,
     });
     psds.chain(others).collect()
 }

@@ -6,6 +6,8 @@
 
 mod objects;
 mod settle;
+mod sight;
+mod space;
 mod track;
 
 use std::sync::Arc;
@@ -23,6 +25,9 @@ use crate::{
 };
 use objects::Objects;
 use settle::{Settling, Truth};
+pub use sight::{Seen, Sighting};
+use space::Stage;
+pub use space::{Block, Space};
 use track::Track;
 
 /// What a ray meets first.
@@ -85,6 +90,8 @@ pub struct World {
     truth: Truth,
     /// The movable objects, in a scene that has any.
     objects: Option<Box<Objects>>,
+    /// What rays in space meet beside all these.
+    stage: Stage,
 }
 
 impl World {
@@ -95,6 +102,7 @@ impl World {
     /// If `slot` is not positive or the ids are not 1, 2, ... in this order.
     pub fn new<'a>(walls: Arc<Walls>, slot: Time, motions: impl IntoIterator<Item = &'a mut Motion>) -> Self {
         assert!(slot > Time::ZERO, "a slot has a length");
+        let stage = Stage::new(Space::default(), &walls);
         let mut world = Self {
             walls,
             slot,
@@ -105,6 +113,7 @@ impl World {
             bounds: Vec::new(),
             truth: Truth::default(),
             objects: None,
+            stage,
         };
         for (index, motion) in motions.into_iter().enumerate() {
             assert_eq!(motion.id().index(), index, "robots are given in the order of their ids");
@@ -120,6 +129,12 @@ impl World {
         if objects.peek().is_some() {
             self.objects = Some(Box::new(Objects::new(&self.walls, objects)));
         }
+        self
+    }
+
+    /// This world with what only rays in space tell apart: shapes, heights and surfaces.
+    pub fn with_space(mut self, space: Space) -> Self {
+        self.stage = Stage::new(space, &self.walls);
         self
     }
 

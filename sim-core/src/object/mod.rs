@@ -9,6 +9,7 @@ mod drift;
 mod energy;
 mod floor;
 mod shape;
+mod solid;
 
 use glam::DVec2;
 
@@ -16,6 +17,7 @@ pub use bodies::{Bodies, Push, Pusher, Touch};
 pub use drift::Drift;
 pub use shape::Shape;
 pub(crate) use shape::cast_disc;
+pub use solid::{Figure, Met, Solid};
 
 use crate::{pose::Pose, scene::Bounds, time::Time};
 

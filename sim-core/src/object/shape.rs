@@ -107,6 +107,19 @@ impl Shape {
         }
     }
 
+    /// The point of the shape that is nearest to `point`, in the part's frame: that itself, when it lies inside.
+    pub fn nearest_point(&self, point: DVec2) -> DVec2 {
+        let (core, radius) = match *self {
+            Self::Disc { radius } => (DVec2::ZERO, radius),
+            Self::Rectangle { half } => return point.clamp(-half, half),
+            Self::Capsule { half_length, radius } => {
+                (DVec2::new(point.x.clamp(-half_length, half_length), 0.0), radius)
+            }
+        };
+        let away = point - core;
+        if away.length() <= radius { point } else { core + away * (radius / away.length()) }
+    }
+
     /// Distance from `point`, in the part's frame, to the nearest point of the shape, m; 0 inside.
     pub fn distance(&self, point: DVec2) -> f64 {
         match *self {

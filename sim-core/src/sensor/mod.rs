@@ -16,7 +16,7 @@ pub use bumper::Bumper;
 pub use compass::bearing_from_north;
 pub use echo::{Echo, PAPER_SIGMA, incidence, recovered_distance, reflected_signal};
 pub use link::{Link, link_pose};
-pub use range::{RangeModel, RangeSensor, Reading};
+pub use range::{Posture, RangeModel, RangeSensor, Reading};
 pub use ray::{Beam, Mount};
 pub use scan::{Fan, Scan};
 pub use sonar::{SideLobes, Sonar};

@@ -1,8 +1,13 @@
-use super::{Echo, Sonar};
-use crate::pose::Pose3;
+use super::{Echo, Link, Sonar, incidence, link_pose};
+use crate::{
+    RobotId,
+    pose::{Pose, Pose3},
+    time::Time,
+    world::World,
+};
 
 /// What a range sensor makes of the surfaces before it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RangeModel {
     /// An infrared triangulation sensor: the distance along one ray, whatever the surface. Source: Koestler & Bräunl,
     /// section 4.1.
@@ -21,7 +26,7 @@ pub enum RangeModel {
 }
 
 /// A range sensor on a robot.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RangeSensor {
     /// The sensor's frame, x along its line of sight, in the frame of what bears it.
     pub mount: Pose3,
@@ -29,6 +34,17 @@ pub struct RangeSensor {
     pub link: Option<usize>,
     /// What it measures.
     pub model: RangeModel,
+}
+
+/// How a robot holds itself: what its sensors' poses follow from.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Posture<'a> {
+    /// Pose of its centre.
+    pub world_from_robot: Pose,
+    /// Its links, each after its parent.
+    pub links: &'a [Link],
+    /// Angles of its servos, rad, in the order that [`Link::servo`] counts.
+    pub angles: &'a [f64],
 }
 
 /// What a range sensor measures at one instant.
@@ -40,4 +56,65 @@ pub struct Reading {
     /// What the distance was made of: the signal of a reflectance sensor, 1/m; the energy of a sonar's echo, of which
     /// a perfect reflector 1 m ahead returns 1; for the others 1 with an echo and 0 without.
     pub signal: f64,
+}
+
+impl RangeModel {
+    /// What a sensor of robot `by` reads at `world_from_sensor` at the instant `at`, with the paper's `noise` N; 0 gives
+    /// the exact reading.
+    ///
+    /// The sensor does not see its own robot. N stretches the distances of all models but the reflectance sensor, of which
+    /// it stretches the signal; that of PSD and sonar: our choice.
+    pub fn read(&self, world: &World, by: RobotId, world_from_sensor: &Pose3, at: Time, noise: f64) -> Reading {
+        let met = |range: f64| {
+            let direction = world_from_sensor.forward();
+            let sighting = world.sight(by, world_from_sensor.position, direction, range, at)?;
+            Some((sighting.distance, incidence(direction, sighting.normal)))
+        };
+        match self {
+            Self::Psd { range } => Reading::of_distance(met(*range).map(|(distance, _)| distance), noise),
+            Self::Laser(echo) | Self::Ultrasonic(echo) => echo.time_of_flight(met(echo.max), noise),
+            Self::Reflectance(echo) => echo.reflectance(met(echo.max), noise),
+            Self::Sonar(sonar) => sonar.listen(world, by, world_from_sensor, at, noise),
+        }
+    }
+}
+
+impl RangeSensor {
+    /// Pose of the sensor of a robot in this posture.
+    ///
+    /// # Panics
+    /// As [`link_pose`].
+    pub fn world_from_sensor(&self, posture: &Posture) -> Pose3 {
+        let world_from_robot = Pose3::from_planar(&posture.world_from_robot, 0.0);
+        match self.link {
+            Some(link) => world_from_robot.then(&link_pose(posture.links, posture.angles, link)).then(&self.mount),
+            None => world_from_robot.then(&self.mount),
+        }
+    }
+
+    /// What the sensor of robot `by` in this posture reads at the instant `at`, with the paper's `noise` N: see
+    /// [`RangeModel::read`].
+    ///
+    /// A PSD that is level and on the body sees in the plane, as a [`Beam`](super::Beam): walls and bodies are as high as
+    /// it takes.
+    ///
+    /// # Panics
+    /// As [`link_pose`].
+    pub fn read(&self, world: &World, by: RobotId, posture: &Posture, at: Time, noise: f64) -> Reading {
+        if let (RangeModel::Psd { range }, None, true) = (self.model, self.link, self.mount.is_level()) {
+            let forward = posture.world_from_robot.heading.direction();
+            let origin = posture.world_from_robot.position + forward.rotate(self.mount.position.truncate());
+            let direction = forward.rotate(self.mount.forward().truncate());
+            let hit = world.cast(by, origin, direction, range, at);
+            return Reading::of_distance(hit.map(|hit| hit.distance), noise);
+        }
+        self.model.read(world, by, &self.world_from_sensor(posture), at, noise)
+    }
+}
+
+impl Reading {
+    fn of_distance(distance: Option<f64>, noise: f64) -> Self {
+        let distance = distance.map(|distance| (distance * (1.0 + noise)).max(0.0));
+        Self { distance, signal: if distance.is_some() { 1.0 } else { 0.0 } }
+    }
 }

@@ -1,6 +1,22 @@
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, LN_2, PI};
 
-use crate::math;
+use glam::DVec3;
+
+use super::{Reading, incidence};
+use crate::{
+    RobotId, math,
+    pose::Pose3,
+    scene::Surface,
+    time::Time,
+    world::{Sighting, World},
+};
+
+/// A mirror's echo returns to the sensor when the ray meets it head on within this angle, rad: far above rounding, and a
+/// few um off at the longest ranges.
+const HEAD_ON: f64 = 1e-6;
+
+/// Angle between neighbours of a spiral that covers a disc evenly, rad: a full turn in the golden section.
+const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
 /// An ultrasonic sensor with a beam: sender and receiver in one, equally sensitive to both ways.
 ///
@@ -59,14 +75,140 @@ impl Sonar {
     ///
     /// Source: Gois & Hiller, section 2.1 (a Gaussian approximates the gain with very good precision).
     pub fn gain(&self, angle: f64) -> f64 {
-        if angle > 0.5 * PI {
+        if angle > FRAC_PI_2 {
             return 0.0;
         }
         // A quarter where the ratio is 1.
-        let lobe = |ratio: f64| math::exp(-(2.0 * std::f64::consts::LN_2) * ratio * ratio);
+        let lobe = |ratio: f64| math::exp(-(2.0 * LN_2) * ratio * ratio);
         let main = lobe(angle / self.half_angle);
         let side = self.side_lobes.map_or(0.0, |ring| ring.gain * lobe((angle - ring.angle) / ring.half_width));
         main.max(side)
+    }
+
+    /// Energy of the echo of a surface that a ray meets at `angle` rad from the line of sight:
+    /// G^2 / d^2 times the reflectivity times (the diffuse share times cos(alpha) plus the specular share, if met head on).
+    ///
+    /// G is the gain on either way, d the distance and alpha the incidence. A mirror that bulges with the principal radii r
+    /// spreads the energy over an area larger by (1 + d / r) for each.
+    ///
+    /// Source: France et al. 1999, sections 3.2 and 3.3 (loss with distance; diffuse and specular surfaces). That a wall
+    /// larger than the beam returns 1 / d^2, be it a mirror or rough, and the spreading: geometrical acoustics.
+    pub fn energy(&self, angle: f64, sighting: &Sighting, alpha: f64) -> f64 {
+        let Surface { reflectivity, specular } = sighting.surface;
+        let spread = 1.0 + sighting.distance * sighting.curvature;
+        let mirrored = if alpha <= HEAD_ON { specular / (spread.x * spread.y) } else { 0.0 };
+        let scattered = (1.0 - specular) * math::cos(alpha).max(0.0);
+        let ratio = self.gain(angle) / sighting.distance;
+        ratio * ratio * reflectivity * (mirrored + scattered)
+    }
+
+    /// What it reads at `world_from_sensor` at the instant `at`, on robot `by`, which it does not hear; with the paper's
+    /// `noise` N.
+    ///
+    /// The nearest echo with enough energy wins. Echoes are looked for where they may be nearest: along the line of sight,
+    /// towards the nearest point of everything around (where a mirror must be met, and exact for what faces the sensor),
+    /// and along a fan of rays. There are no second reflections.
+    ///
+    /// The fan is a spiral over the part of the half space from which an echo may be heard. Where all things stand upright
+    /// and reach up to a level sensor, and the floor is a perfect mirror, the fan lies in the sensor's level plane, and is
+    /// that much denser.
+    ///
+    /// Source: France et al. 1999, section 3.2 (a single reflection); Gois & Hiller, section 2.1 (the beam); rays and
+    /// nearest points: our choice.
+    pub fn listen(&self, world: &World, by: RobotId, world_from_sensor: &Pose3, at: Time, noise: f64) -> Reading {
+        let mut ear = Ear { sonar: self, world, by, world_from_sensor, at, distance: self.max, energy: 0.0 };
+        ear.try_angle(world_from_sensor.forward(), 0.0);
+        ear.try_nearest_points();
+        ear.try_fan();
+        match ear.energy > 0.0 {
+            true => Reading { distance: Some((ear.distance * (1.0 + noise)).max(0.0)), signal: ear.energy },
+            false => Reading { distance: None, signal: 0.0 },
+        }
+    }
+
+    /// Farthest that an echo is heard at all from `angle` rad off the line of sight, m.
+    fn reach(&self, angle: f64) -> f64 {
+        (self.gain(angle) / self.threshold.sqrt()).min(self.max)
+    }
+
+    /// Angle from the line of sight beyond which no echo is heard from farther than the least distance, rad.
+    fn aperture(&self) -> f64 {
+        let least = self.min * self.threshold.sqrt();
+        let width = |gain: f64, half_width: f64| half_width * (math::ln((gain / least).max(1.0)) / (2.0 * LN_2)).sqrt();
+        let side = self.side_lobes.map_or(0.0, |ring| ring.angle + width(ring.gain, ring.half_width));
+        width(1.0, self.half_angle).max(side).min(FRAC_PI_2)
+    }
+}
+
+/// A sonar at one instant, with the nearest echo so far.
+struct Ear<'a> {
+    sonar: &'a Sonar,
+    world: &'a World,
+    by: RobotId,
+    world_from_sensor: &'a Pose3,
+    at: Time,
+    /// Of the nearest echo so far; the greatest distance before there is one.
+    distance: f64,
+    /// Its energy; 0 before there is one.
+    energy: f64,
+}
+
+impl Ear<'_> {
+    /// Listens along `direction`, `angle` rad from the line of sight.
+    fn try_angle(&mut self, direction: DVec3, angle: f64) {
+        let range = self.sonar.reach(angle).min(self.distance);
+        if range < self.sonar.min {
+            return;
+        }
+        let Some(sighting) = self.world.sight(self.by, self.world_from_sensor.position, direction, range, self.at)
+        else {
+            return;
+        };
+        if sighting.distance < self.sonar.min || sighting.distance == self.distance && self.energy > 0.0 {
+            return;
+        }
+        let energy = self.sonar.energy(angle, &sighting, incidence(direction, sighting.normal));
+        if energy >= self.sonar.threshold {
+            (self.distance, self.energy) = (sighting.distance, energy);
+        }
+    }
+
+    fn try_nearest_points(&mut self) {
+        let (origin, forward) = (self.world_from_sensor.position, self.world_from_sensor.forward());
+        let mut points = Vec::new();
+        self.world.for_each_nearest(self.by, origin, self.distance, self.at, |point| {
+            let offset = point - origin;
+            let length = offset.length();
+            // Behind is nothing to be heard, and from inside there is no direction.
+            if offset.dot(forward) > 0.0 && self.sonar.min <= length && length <= self.distance {
+                points.push(offset / length);
+            }
+        });
+        for direction in points {
+            self.try_angle(direction, incidence(direction, forward));
+        }
+    }
+
+    fn try_fan(&mut self) {
+        let aperture = self.sonar.aperture();
+        let Pose3 { position, rotation } = *self.world_from_sensor;
+        let forward = rotation.x_axis;
+        let last = f64::from(self.sonar.rays.max(2) - 1);
+        let is_mirror = self.world.floor_surface().specular == 1.0;
+        let is_planar = forward.z == 0.0 && is_mirror && self.world.is_upright_at(position.z);
+        for ray in 1..self.sonar.rays {
+            let ray = f64::from(ray);
+            // In the plane alternately to both sides, from the middle outwards.
+            let (angle, aside) = if is_planar {
+                let side = if ray % 2.0 == 0.0 { 1.0 } else { -1.0 };
+                (aperture * (ray * 0.5).ceil() / (last * 0.5).ceil(), DVec3::new(-forward.y, forward.x, 0.0) * side)
+            } else {
+                let (sin, cos) = math::sin_cos(ray * GOLDEN_ANGLE);
+                (aperture * (ray / last).sqrt(), rotation.y_axis * cos + rotation.z_axis * sin)
+            };
+            let (sin, cos) = math::sin_cos(angle);
+            self.try_angle(forward * cos + aside * sin, angle);
+        }
     }
 }
 

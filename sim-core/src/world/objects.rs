@@ -138,6 +138,16 @@ impl Objects {
         nearest
     }
 
+    /// Visits each object whose public rectangle meets a ray, once.
+    pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, mut visit: impl FnMut(ObjectId)) {
+        self.index.along_ray(origin, direction, range, |RobotId(number)| visit(ObjectId(number)));
+    }
+
+    /// Visits each object whose public rectangle meets `bounds`, once, in ascending order.
+    pub fn for_each_in(&self, bounds: Bounds, mut visit: impl FnMut(ObjectId)) {
+        self.index.for_each_in(bounds, |RobotId(number)| visit(ObjectId(number)));
+    }
+
     /// Whether an object that sleeps, or is there at the slot's start, may come near `bounds`.
     pub fn is_near(&self, bounds: Bounds) -> bool {
         let mut is_near = false;

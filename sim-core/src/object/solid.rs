@@ -1,0 +1,329 @@
+//! Shapes in space, for rays: prisms over footprints, and capsules.
+
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+
+use super::{Properties, Shape};
+use crate::{
+    pose::Pose,
+    scene::{Bounds, Surface},
+};
+
+/// A part of a body's shape in space, in the body's frame (x forward, y left, z up), in metres.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Solid {
+    /// All that stands between two heights over a footprint: a box, an upright cylinder.
+    Prism {
+        /// The footprint, in its own frame.
+        footprint: Shape,
+        /// Its place in the body.
+        body_from_footprint: Pose,
+        /// Height of the lower face.
+        bottom: f64,
+        /// Height of the upper face; infinite for as high as it takes.
+        top: f64,
+    },
+    /// All points within `radius` of the stretch between two points; a sphere, when they are one.
+    Capsule {
+        /// The stretch's ends.
+        ends: [DVec3; 2],
+        /// Distance from the stretch; positive.
+        radius: f64,
+    },
+}
+
+/// A body's shape in space and its surface.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Figure {
+    /// The parts, in the body's frame.
+    pub solids: Vec<Solid>,
+    /// What all of it is made of.
+    pub surface: Surface,
+}
+
+/// Where a ray meets a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Met {
+    /// Distance from the ray's origin, m; 0 when the origin lies inside.
+    pub distance: f64,
+    /// Unit vector perpendicular to the surface, on the side from which the ray comes; against the ray when the origin lies
+    /// inside.
+    pub normal: DVec3,
+    /// Principal curvatures of the surface, 1/m: 0 where it is plane, 1 over the radius where it bulges.
+    pub curvature: DVec2,
+}
+
+impl Figure {
+    /// An upright cylinder around the body's origin, from the floor up to `top`.
+    pub fn cylinder(radius: f64, top: f64, surface: Surface) -> Self {
+        let footprint = Shape::Disc { radius };
+        let solid = Solid::Prism { footprint, body_from_footprint: Pose::default(), bottom: 0.0, top };
+        Self { solids: vec![solid], surface }
+    }
+
+    /// The footprint of `properties`, as high as it takes.
+    pub fn endless(properties: &Properties, surface: Surface) -> Arc<Self> {
+        let solids = properties.parts.iter().map(|part| Solid::Prism {
+            footprint: part.shape,
+            body_from_footprint: part.object_from_part,
+            bottom: 0.0,
+            top: f64::INFINITY,
+        });
+        Arc::new(Self { solids: solids.collect(), surface })
+    }
+
+    /// Where a ray of the world first meets a body of this shape at `world_from_body`.
+    ///
+    /// `direction` is a unit vector. A ray that starts inside meets it at 0; so does one that starts on it.
+    pub fn cast(&self, world_from_body: &Pose, origin: DVec3, direction: DVec3) -> Option<Met> {
+        self.first_met(world_from_body, origin, direction, Solid::cast)
+    }
+
+    /// As [`Figure::cast`] for prisms that are hollow: a ray that starts inside meets the face where it comes out.
+    pub fn cast_hollow(&self, world_from_body: &Pose, origin: DVec3, direction: DVec3) -> Option<Met> {
+        self.first_met(world_from_body, origin, direction, Solid::cast_hollow)
+    }
+
+    fn first_met(
+        &self,
+        world_from_body: &Pose,
+        origin: DVec3,
+        direction: DVec3,
+        cast: impl Fn(&Solid, DVec3, DVec3) -> Option<Met>,
+    ) -> Option<Met> {
+        let axis = world_from_body.heading.direction();
+        let (origin, direction) = (into(world_from_body.position, axis, origin), into(DVec2::ZERO, axis, direction));
+        let met = self.solids.iter().filter_map(|solid| cast(solid, origin, direction));
+        let nearest = met.min_by(|one, other| one.distance.total_cmp(&other.distance))?;
+        Some(Met { normal: axis.rotate(nearest.normal.truncate()).extend(nearest.normal.z), ..nearest })
+    }
+
+    /// The rectangle around the body as seen from above.
+    pub fn bounds(&self, world_from_body: &Pose) -> Bounds {
+        self.solids.iter().map(|solid| solid.bounds(world_from_body)).fold(Bounds::EMPTY, Bounds::union)
+    }
+
+    /// Visits the point of each part that is nearest to `point`, both in the world.
+    pub fn for_each_nearest(&self, world_from_body: &Pose, point: DVec3, mut visit: impl FnMut(DVec3)) {
+        let axis = world_from_body.heading.direction();
+        let local = into(world_from_body.position, axis, point);
+        for solid in &self.solids {
+            let nearest = solid.nearest_point(local);
+            visit((world_from_body.position + axis.rotate(nearest.truncate())).extend(nearest.z));
+        }
+    }
+
+    /// Height up to which it is as at the floor, seen from the side; 0 for what is no prism on the floor.
+    pub fn prism_top(&self) -> f64 {
+        let top = |solid: &Solid| match *solid {
+            Solid::Prism { bottom, top, .. } if bottom <= 0.0 => top,
+            _ => 0.0,
+        };
+        self.solids.iter().map(top).fold(f64::INFINITY, f64::min)
+    }
+}
+
+impl Solid {
+    /// Where a ray of the body's frame first meets it.
+    pub fn cast(&self, origin: DVec3, direction: DVec3) -> Option<Met> {
+        match self {
+            Self::Prism { .. } => {
+                let span = self.span(origin, direction).filter(|span| span.leave >= 0.0)?;
+                Some(if span.enter < 0.0 { inside(direction) } else { span.met() })
+            }
+            Self::Capsule { ends, radius } => cast_capsule(origin, direction, *ends, *radius),
+        }
+    }
+
+    fn cast_hollow(&self, origin: DVec3, direction: DVec3) -> Option<Met> {
+        let span = self.span(origin, direction).filter(|span| span.leave >= 0.0)?;
+        Some(if span.enter < 0.0 { Met { distance: span.leave, ..inside(direction) } } else { span.met() })
+    }
+
+    /// The stretch of a ray's line inside a prism; `None` for what is no prism, or missed.
+    fn span(&self, origin: DVec3, direction: DVec3) -> Option<Span> {
+        let Self::Prism { footprint, body_from_footprint, bottom, top } = self else { return None };
+        let axis = body_from_footprint.heading.direction();
+        let local = into(body_from_footprint.position, axis, origin);
+        let across = span_of_shape(footprint, local.truncate(), into(DVec2::ZERO, axis, direction).truncate())?;
+        let across = Span { normal: axis.rotate(across.normal.truncate()).extend(0.0), ..across };
+        let (enter, leave) = slab(*bottom, *top, origin.z, direction.z)?;
+        let leave = leave.min(across.leave);
+        let span = if enter > across.enter {
+            Span { enter, leave, normal: DVec3::new(0.0, 0.0, -direction.z.signum()), curvature: 0.0 }
+        } else {
+            Span { leave, ..across }
+        };
+        (span.enter <= span.leave).then_some(span)
+    }
+
+    fn bounds(&self, world_from_body: &Pose) -> Bounds {
+        match self {
+            Self::Prism { footprint, body_from_footprint, .. } => {
+                footprint.bounds(&world_from_body.compose(body_from_footprint))
+            }
+            Self::Capsule { ends, radius } => {
+                Bounds::of_points(ends.map(|end| world_from_body.transform_point(end.truncate()))).grown(*radius)
+            }
+        }
+    }
+
+    /// The point of it that is nearest to `point`: that itself, when it lies inside.
+    fn nearest_point(&self, point: DVec3) -> DVec3 {
+        match self {
+            Self::Prism { footprint, body_from_footprint, bottom, top } => {
+                let local = body_from_footprint.inverse_transform_point(point.truncate());
+                let nearest = body_from_footprint.transform_point(footprint.nearest_point(local));
+                nearest.extend(point.z.clamp(*bottom, *top))
+            }
+            Self::Capsule { ends, radius } => {
+                let core = nearest_on_stretch(point, *ends);
+                let away = point - core;
+                if away.length() <= *radius { point } else { core + away * (*radius / away.length()) }
+            }
+        }
+    }
+}
+
+/// The stretch of a line inside a convex shape, as distances from the ray's origin, negative ones behind it.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    /// Where the line goes in.
+    enter: f64,
+    /// Where it comes out.
+    leave: f64,
+    /// Outward normal where it goes in.
+    normal: DVec3,
+    /// Curvature of the side where it goes in, in the floor plane, 1/m.
+    curvature: f64,
+}
+
+impl Span {
+    /// Where the line goes in.
+    fn met(&self) -> Met {
+        Met { distance: self.enter, normal: self.normal, curvature: DVec2::new(self.curvature, 0.0) }
+    }
+}
+
+fn inside(direction: DVec3) -> Met {
+    Met { distance: 0.0, normal: -direction, curvature: DVec2::ZERO }
+}
+
+/// `point` in the frame at `position` whose x axis is `axis`; heights are the same.
+fn into(position: DVec2, axis: DVec2, point: DVec3) -> DVec3 {
+    DVec2::new(axis.x, -axis.y).rotate(point.truncate() - position).extend(point.z)
+}
+
+/// Where a coordinate that starts at `origin` and grows by `speed` is between `low` and `high`, these included.
+fn slab(low: f64, high: f64, origin: f64, speed: f64) -> Option<(f64, f64)> {
+    if speed == 0.0 {
+        return (low <= origin && origin <= high).then_some((f64::NEG_INFINITY, f64::INFINITY));
+    }
+    let (one, other) = ((low - origin) / speed, (high - origin) / speed);
+    Some((one.min(other), one.max(other)))
+}
+
+/// The part of a line over a footprint; `direction` is the horizontal part of a unit vector, perhaps nothing.
+fn span_of_shape(shape: &Shape, origin: DVec2, direction: DVec2) -> Option<Span> {
+    match *shape {
+        Shape::Disc { radius } => span_of_disc(origin, direction, DVec2::ZERO, radius),
+        Shape::Rectangle { half } => span_of_rectangle(origin, direction, half),
+        Shape::Capsule { half_length, radius } => {
+            let middle = span_of_rectangle(origin, direction, DVec2::new(half_length, radius));
+            let end = |x: f64| span_of_disc(origin, direction, DVec2::new(x, 0.0), radius);
+            // The shape is convex: the line is inside from the first entry to the last exit.
+            [middle, end(-half_length), end(half_length)].into_iter().flatten().reduce(|one, other| {
+                let first = if other.enter < one.enter { other } else { one };
+                Span { leave: one.leave.max(other.leave), ..first }
+            })
+        }
+    }
+}
+
+fn span_of_rectangle(origin: DVec2, direction: DVec2, half: DVec2) -> Option<Span> {
+    let (x_enter, x_leave) = slab(-half.x, half.x, origin.x, direction.x)?;
+    let (y_enter, y_leave) = slab(-half.y, half.y, origin.y, direction.y)?;
+    let normal = if x_enter > y_enter {
+        DVec3::new(-direction.x.signum(), 0.0, 0.0)
+    } else {
+        DVec3::new(0.0, -direction.y.signum(), 0.0)
+    };
+    let (enter, leave) = (x_enter.max(y_enter), x_leave.min(y_leave));
+    (enter <= leave).then_some(Span { enter, leave, normal, curvature: 0.0 })
+}
+
+fn span_of_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64) -> Option<Span> {
+    let offset = centre - origin;
+    let level = direction.length();
+    if level == 0.0 {
+        let endless = Span { enter: f64::NEG_INFINITY, leave: f64::INFINITY, normal: DVec3::Z, curvature: 0.0 };
+        return (offset.length_squared() <= radius * radius).then_some(endless);
+    }
+    let (along, half_chord) = chord(offset.extend(0.0), (direction / level).extend(0.0), radius)?;
+    let enter = along - half_chord;
+    let normal = (direction / level * enter - offset) / radius;
+    Some(Span {
+        enter: enter / level,
+        leave: (along + half_chord) / level,
+        normal: normal.extend(0.0).normalize_or_zero(),
+        curvature: 1.0 / radius,
+    })
+}
+
+/// Distance along a line to the foot of the perpendicular from a ball's centre, at `offset` from the line's origin, and
+/// half of the line's chord in the ball.
+fn chord(offset: DVec3, direction: DVec3, radius: f64) -> Option<(f64, f64)> {
+    let along = offset.dot(direction);
+    // From the foot of the perpendicular, which keeps the digits of a ball far away.
+    let aside = (offset - direction * along).length_squared();
+    let half_chord = radius * radius - aside;
+    (half_chord >= 0.0).then(|| (along, half_chord.sqrt()))
+}
+
+fn cast_capsule(origin: DVec3, direction: DVec3, ends: [DVec3; 2], radius: f64) -> Option<Met> {
+    if (origin - nearest_on_stretch(origin, ends)).length_squared() <= radius * radius {
+        return Some(inside(direction));
+    }
+    let ball = |centre: DVec3| {
+        let (along, half_chord) = chord(centre - origin, direction, radius)?;
+        let distance = along - half_chord;
+        let normal = (origin + direction * distance - centre).normalize_or_zero();
+        (along > 0.0).then_some(Met { distance, normal, curvature: DVec2::splat(1.0 / radius) })
+    };
+    let side = || {
+        let stretch = ends[1] - ends[0];
+        let length = stretch.length();
+        if length == 0.0 {
+            return None;
+        }
+        let axis = stretch / length;
+        let across = direction - axis * axis.dot(direction);
+        let level = across.length();
+        if level == 0.0 {
+            return None;
+        }
+        let offset = ends[0] - origin;
+        let offset_across = offset - axis * axis.dot(offset);
+        let (along, half_chord) = chord(offset_across, across / level, radius)?;
+        let distance = (along - half_chord) / level;
+        let point = origin + direction * distance;
+        let height = axis.dot(point - ends[0]);
+        let is_met = distance >= 0.0 && (0.0..=length).contains(&height);
+        let normal = (point - ends[0] - axis * height).normalize_or_zero();
+        is_met.then_some(Met { distance, normal, curvature: DVec2::new(1.0 / radius, 0.0) })
+    };
+    // From outside, what lies deepest in front is the surface of the whole.
+    let met = [ball(ends[0]), ball(ends[1]), side()].into_iter().flatten();
+    met.min_by(|one, other| one.distance.total_cmp(&other.distance))
+        .map(|met| Met { distance: met.distance.max(0.0), ..met })
+}
+
+fn nearest_on_stretch(point: DVec3, ends: [DVec3; 2]) -> DVec3 {
+    let stretch = ends[1] - ends[0];
+    let length_squared = stretch.length_squared();
+    if length_squared == 0.0 {
+        return ends[0];
+    }
+    ends[0] + stretch * ((point - ends[0]).dot(stretch) / length_squared).clamp(0.0, 1.0)
+}

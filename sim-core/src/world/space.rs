@@ -1,0 +1,114 @@
+//! What only rays in space tell apart: the shapes of bodies, tops of walls, and surfaces.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use crate::{
+    RobotId, math,
+    object::{Figure, Shape, Solid},
+    pose::Pose,
+    scene::{Bounds, Moving, Segment, Surface, WallId, Walls},
+};
+
+/// What rays in space meet beside walls and bodies as they stand on the floor; by default only the floor, which is smooth.
+///
+/// Where a list ends, walls are rough and bodies are rough and as high as it takes.
+#[derive(Clone, Debug)]
+pub struct Space {
+    /// The floor, z = 0, without end.
+    pub floor: Surface,
+    /// Surfaces of the walls, in the order of their numbers.
+    pub walls: Vec<Surface>,
+    /// The walls from this number on are outlines of the fixed bodies, for contacts: rays in space meet the bodies.
+    pub outlines: Option<WallId>,
+    /// Walls with a thickness, for their upper faces.
+    pub blocks: Vec<Block>,
+    /// Bodies that never move, each with its pose.
+    pub fixed: Vec<(Pose, Arc<Figure>)>,
+    /// Bodies of robots around their centres, in the order of the ids.
+    pub robots: Vec<Arc<Figure>>,
+    /// Movable objects, in the order of the ids.
+    pub objects: Vec<Arc<Figure>>,
+}
+
+impl Default for Space {
+    fn default() -> Self {
+        Self {
+            floor: Surface::SMOOTH,
+            walls: Vec::new(),
+            outlines: None,
+            blocks: Vec::new(),
+            fixed: Vec::new(),
+            robots: Vec::new(),
+            objects: Vec::new(),
+        }
+    }
+}
+
+/// A wall with a thickness.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// The first of its sides.
+    pub wall: WallId,
+    /// Its frame, around its middle.
+    pub world_from_block: Pose,
+    /// Its shape, one prism.
+    pub figure: Figure,
+}
+
+impl Block {
+    /// The wall `thickness` metres thick and `height` metres high with this centre line, whose first side is `wall`.
+    pub fn new(wall: WallId, centre_line: &Segment, thickness: f64, height: f64) -> Self {
+        let along = centre_line.b - centre_line.a;
+        let middle = 0.5 * (centre_line.a + centre_line.b);
+        let footprint = Shape::Rectangle { half: 0.5 * DVec2::new(centre_line.length(), thickness) };
+        let solid = Solid::Prism { footprint, body_from_footprint: Pose::default(), bottom: 0.0, top: height };
+        Self {
+            wall,
+            world_from_block: Pose::new(middle.x, middle.y, math::atan2(along.y, along.x)),
+            figure: Figure { solids: vec![solid], surface: Surface::default() },
+        }
+    }
+}
+
+/// A space with what is found out about it once.
+#[derive(Debug)]
+pub(super) struct Stage {
+    pub space: Space,
+    /// Rectangles of the fixed bodies, numbered from 1 on.
+    pub fixed: Moving,
+    /// Rectangles of the blocks, numbered from 1 on.
+    pub blocks: Moving,
+    /// Up to this height all walls and bodies are prisms on the floor.
+    pub plain_below: f64,
+}
+
+impl Stage {
+    pub fn new(space: Space, walls: &Walls) -> Self {
+        let plain_walls = space.outlines.map_or(walls.len(), |first| first.0 as usize) as u32;
+        let heights = (0..plain_walls).map(|wall| walls.height(WallId(wall)));
+        let figures = space.fixed.iter().map(|(_, figure)| figure).chain(&space.robots).chain(&space.objects);
+        let plain_below = heights.chain(figures.map(|figure| figure.prism_top())).fold(f64::INFINITY, f64::min);
+        let fixed = index(space.fixed.iter().map(|(pose, figure)| figure.bounds(pose)));
+        let blocks = index(space.blocks.iter().map(|block| block.figure.bounds(&block.world_from_block)));
+        Self { space, fixed, blocks, plain_below }
+    }
+
+    /// The surface of a wall.
+    pub fn wall_surface(&self, wall: WallId) -> Surface {
+        self.space.walls.get(wall.0 as usize).copied().unwrap_or_default()
+    }
+
+    /// Whether rays in space meet this wall, and not a body whose outline it is.
+    pub fn is_wall(&self, wall: WallId) -> bool {
+        self.space.outlines.is_none_or(|first| wall < first)
+    }
+}
+
+fn index(bounds: impl Iterator<Item = Bounds>) -> Moving {
+    let mut index = Moving::default();
+    let bounds: Vec<_> = bounds.enumerate().map(|(place, bounds)| (RobotId::from_index(place), bounds)).collect();
+    index.rebuild(&bounds);
+    index
+}
