@@ -1,6 +1,6 @@
 //! Brute force: no index, no closed form for contacts, formulas other than those of the core.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use sim_core::math;
 use sim_core::pose::{Pose, Twist};
 use sim_core::scene::Segment;
@@ -143,6 +143,78 @@ fn bisected(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
             low = middle;
         }
     }
+}
+
+/// A body in space, in the world frame, in metres.
+#[derive(Clone, Copy, Debug)]
+pub enum Body {
+    /// An upright box.
+    Box {
+        /// Its centre.
+        centre: DVec3,
+        /// Half of its sizes along its own axes.
+        half: DVec3,
+        /// How far its x axis is turned to the left from the world's, rad.
+        turn: f64,
+    },
+    /// An upright cylinder.
+    Cylinder {
+        /// Its centre.
+        centre: DVec3,
+        /// Its radius.
+        radius: f64,
+        /// Half of its height.
+        half: f64,
+    },
+    /// All points within `radius` of the stretch between two points.
+    Capsule {
+        /// The stretch's ends.
+        ends: [DVec3; 2],
+        /// Distance from the stretch.
+        radius: f64,
+    },
+}
+
+impl Body {
+    /// Metres from `point` to the body; 0 inside.
+    pub fn distance(&self, point: DVec3) -> f64 {
+        match *self {
+            Self::Box { centre, half, turn } => {
+                let (sin, cos) = math::sin_cos(turn);
+                let offset = point - centre;
+                let local = DVec3::new(cos * offset.x + sin * offset.y, cos * offset.y - sin * offset.x, offset.z);
+                (local.abs() - half).max(DVec3::ZERO).length()
+            }
+            Self::Cylinder { centre, radius, half } => {
+                let offset = point - centre;
+                let aside = (math::hypot(offset.x, offset.y) - radius).max(0.0);
+                math::hypot(aside, (offset.z.abs() - half).max(0.0))
+            }
+            Self::Capsule { ends: [a, b], radius } => {
+                let along = (b - a).length();
+                let share = if along > 0.0 { ((point - a).dot(b - a) / (along * along)).clamp(0.0, 1.0) } else { 0.0 };
+                ((point - a.lerp(b, share)).length() - radius).max(0.0)
+            }
+        }
+    }
+}
+
+/// The nearest of `bodies` along a ray, as [`nearest_wall`]: metres from `origin`, and its place in the list.
+///
+/// The ray is followed in steps as long as the distance to the nearest body: that never leads into one, and ends within
+/// `close` metres of the first. A ray that comes so close to a body and misses it, is taken to meet it.
+pub fn nearest_body(bodies: &[Body], origin: DVec3, direction: DVec3, range: f64, close: f64) -> Option<(f64, usize)> {
+    let mut travelled = 0.0;
+    while travelled <= range {
+        let point = origin + direction * travelled;
+        let distances = bodies.iter().map(|body| body.distance(point)).zip(0..);
+        let (free, place) = distances.min_by(|one, other| one.0.total_cmp(&other.0))?;
+        if free <= close {
+            return Some((travelled, place));
+        }
+        travelled += free;
+    }
+    None
 }
 
 #[cfg(test)]

@@ -284,7 +284,7 @@ pub fn build_world(
     }
     let world = World::new(walls, options.slot, robots.iter_mut().map(|robot| &mut robot.motion));
     let objects = build::movable(scene).map(|object| (build::properties(object), object.pose));
-    Ok((world.with_objects(objects), robots))
+    Ok((world.with_objects(objects).with_space(build::space(scene)), robots))
 }
 
 /// The robots and objects of a scene by their numbers for programs.

@@ -4,6 +4,7 @@
 //! and pictures are made of the [`Outcome`]s by whoever asked for them.
 
 mod figure;
+pub mod france;
 mod moving_target;
 mod reflectance;
 mod stopwatch;

@@ -1,0 +1,103 @@
+//! The three sensors of the France paper on one sweep of a walking robot's leg over a floor and a step.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+use sim_core::{
+    RobotId, math,
+    object::{Figure as Body, Shape, Solid},
+    pose::{Pose, Pose3},
+    scene::{Surface, Walls},
+    sensor::{Echo, Link, Posture, RangeModel, RangeSensor, incidence},
+    time::Time,
+    world::{Seen, Space, World},
+};
+
+/// What the three sensors read at one instant of the walk, all at one place of the leg.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Since the start of the walk, s.
+    pub seconds: f64,
+    /// Distance along the ray to what it meets, m.
+    pub exact: f64,
+    /// Angle between the ray and the normal of what it meets, rad.
+    pub incidence: f64,
+    /// The ray meets the step; else the floor.
+    pub is_on_step: bool,
+    /// Reading of the laser range finder, m.
+    pub laser: f64,
+    /// Reading of the ultrasonic sensor, m.
+    pub ultrasonic: f64,
+    /// Reading of the reflectance sensor, m.
+    pub reflectance: f64,
+}
+
+/// How long the robot walks, s.
+pub const WALK: f64 = 12.0;
+/// Its speed, m/s.
+const SPEED: f64 = 0.1;
+/// Duration of a step of the gait, s.
+const GAIT: f64 = 1.5;
+/// Where the step begins, m ahead of where the walk begins.
+const STEP_AT: f64 = 2.0;
+/// Height of the step, m.
+const STEP_HEIGHT: f64 = 0.25;
+
+/// The walk in samples of `period` seconds.
+///
+/// The shin hangs from the knee, 0.45 m above the floor, and swings about it; the sensor sits 0.15 m down the shin and
+/// looks ahead. The shin swings so that the ray meets the floor under 33 to 78 degrees, as in the paper, while the robot
+/// comes near a step. There is no Noise.
+///
+/// Source: France et al. 1999, section 6.3 (three sensors, the range of incidences); measures of robot, gait and step: our
+/// choice.
+pub fn walk(period: f64) -> Vec<Sample> {
+    let world = stairs();
+    let at_knee = Pose3 { position: DVec3::new(0.0, 0.0, 0.45), ..Pose3::IDENTITY };
+    let shin = [Link { parent: None, origin: at_knee, axis: DVec3::Y, servo: Some(0) }];
+    let mount = Pose3 { position: DVec3::new(0.0, 0.0, -0.15), ..Pose3::IDENTITY };
+    let count = (WALK / period) as usize;
+    let at_time = |seconds: f64| {
+        // Turned about y, the shin's x axis dips.
+        let dip = (34.5 + 22.5 * math::sin(TAU * seconds / GAIT)) / 180.0 * PI;
+        let world_from_robot = Pose::new(SPEED * seconds, 0.0, 0.0);
+        let posture = Posture { world_from_robot, links: &shin, angles: &[dip] };
+        let read = |model| {
+            let sensor = RangeSensor { mount, link: Some(0), model };
+            let reading = sensor.read(&world, ROBOT, &posture, Time::ZERO, 0.0);
+            reading.distance.expect("these sensors always read a distance")
+        };
+        let ray =
+            RangeSensor { mount, link: Some(0), model: RangeModel::Psd { range: 9.0 } }.world_from_sensor(&posture);
+        let met =
+            world.sight(ROBOT, ray.position, ray.forward(), 9.0, Time::ZERO).expect("the ray falls onto something");
+        Sample {
+            seconds,
+            exact: met.distance,
+            incidence: incidence(ray.forward(), met.normal),
+            is_on_step: met.thing != Seen::Floor,
+            laser: read(RangeModel::Laser(Echo::LASER)),
+            ultrasonic: read(RangeModel::Ultrasonic(Echo::ULTRASONIC)),
+            reflectance: read(RangeModel::Reflectance(Echo::REFLECTANCE)),
+        }
+    };
+    (0..count).map(|index| at_time(index as f64 * period)).collect()
+}
+
+const ROBOT: RobotId = RobotId(1);
+
+/// A floor with a step across.
+fn stairs() -> World {
+    let half = DVec2::new(0.5, 2.0);
+    let solid = Solid::Prism {
+        footprint: Shape::Rectangle { half },
+        body_from_footprint: Pose::new(STEP_AT + half.x, 0.0, 0.0),
+        bottom: 0.0,
+        top: STEP_HEIGHT,
+    };
+    let step = Body { solids: vec![solid], surface: Surface::default() };
+    let walls = Arc::new(Walls::new(Vec::new()));
+    let space = Space { fixed: vec![(Pose::default(), Arc::new(step))], ..Space::default() };
+    World::new(walls, Time::from_millis(50), std::iter::empty()).with_space(space)
+}
