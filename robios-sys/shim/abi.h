@@ -223,6 +223,8 @@ struct eyesim_robios6 {
     int32_t (*RADIOGetIoctl)(void *robot, void *p, int32_t *result);
     int32_t (*RADIOSetIoctl)(void *robot, const void *p, int32_t *result);
     int32_t (*RADIOGetStatus)(void *robot, void *s, int32_t *result);
+    int32_t (*PSDGetSignal)(void *robot, int32_t handle, float *result);
+    int32_t (*LIDARScan)(void *robot, struct eyesim_room distance, int32_t *result);
 };
 
 /* Version 1. */
@@ -368,6 +370,7 @@ struct eyesim_robios7 {
     int32_t (*SIMSetObject)(void *robot, int32_t id, int32_t x, int32_t y, int32_t z, int32_t phi, void *result);
     int32_t (*SIMGetRobotCount)(void *robot, int32_t *result);
     int32_t (*SIMGetObjectCount)(void *robot, int32_t *result);
+    int32_t (*PSDGetSignal)(void *robot, int32_t psd, float *result);
 };
 
 struct eyesim_host {

@@ -1124,3 +1124,10 @@ WEAK int RADIOGetStatus(RadioStatus *s)
     ROBIOS(RADIOGetStatus, s, &result);
     return result;
 }
+
+WEAK float PSDGetSignal(PSDHandle handle)
+{
+    float result = 0;
+    ROBIOS(PSDGetSignal, handle, &result);
+    return result;
+}

@@ -131,3 +131,9 @@ WEAK int RADIORecv(BYTE *id, int *bytesReceived, BYTE *buffer)
     return result;
 }
 
+WEAK int LIDARScan(int distance[], int size)
+{
+    int32_t result = 0;
+    ROBIOS(LIDARScan, room_of(size > 0 ? distance : NULL, size > 0 ? (size_t)size : 0), &result);
+    return result;
+}

@@ -712,3 +712,10 @@ WEAK int SIMGetObjectCount(void)
     ROBIOS(SIMGetObjectCount, &result);
     return result;
 }
+
+WEAK float PSDGetSignal(int psd)
+{
+    float result = 0;
+    ROBIOS(PSDGetSignal, psd, &result);
+    return result;
+}

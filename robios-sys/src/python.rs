@@ -68,6 +68,7 @@ fn kind(kind: &str) -> &'static str {
         "i32" | "Color" | "Timer" => "i",
         "u32" => "I",
         "u8" | "Char" | "Flag" => "B",
+        "f32" => "f",
         "i64" => "q",
         "u64" => "Q",
         "Text" => "t",

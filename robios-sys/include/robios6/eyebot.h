@@ -1138,6 +1138,23 @@ int RADIOSetIoctl(RadioIOParameters *p);
  * Source: RoBIOS 6 library, radio communication; fields of RadioStatus: our choice. */
 int RADIOGetStatus(RadioStatus *s);
 
+/* ---- RANGE: range sensors beyond RoBIOS ---- */
+
+/* What the distance of the last complete cycle was made of: the signal of a reflectance sensor, in 1/m; the energy
+ * of a sonar's echo, of which a perfect reflector 1 m ahead returns 1; of others 1 with an echo, 0 without.
+ * handle: of PSDInit. Returns -1 if handle is not one, or nothing has been measured.
+ * [any task of the robot]  No pointers.
+ * Source: our choice: RoBIOS has none. */
+float PSDGetSignal(PSDHandle handle);
+
+/* Scans once with the laser scanner: distances in millimetres from left to right, the middle one (of n, that of
+ * index n/2) straight ahead; 9999 for nothing.
+ * size: room in distance; as many are written as fit. Returns the number of points of the scan, or -1 if there is
+ * no scanner or distance is 0.
+ * [any task of the robot]  Pointers belong to the program and are not kept.
+ * Source: our choice: RoBIOS has none. */
+int LIDARScan(int distance[], int size);
+
 #ifdef __cplusplus
 }
 #endif

@@ -856,6 +856,15 @@ int SIMGetRobotCount(void);
  * Source: EyeSim VR, simulation functions. */
 int SIMGetObjectCount(void);
 
+/* ---- RANGE: range sensors beyond RoBIOS ---- */
+
+/* What the distance of a PSD sensor is made of: the signal of a reflectance sensor, in 1/m; the energy of a sonar's
+ * echo, of which a perfect reflector 1 m ahead returns 1; of others 1 with an echo, 0 without.
+ * Returns -1 if there is no such sensor.
+ * [any task of the robot]  No pointers.
+ * Source: our choice: RoBIOS has none. */
+float PSDGetSignal(int psd);
+
 #ifdef __cplusplus
 }
 #endif

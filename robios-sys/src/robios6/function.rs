@@ -3,7 +3,7 @@
 //! The doc of a function goes to rustdoc and to `eyebot.h`; names of parameters carry their unit.
 
 use super::*;
-use crate::param::{Bytes, Callback, In, InOut, Out, OutBytes, Text};
+use crate::param::{Bytes, Callback, In, InOut, Out, OutBytes, OutInts, Text};
 use crate::table::function_table;
 
 function_table! {
@@ -714,5 +714,17 @@ function_table! {
 
         /// State of the radio. Returns 0, or not 0 on failure or if s is 0.
         fn RADIOGetStatus(s: Out<RadioStatus>) -> i32 = -1;
+    }
+    family RANGE "range sensors beyond RoBIOS", source "our choice: RoBIOS has none" {
+        /// What the distance of the last complete cycle was made of: the signal of a reflectance sensor, in 1/m; the energy
+        /// of a sonar's echo, of which a perfect reflector 1 m ahead returns 1; of others 1 with an echo, 0 without.
+        /// handle: of PSDInit. Returns -1 if handle is not one, or nothing has been measured.
+        fn PSDGetSignal(handle: PSDHandle) -> f32 = -1.0;
+
+        /// Scans once with the laser scanner: distances in millimetres from left to right, the middle one (of n, that of
+        /// index n/2) straight ahead; 9999 for nothing.
+        /// size: room in distance; as many are written as fit. Returns the number of points of the scan, or -1 if there is
+        /// no scanner or distance is 0.
+        fn LIDARScan(distance: OutInts) -> i32 = -1, c "int LIDARScan(int distance[], int size)";
     }
 }

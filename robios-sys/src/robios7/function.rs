@@ -482,4 +482,10 @@ function_table! {
         /// Number of objects.
         fn SIMGetObjectCount() -> i32 = 0;
     }
+    family RANGE "range sensors beyond RoBIOS", source "our choice: RoBIOS has none" {
+        /// What the distance of a PSD sensor is made of: the signal of a reflectance sensor, in 1/m; the energy of a sonar's
+        /// echo, of which a perfect reflector 1 m ahead returns 1; of others 1 with an echo, 0 without.
+        /// Returns -1 if there is no such sensor.
+        fn PSDGetSignal(psd: i32) -> f32 = -1.0;
+    }
 }

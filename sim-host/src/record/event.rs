@@ -381,6 +381,15 @@ events! {
         /// rad
         phi_rad: f64,
     }
+    /// The signal of a range sensor is read.
+    Signal = "signal" {
+        /// Name of the sensor.
+        device: &'a str,
+        /// In the unit of the sensor: 1/m of a reflectance sensor, of a sonar what a perfect reflector 1 m ahead returns.
+        signal: f64,
+        /// When it was measured, s.
+        measured_s: f64,
+    }
     /// The program writes a line to its standard error. A note.
     Stderr = "stderr" {
         /// The line without its end.

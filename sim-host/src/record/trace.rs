@@ -200,6 +200,7 @@ mod tests {
             Event::TimerDetached { timer: 1 },
             Event::Stdout { text: "hello" },
             Event::Object { object: 1, x_m: 1.5, y_m: 0.25, phi_rad: 0.5, turns: 2 },
+            Event::Signal { device: "REFLECTANCE", signal: f64::INFINITY, measured_s: 0.06 },
             Event::Scan { points: 360, nearest_m: Some(0.25), bearing_rad: Some(-0.5), sum_mm: 1_234_567 },
             Event::Placed { by: 2, x_m: 1.5, y_m: 0.25, phi_rad: 0.5 },
             Event::ObjectPlaced { object: 1, by: 2, x_m: 1.5, y_m: 0.25, phi_rad: 0.5 },

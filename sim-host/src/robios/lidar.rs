@@ -1,43 +1,52 @@
-//! The laser scanner of RoBIOS-7.
+//! The laser scanner of RoBIOS-7, and our function that reads it in RoBIOS 6.
 //!
 //! A scan is taken as a whole at the call's end, and turns with the robot. Source: RoBIOS-7 library, LIDAR; place and reach of
-//! the scanner: our choice.
+//! a scanner that the robi does not place: our choice.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use robios_sys::robios7::MAX_LIDAR_POINTS;
-use robios_sys::{OutInts, Robios7Call as Call};
-use sim_core::format::LidarSpec;
-use sim_core::sensor::{Fan, Mount, Scan};
+use robios_sys::{OutInts, Robios6Call as Call6, Robios7Call as Call};
 use sim_core::world::World;
 
+use super::Devices;
+use super::caller::Call as AnyCall;
 use super::psd::mm_from_distance;
+use super::range::Scanner;
 use super::robot::Robot;
 use super::unit7::radians;
 use crate::record::Event;
-
-/// Height of the scanner above the floor, m.
-const HEIGHT: f64 = 0.1;
-
-/// How far it sees, m: the 9999 mm that stand for nothing.
-const RANGE: f64 = 9.999;
 
 /// The scanner of a robot.
 #[derive(Clone, Debug, Default)]
 pub struct Lidar {
     /// Its rays, once a scan was set or taken.
-    scan: Option<Scan>,
+    scanner: Option<Scanner>,
 }
 
 /// `LIDARGet`
 pub fn get(robot: &mut Robot, world: &World, distances: &mut OutInts) -> i32 {
-    let Some(spec) = robot.spec.lidar.clone() else { return robot.refused(Call::LIDARGet, 1, has_none) };
+    scan(robot, world, Call::LIDARGet.into(), 1, distances).map_or_else(|failure| failure, |_| 0)
+}
+
+/// `LIDARScan`
+pub fn scan6(robot: &mut Robot, world: &World, distances: &mut OutInts) -> i32 {
+    scan(robot, world, Call6::LIDARScan.into(), -1, distances).map_or_else(|failure| failure, |points| points as i32)
+}
+
+/// Takes a scan, as much of it as there is room for, and records it; the number of its points, or `failure`.
+fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances: &mut OutInts) -> Result<usize, i32> {
+    let spec = Arc::clone(&robot.spec);
+    let Some(lidar) = &spec.lidar else { return Err(robot.refused(call, failure, has_none)) };
     if distances.is_null() {
-        return robot.refused(Call::LIDARGet, 1, |_| "it takes room for the distances".to_owned());
+        return Err(robot.refused(call, failure, |_| "it takes room for the distances".to_owned()));
     }
     let Robot { now, motion, journal, devices, .. } = robot;
-    let scan = devices.lidar.scan.get_or_insert_with(|| scan(&spec));
-    let metres = scan.distances(world, motion.id(), &motion.pose(*now), *now);
+    let Devices { lidar: state, servos, ranges, .. } = devices;
+    let as_described = || Scanner::new(&spec, lidar, [lidar.sweep, lidar.tilt], lidar.points);
+    let scanner = state.scanner.get_or_insert_with(as_described);
+    let metres = ranges.scan(scanner, servos, motion, world, *now);
     let numbers: Vec<i32> = metres.iter().map(|metres| mm_from_distance(*metres)).collect();
     distances.set(&numbers);
     let points = (0_u32..).zip(&metres).filter_map(|(ray, metres)| Some(((*metres)?, ray)));
@@ -45,20 +54,19 @@ pub fn get(robot: &mut Robot, world: &World, distances: &mut OutInts) -> i32 {
     journal.record(
         *now,
         &Event::Scan {
-            points: scan.len() as u32,
+            points: numbers.len() as u32,
             nearest_m: nearest.map(|(metres, _)| metres),
-            bearing_rad: nearest.map(|(_, ray)| scan.bearing(ray)),
+            bearing_rad: nearest.map(|(_, ray)| scanner.fan().bearing(ray)),
             sum_mm: numbers.iter().map(|mm| i64::from(*mm)).sum(),
         },
     );
-    0
+    Ok(numbers.len())
 }
 
 /// `LIDARSet`: a whole turn has 360 degrees.
 pub fn set(robot: &mut Robot, range_degrees: i32, tilt_degrees: i32, points: i32) {
-    if robot.spec.lidar.is_none() {
-        return robot.rejected(Call::LIDARSet, has_none);
-    }
+    let spec = Arc::clone(&robot.spec);
+    let Some(lidar) = &spec.lidar else { return robot.rejected(Call::LIDARSet, has_none) };
     let is_sound = (1..=360).contains(&range_degrees)
         && (-90..=90).contains(&tilt_degrees)
         && (1..=MAX_LIDAR_POINTS as i32).contains(&points);
@@ -67,26 +75,13 @@ pub fn set(robot: &mut Robot, range_degrees: i32, tilt_degrees: i32, points: i32
             format!("it takes a range of 1 to 360 degrees, a tilt of -90 to 90, and 1 to {MAX_LIDAR_POINTS} points")
         });
     }
-    robot.devices.lidar.scan = Some(Scan::new(
-        Mount::default(),
-        Fan {
-            sweep: if range_degrees == 360 { TAU } else { radians(range_degrees) },
-            points: points as u32,
-            tilt: radians(tilt_degrees),
-            height: HEIGHT,
-            range: RANGE,
-        },
-    ));
+    let sweep = if range_degrees == 360 { TAU } else { radians(range_degrees) };
+    let scanner = Scanner::new(&spec, lidar, [sweep, radians(tilt_degrees)], points as u32);
+    robot.devices.lidar.scanner = Some(scanner);
     let numbers = [("LIDAR range", range_degrees), ("LIDAR tilt", tilt_degrees), ("LIDAR points", points)];
     for (device, value) in numbers {
         robot.record(Event::Output { device, value: value.into() });
     }
-}
-
-/// The scanner as the robi describes it.
-fn scan(spec: &LidarSpec) -> Scan {
-    let LidarSpec { points, tilt, sweep, .. } = *spec;
-    Scan::new(Mount::default(), Fan { sweep, points, tilt, height: HEIGHT, range: RANGE })
 }
 
 fn has_none(robot: &Robot) -> String {

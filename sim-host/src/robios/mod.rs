@@ -36,6 +36,7 @@ mod pnm;
 mod port7;
 pub mod psd;
 mod psd7;
+pub mod range;
 mod robios6;
 mod robios7;
 pub mod robot;
@@ -90,6 +91,8 @@ pub struct Devices {
     pub audio: audio::Audio,
     /// PSD distance sensors.
     pub psds: psd::Psds,
+    /// What PSDs and other range sensors measure.
+    pub ranges: range::Ranges,
     /// Motors driven one by one.
     pub motors: motor::Motors,
     /// Encoders.
@@ -128,7 +131,8 @@ impl Devices {
     /// The devices of a robot of this type, whose keys are pressed as `keys` says.
     pub fn new(spec: &RobiSpec, keys: key::Keys) -> Self {
         let serial = serial::Serial::new(&spec.serials);
-        Self { table: table::Table::new(spec), keys, serial, ..Self::default() }
+        let ranges = range::Ranges::new(spec);
+        Self { table: table::Table::new(spec), keys, serial, ranges, ..Self::default() }
     }
 
     /// The same for a program of RoBIOS-7.

@@ -1,4 +1,4 @@
-//! PSD distance sensors: one driver that measures a chosen set of sensors in cycles of 60 ms.
+//! PSD distance sensors, and all range sensors as PSDs: one driver that measures a chosen set of them in cycles of 60 ms.
 //!
 //! A value exists only at the end of a complete cycle and is a function of the world at that instant, computed when it is
 //! first asked for. Source: RoBIOS 6 library, position sensing devices.
@@ -7,11 +7,11 @@ use robios_sys::Robios6Call as Call;
 use robios_sys::robios6::PSD_OUT_OF_RANGE;
 use robios_sys::robios6::hdt_type::HDT_PSD;
 use sim_core::drive::Motion;
-use sim_core::format::PsdSpec;
-use sim_core::sensor::{Beam, Mount};
+use sim_core::sensor::Reading;
 use sim_core::time::Time;
 use sim_core::world::World;
 
+use super::Devices;
 use super::cycle::Cycle;
 use super::handle::Handles;
 use super::hint::Mistake;
@@ -25,13 +25,19 @@ pub const CYCLE: Time = Time::from_millis(60);
 /// The raw byte times the distance in millimetres, see [`raw_from_distance`].
 const RAW_MM: f64 = 20_400.0;
 
+/// What `PSDGetSignal` answers where there is no sensor, or no value yet.
+pub(super) const NO_SIGNAL: f32 = -1.0;
+
+/// What a sensor reads that sees nothing.
+pub(super) const NOTHING: Reading = Reading { distance: None, signal: 0.0 };
+
 /// The driver of all PSD sensors of a robot.
 #[derive(Clone, Debug, Default)]
 pub struct Psds {
     handles: Handles,
     measurement: Option<Measurement>,
     /// By sensor, in the order of the robi, as far as any was ever opened.
-    readings: Vec<Reading>,
+    readings: Vec<Latest>,
     stamp: Option<Time>,
 }
 
@@ -43,19 +49,19 @@ struct Measurement {
 
 /// A sensor's latest measurement.
 #[derive(Clone, Copy, Debug, Default)]
-struct Reading {
+struct Latest {
     taken: Option<Time>,
-    /// What it gave, once computed: a distance in metres, `None` for out of range.
-    value: Option<Option<f64>>,
+    /// What it gave, once computed.
+    value: Option<Reading>,
 }
 
 /// A measured value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Distance {
+pub struct Measured {
     /// When it was measured.
     pub taken: Time,
-    /// Distance in metres; `None`: nothing within range.
-    pub metres: Option<f64>,
+    /// What was read.
+    pub reading: Reading,
 }
 
 /// What `PSDStart` answers.
@@ -74,7 +80,7 @@ impl Psds {
     pub fn open(&mut self, index: usize) -> i32 {
         let handle = self.handles.open(index);
         if handle != 0 && self.readings.len() <= index {
-            self.readings.resize_with(index + 1, Reading::default);
+            self.readings.resize_with(index + 1, Latest::default);
         }
         handle
     }
@@ -124,19 +130,14 @@ impl Psds {
         self.stamp
     }
 
-    /// The latest value of sensor `index`; `None` if it has never completed a cycle. `measure` gives the distance in metres
-    /// that the sensor sees at an instant.
-    pub fn read(
-        &mut self,
-        index: usize,
-        now: Time,
-        measure: impl FnOnce(usize, Time) -> Option<f64>,
-    ) -> Option<Distance> {
+    /// The latest value of sensor `index`; `None` if it has never completed a cycle. `measure` gives what the sensor reads at
+    /// an instant.
+    pub fn read(&mut self, index: usize, now: Time, measure: impl FnOnce(usize, Time) -> Reading) -> Option<Measured> {
         self.advance(now);
-        let reading = self.readings.get_mut(index)?;
-        let taken = reading.taken?;
-        let metres = *reading.value.get_or_insert_with(|| measure(index, taken));
-        Some(Distance { taken, metres })
+        let latest = self.readings.get_mut(index)?;
+        let taken = latest.taken?;
+        let reading = *latest.value.get_or_insert_with(|| measure(index, taken));
+        Some(Measured { taken, reading })
     }
 
     /// When the measurement ends that is not without end: then [`settle`](Self::settle) must be called, since the world does
@@ -146,7 +147,7 @@ impl Psds {
     }
 
     /// Computes the values of a measurement that has ended by `now`.
-    pub fn settle(&mut self, now: Time, mut measure: impl FnMut(usize, Time) -> Option<f64>) {
+    pub fn settle(&mut self, now: Time, mut measure: impl FnMut(usize, Time) -> Reading) {
         if now < self.due() {
             return;
         }
@@ -164,7 +165,7 @@ impl Psds {
         if self.stamp != Some(taken) {
             self.stamp = Some(taken);
             for index in self.handles.all(sensors).into_iter().flatten() {
-                self.readings[index] = Reading { taken: Some(taken), value: None };
+                self.readings[index] = Latest { taken: Some(taken), value: None };
             }
         }
         if cycle.is_over(now) {
@@ -229,53 +230,78 @@ pub fn check(robot: &mut Robot) -> i32 {
 
 /// `PSDGet`
 pub fn get(robot: &mut Robot, world: &World, handle: i32) -> i32 {
-    value(robot, world, handle, Call::PSDGet).map_or_else(|stamp| stamp, mm_from_distance)
+    distance(robot, world, handle, Call::PSDGet).map_or_else(|stamp| stamp, mm_from_distance)
 }
 
 /// `PSDGetRaw`
 pub fn get_raw(robot: &mut Robot, world: &World, handle: i32) -> i32 {
-    value(robot, world, handle, Call::PSDGetRaw).map_or_else(|stamp| stamp, raw_from_distance)
+    distance(robot, world, handle, Call::PSDGetRaw).map_or_else(|stamp| stamp, raw_from_distance)
+}
+
+/// `PSDGetSignal`
+pub fn get_signal(robot: &mut Robot, world: &World, handle: i32) -> f32 {
+    let Some((index, Measured { taken, reading })) = value(robot, world, handle, Call::PSDGetSignal) else {
+        return NO_SIGNAL;
+    };
+    record_signal(robot, index, taken, reading.signal);
+    reading.signal as f32
 }
 
 /// The distance that a sensor has measured in metres, `None` for nothing; or, for handle 0, the time stamp.
-fn value(robot: &mut Robot, world: &World, handle: i32, call: Call) -> Result<Option<f64>, i32> {
-    if !robot.devices.psds.is_open() {
-        robot.hint_at(Mistake::PsdNotOpen);
-    }
+fn distance(robot: &mut Robot, world: &World, handle: i32, call: Call) -> Result<Option<f64>, i32> {
     if handle == 0 {
+        if !robot.devices.psds.is_open() {
+            robot.hint_at(Mistake::PsdNotOpen);
+        }
         return Err(robot.devices.psds.stamp(robot.now).map_or(0, os::hundredths));
     }
+    let Some((index, Measured { taken, reading })) = value(robot, world, handle, call) else { return Ok(None) };
+    record_distance(robot, index, taken, reading.distance);
+    Ok(reading.distance)
+}
+
+/// The sensor of a handle and what it has measured; `None`, and a hint, where there is none or nothing yet.
+fn value(robot: &mut Robot, world: &World, handle: i32, call: Call) -> Option<(usize, Measured)> {
     let Some(index) = robot.devices.psds.sensor(handle) else {
         robot.hint_at(Mistake::PsdNotOpen);
         robot.failed(call, PSD_OUT_OF_RANGE);
-        return Ok(None);
+        return None;
     };
-    let Some(Distance { taken, metres }) = read(robot, world, index) else {
+    let Robot { now, motion, devices, .. } = robot;
+    let measured = with_sensors(devices, motion, world, |psds, measure| psds.read(index, *now, measure));
+    if measured.is_none() {
         robot.hint_at(Mistake::PsdNotStarted);
-        return Ok(None);
-    };
-    let device = &robot.spec.psds[index].name;
-    let event = Event::Distance { device, distance_m: metres, measured_s: taken.seconds() };
-    robot.journal.record(robot.now, &event);
-    Ok(metres)
-}
-
-fn read(robot: &mut Robot, world: &World, index: usize) -> Option<Distance> {
-    let Robot { now, motion, spec, devices, .. } = robot;
-    devices.psds.read(index, *now, |index, at| measure(&spec.psds, motion, world, index, at))
+    }
+    Some((index, measured?))
 }
 
 /// Computes the values of a measurement that has just ended, before the world forgets what the sensors saw.
 pub fn settle(robot: &mut Robot, world: &World) {
-    let Robot { now, motion, spec, devices, .. } = robot;
-    devices.psds.settle(*now, |index, at| measure(&spec.psds, motion, world, index, at));
+    let Robot { now, motion, devices, .. } = robot;
+    with_sensors(devices, motion, world, |psds, measure| psds.settle(*now, measure));
 }
 
-/// What sensor `index` saw at `at`, in metres.
-pub(super) fn measure(psds: &[PsdSpec], motion: &mut Motion, world: &World, index: usize, at: Time) -> Option<f64> {
-    let psd = psds.get(index)?;
-    let mount = Mount::new(psd.position.x, psd.position.y, psd.angle);
-    Beam { mount, range: psd.range }.distance(world, motion.id(), &motion.pose(at), at)
+/// Does `act` with the driver and with what a sensor reads at an instant.
+fn with_sensors<R>(
+    devices: &mut Devices,
+    motion: &mut Motion,
+    world: &World,
+    act: impl FnOnce(&mut Psds, &mut dyn FnMut(usize, Time) -> Reading) -> R,
+) -> R {
+    let Devices { psds, servos, ranges, .. } = devices;
+    act(psds, &mut |index, at| ranges.read(index, servos, motion, world, at).unwrap_or(NOTHING))
+}
+
+/// Records that a program reads a distance.
+pub(super) fn record_distance(robot: &mut Robot, index: usize, taken: Time, distance_m: Option<f64>) {
+    let device = robot.devices.table.name(HDT_PSD, index);
+    robot.journal.record(robot.now, &Event::Distance { device, distance_m, measured_s: taken.seconds() });
+}
+
+/// Records that a program reads a signal.
+pub(super) fn record_signal(robot: &mut Robot, index: usize, taken: Time, signal: f64) {
+    let device = robot.devices.table.name(HDT_PSD, index);
+    robot.journal.record(robot.now, &Event::Signal { device, signal, measured_s: taken.seconds() });
 }
 
 #[cfg(test)]
@@ -283,8 +309,12 @@ mod tests {
     use super::*;
 
     /// A world in which sensor i sees i metres plus the seconds of the instant.
-    fn seen(index: usize, at: Time) -> Option<f64> {
-        Some(index as f64 + at.seconds())
+    fn seen(index: usize, at: Time) -> Reading {
+        Reading { distance: Some(index as f64 + at.seconds()), signal: 1.0 }
+    }
+
+    fn measured(taken: Time, metres: f64) -> Option<Measured> {
+        Some(Measured { taken, reading: Reading { distance: Some(metres), signal: 1.0 } })
     }
 
     fn opened() -> Psds {
@@ -300,7 +330,7 @@ mod tests {
         assert_eq!(psds.read(0, Time(60_999), seen), None);
         assert_eq!(psds.stamp(Time(60_999)), None);
         let at_once = psds.read(2, Time(61_000), seen);
-        assert_eq!(at_once, Some(Distance { taken: Time(61_000), metres: Some(2.061) }));
+        assert_eq!(at_once, measured(Time(61_000), 2.061));
         let later = psds.read(2, Time(120_999), |_, _| panic!("the value is known"));
         assert_eq!(later, at_once);
         assert_eq!(psds.read(2, Time(121_000), seen).unwrap().taken, Time(121_000));
@@ -316,7 +346,7 @@ mod tests {
         assert_eq!(psds.start(1, false, Time(59_999)), Started::Busy);
         psds.settle(Time(60_000), seen);
         assert_eq!(psds.due(), Time::NEVER);
-        let kept = Some(Distance { taken: Time(60_000), metres: Some(0.06) });
+        let kept = measured(Time(60_000), 0.06);
         assert_eq!(psds.read(0, Time(9_000_000), |_, _| panic!("settled")), kept);
         assert_eq!(psds.start(1, true, Time(9_000_000)), Started::Yes);
         assert_eq!(psds.stamp(Time(9_000_001)), None, "nothing new is valid yet");

@@ -4,11 +4,12 @@
 
 use robios_sys::Robios7Call as Call;
 use robios_sys::robios6::hdt_type::HDT_PSD;
+use sim_core::sensor::Reading;
 use sim_core::world::World;
 
-use super::psd::{measure, mm_from_distance, raw_from_distance};
+use super::Devices;
+use super::psd::{NO_SIGNAL, NOTHING, mm_from_distance, raw_from_distance, record_distance, record_signal};
 use super::robot::Robot;
-use crate::record::Event;
 
 /// The sensors 1 to 7 by name. Source: EyeSim VR; RoBIOS-7's header has the first four.
 const NAMES: [&str; 7] =
@@ -24,15 +25,27 @@ pub fn get_raw(robot: &mut Robot, world: &World, psd: i32) -> i32 {
     see(robot, world, Call::PSDGetRaw, psd).map_or(0, raw_from_distance)
 }
 
+/// `PSDGetSignal`
+pub fn get_signal(robot: &mut Robot, world: &World, psd: i32) -> f32 {
+    let Some((index, reading)) = read(robot, world, Call::PSDGetSignal, psd) else { return NO_SIGNAL };
+    record_signal(robot, index, robot.now, reading.signal);
+    reading.signal as f32
+}
+
 /// What a sensor sees now: a distance in metres or nothing; `None` if there is no such sensor.
 fn see(robot: &mut Robot, world: &World, call: Call, psd: i32) -> Option<Option<f64>> {
+    let (index, reading) = read(robot, world, call, psd)?;
+    record_distance(robot, index, robot.now, reading.distance);
+    Some(reading.distance)
+}
+
+/// A sensor and what it reads now; `None` if there is no such sensor.
+fn read(robot: &mut Robot, world: &World, call: Call, psd: i32) -> Option<(usize, Reading)> {
     let Some(index) = robot.find_numbered(call, HDT_PSD, psd, &NAMES) else {
         robot.failed(call, 0);
         return None;
     };
-    let Robot { now, motion, spec, journal, .. } = robot;
-    let metres = measure(&spec.psds, motion, world, index, *now);
-    let event = Event::Distance { device: &spec.psds[index].name, distance_m: metres, measured_s: now.seconds() };
-    journal.record(*now, &event);
-    Some(metres)
+    let Robot { now, motion, devices, .. } = robot;
+    let Devices { ranges, servos, .. } = devices;
+    Some((index, ranges.read(index, servos, motion, world, *now).unwrap_or(NOTHING)))
 }

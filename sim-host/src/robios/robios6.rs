@@ -4,11 +4,13 @@ use robios_sys::robios6::{
     BayerFrame, BitImage, ColImage, ColorFrame, FALSE, HDTEntry, Image, MonoFrame, NOCAM, NOTASK, PositionType,
     RadioIOParameters, RadioStatus, SpeedType, VEHICLE,
 };
-use robios_sys::{Callback, Out, OutBytes, Robios6, Robios6Call as Call, Stop};
+use robios_sys::{Callback, Out, OutBytes, OutInts, Robios6, Robios6Call as Call, Stop};
 use sim_core::time::TICK;
 
 use super::caller::Caller;
-use super::{audio, bump, compass, display, hdt, image, ir, irtv, key, latch, motor, os, psd, serial, servo, vw};
+use super::{
+    audio, bump, compass, display, hdt, image, ir, irtv, key, latch, lidar, motor, os, psd, serial, servo, vw,
+};
 
 type Text<'a> = Option<&'a [u8]>;
 
@@ -184,6 +186,8 @@ impl Robios6 for Caller {
         fn PSDCheck() -> i32 = |robot, _| psd::check(robot);
         fn PSDGet(handle: i32) -> i32 = |robot, world| psd::get(robot, world, handle);
         fn PSDGetRaw(handle: i32) -> i32 = |robot, world| psd::get_raw(robot, world, handle);
+        fn PSDGetSignal(handle: i32) -> f32 = |robot, world| psd::get_signal(robot, world, handle);
+        fn LIDARScan(distances: &mut OutInts) -> i32 = |robot, world| lidar::scan6(robot, world, distances);
     }
 
     // Servos, motors, encoders.

@@ -196,6 +196,7 @@ impl Robios7 for Caller {
     act! {
         fn PSDGet(psd: i32) -> i32 = |robot, world| psd7::get(robot, world, psd);
         fn PSDGetRaw(psd: i32) -> i32 = |robot, world| psd7::get_raw(robot, world, psd);
+        fn PSDGetSignal(psd: i32) -> f32 = |robot, world| psd7::get_signal(robot, world, psd);
     }
 
     // LIDAR.

@@ -2,9 +2,12 @@
 //!
 //! Source: RoBIOS 6 library, servos; section 4.1 of Koestler & Bräunl for the steering.
 
+use std::collections::VecDeque;
+
 use robios_sys::Robios6Call as Call;
 use robios_sys::robios6::hdt_type::HDT_SERVO;
 use sim_core::drive::Command;
+use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::handle::Handles;
@@ -17,9 +20,23 @@ pub struct Servos {
     handles: Handles,
     /// Positions 0 to 255 by servo; the middle as long as nothing was set.
     positions: Vec<u8>,
+    /// The latest changes, in order.
+    changes: VecDeque<Change>,
     /// By servo what positions 0 and 255 of RoBIOS-7 mean, as far as `SERVORange` has set any.
     ranges: Vec<[u8; 2]>,
 }
+
+/// A servo is turned.
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    at: Time,
+    servo: usize,
+    /// Where it stood before.
+    from: u8,
+}
+
+/// For how long changes are kept: sensors on servos are read as late as the world remembers what they saw.
+const MEMORY: Time = Time::from_millis(100);
 
 /// All that a servo can do.
 const WHOLE_RANGE: [u8; 2] = [0, 255];
@@ -31,6 +48,26 @@ impl Servos {
     /// Position of servo `index`, 0 to 255.
     pub fn position(&self, index: usize) -> u8 {
         self.positions.get(index).copied().unwrap_or(MIDDLE)
+    }
+
+    /// Angle (rad) of servo `index` just before `at`, with the angles of `swing` at positions 0 and 255. A servo turns at once.
+    pub fn angle_before(&self, index: usize, swing: [f64; 2], at: Time) -> f64 {
+        let since = self.changes.partition_point(|change| change.at < at);
+        let next = self.changes.iter().skip(since).find(|change| change.servo == index);
+        let position = next.map_or_else(|| self.position(index), |change| change.from);
+        let [from, to] = swing;
+        0.5 * (from + to) - 0.5 * (to - from) * steering_from_position(position)
+    }
+
+    /// Turns servo `index` at `now`.
+    fn turn(&mut self, index: usize, position: u8, now: Time) {
+        let change = Change { at: now, servo: index, from: self.position(index) };
+        while self.changes.front().is_some_and(|oldest| oldest.at + MEMORY < now) {
+            self.changes.pop_front();
+        }
+        self.changes.push_back(change);
+        self.positions.resize(self.positions.len().max(index + 1), MIDDLE);
+        self.positions[index] = position;
     }
 
     /// What positions 0 and 255 of RoBIOS-7 mean.
@@ -75,9 +112,7 @@ pub fn set(robot: &mut Robot, world: &World, handles: i32, position: i32) -> i32
 
 /// Turns servo `index`.
 pub(super) fn turn(robot: &mut Robot, world: &World, index: usize, position: u8) {
-    let positions = &mut robot.devices.servos.positions;
-    positions.resize(positions.len().max(index + 1), MIDDLE);
-    positions[index] = position;
+    robot.devices.servos.turn(index, position, robot.now);
     let device = robot.devices.table.name(HDT_SERVO, index);
     robot.journal.record(robot.now, &Event::Servo { device, position: position.into() });
     if robot.spec.drive.steering.as_deref() == Some(device) {
@@ -98,6 +133,21 @@ pub fn steering_from_position(position: u8) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_servo_has_the_angle_that_it_had_just_before() {
+        let mut servos = Servos::default();
+        let angle = |servos: &Servos, at| servos.angle_before(1, [-1.0, 3.0], Time(at));
+        assert_eq!(angle(&servos, 0), 1.0, "the middle");
+        servos.turn(1, 0, Time(1_000));
+        servos.turn(0, 9, Time(1_500));
+        servos.turn(1, 255, Time(2_000));
+        let angles = [1_000, 1_001, 2_000, 2_001, 90_000].map(|at| angle(&servos, at));
+        assert_eq!(angles, [1.0, -1.0, -1.0, 3.0, 3.0]);
+        // What is out of memory is dropped when the servo is turned again.
+        servos.turn(1, 128, Time(1_000_000));
+        assert_eq!((servos.changes.len(), angle(&servos, 1_000_000), angle(&servos, 1_000_001)), (1, 3.0, 1.0));
+    }
 
     #[test]
     fn steering_is_symmetric() {

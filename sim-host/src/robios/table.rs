@@ -7,7 +7,7 @@ use robios_sys::robios6::hdt_type::{
     HDT_BUMP, HDT_COMPASS, HDT_IR, HDT_IRTV, HDT_MOTOR, HDT_PSD, HDT_QUAD, HDT_SERVO, HDT_VW,
 };
 use robios_sys::robios6::semantics::SEMANTICS;
-use sim_core::format::{JointSpec, RobiSpec};
+use sim_core::format::RobiSpec;
 
 /// Greatest number of a device in RoBIOS-7: programs know 4 motors, 6 PSDs, 14 servos; 31 is our choice.
 pub const MAX_NUMBER: i32 = 31;
@@ -55,11 +55,12 @@ impl Table {
                 table.add_at(spec, HDT_QUAD, index, encoder, None);
             }
         }
-        for (name, id) in servos(spec) {
-            table.add(spec, HDT_SERVO, name, id);
+        for servo in spec.all_servos() {
+            table.add(spec, HDT_SERVO, servo.name, servo.id);
         }
-        for psd in &spec.psds {
-            table.add(spec, HDT_PSD, &psd.name, psd.id);
+        let psds = spec.psds.iter().map(|psd| (&psd.name, psd.id));
+        for (name, id) in psds.chain(spec.ranges.iter().map(|range| (&range.name, range.id))) {
+            table.add(spec, HDT_PSD, name, id);
         }
         for bumper in &spec.bumpers {
             table.add(spec, HDT_BUMP, &bumper.name, bumper.id);
@@ -114,25 +115,6 @@ impl Table {
         let header = SEMANTICS.iter().find(|constant| constant.name == name).map(|constant| constant.value as i32);
         self.devices.push(Device { kind, index, name: name.to_owned(), numbers: [id, own, header] });
     }
-}
-
-/// Name and number of each servo: the steering first, then those of the companion, then the camera's.
-fn servos(spec: &RobiSpec) -> Vec<(&str, Option<i32>)> {
-    let camera = spec.camera.iter().flat_map(|camera| [&camera.pan, &camera.tilt]);
-    let joints = camera.filter_map(|joint| match joint {
-        JointSpec::Servo { name, .. } => Some(name.as_str()),
-        JointSpec::Fixed(_) => None,
-    });
-    let companion = |name: &str| spec.servos.iter().find(|servo| servo.name == name).and_then(|servo| servo.id);
-    let names = spec.drive.steering.as_deref().into_iter();
-    let names = names.chain(spec.servos.iter().map(|servo| servo.name.as_str())).chain(joints);
-    let mut servos: Vec<(&str, Option<i32>)> = Vec::new();
-    for name in names {
-        if servos.iter().all(|(known, _)| *known != name) {
-            servos.push((name, companion(name)));
-        }
-    }
-    servos
 }
 
 #[cfg(test)]

@@ -1,0 +1,143 @@
+//! Range sensors: what each of them measures at an instant.
+//!
+//! PSDs come first, then the sensors of the other kinds: to programs all are of the kind PSD. [`Ranges::read`] is the one place
+//! where the world becomes a reading; [`super::psd`] and [`super::psd7`] give it to programs.
+
+use glam::DVec3;
+use sim_core::build;
+use sim_core::drive::Motion;
+use sim_core::format::{LidarSpec, RobiSpec};
+use sim_core::pose::Pose3;
+use sim_core::sensor::{Beam, Fan, Link, Mount, Posture, RangeModel, RangeSensor, Reading, Scan};
+use sim_core::time::Time;
+use sim_core::world::World;
+
+use super::servo::Servos;
+
+/// The range sensors of a robot and the links that they sit on.
+#[derive(Clone, Debug, Default)]
+pub struct Ranges {
+    sensors: Vec<Sensor>,
+    links: Vec<Link>,
+    /// By servo its angles at positions 0 and 255, rad.
+    swings: Vec<[f64; 2]>,
+}
+
+/// A range sensor of a robot.
+#[derive(Clone, Debug)]
+enum Sensor {
+    /// A PSD on the body that looks along the floor: it sees in the plane, whatever the height of things.
+    Level(Beam),
+    /// Any other.
+    InSpace(RangeSensor),
+}
+
+/// A laser scanner of a robot.
+#[derive(Clone, Debug)]
+pub enum Scanner {
+    /// On the body and level but for its tilt.
+    Level(Scan),
+    /// At any pose, on the body or on a link.
+    InSpace {
+        /// Its rays.
+        scan: Scan,
+        /// Its frame in that of what bears it.
+        mount: Pose3,
+        /// The link, `None` for the body.
+        link: Option<usize>,
+        /// Its rays in its own frame.
+        rays: Vec<DVec3>,
+        /// How far it sees along a ray, m.
+        range: f64,
+    },
+}
+
+impl Ranges {
+    /// The sensors that a robi describes.
+    pub fn new(spec: &RobiSpec) -> Self {
+        let level = spec.psds.iter().map(|psd| {
+            let mount = Mount::new(psd.position.x, psd.position.y, psd.angle);
+            (psd.on.is_none() && psd.pitch == 0.0).then_some(Sensor::Level(Beam { mount, range: psd.range }))
+        });
+        let sensors = build::range_sensors(spec);
+        let sensors = level.chain(std::iter::repeat(None)).zip(sensors);
+        Self {
+            sensors: sensors.map(|(level, sensor)| level.unwrap_or(Sensor::InSpace(sensor))).collect(),
+            links: build::links(spec),
+            swings: spec.all_servos().into_iter().map(|servo| servo.swing).collect(),
+        }
+    }
+
+    /// What sensor `index` reads at `at`; `None` if there is no such sensor. Its servos stand as they did just before.
+    pub fn read(&self, index: usize, servos: &Servos, motion: &mut Motion, world: &World, at: Time) -> Option<Reading> {
+        let world_from_robot = motion.pose(at);
+        Some(match self.sensors.get(index)? {
+            Sensor::Level(beam) => {
+                let distance = beam.distance(world, motion.id(), &world_from_robot, at);
+                Reading { distance, signal: if distance.is_some() { 1.0 } else { 0.0 } }
+            }
+            Sensor::InSpace(sensor) => {
+                let angles = self.angles(sensor.link, servos, at);
+                let posture = Posture { world_from_robot, links: &self.links, angles: &angles };
+                sensor.read(world, motion.id(), &posture, at, 0.0)
+            }
+        })
+    }
+
+    /// What the rays of the scanner measure at `at`, in metres from left to right; `None` for nothing within range.
+    pub fn scan(
+        &self,
+        scanner: &Scanner,
+        servos: &Servos,
+        motion: &mut Motion,
+        world: &World,
+        at: Time,
+    ) -> Vec<Option<f64>> {
+        let world_from_robot = motion.pose(at);
+        match scanner {
+            Scanner::Level(scan) => scan.distances(world, motion.id(), &world_from_robot, at),
+            Scanner::InSpace { mount, link, rays, range, .. } => {
+                let angles = self.angles(*link, servos, at);
+                let posture = Posture { world_from_robot, links: &self.links, angles: &angles };
+                let sensor = RangeSensor { mount: *mount, link: *link, model: RangeModel::Psd { range: *range } };
+                let world_from_scanner = sensor.world_from_sensor(&posture);
+                let along = |ray: &DVec3| {
+                    let direction = world_from_scanner.rotation * *ray;
+                    world.sight(motion.id(), world_from_scanner.position, direction, *range, at)
+                };
+                rays.iter().map(|ray| along(ray).map(|sighting| sighting.distance)).collect()
+            }
+        }
+    }
+
+    /// Angles of all servos just before `at`; none where nothing asks for them.
+    fn angles(&self, link: Option<usize>, servos: &Servos, at: Time) -> Vec<f64> {
+        let count = if link.is_some() { self.swings.len() } else { 0 };
+        let angle = |(index, swing): (usize, &[f64; 2])| servos.angle_before(index, *swing, at);
+        self.swings[..count].iter().enumerate().map(angle).collect()
+    }
+}
+
+impl Scanner {
+    /// The scanner that a robi describes, with `points` rays over `sweep` rad, raised by `tilt` rad.
+    pub fn new(spec: &RobiSpec, lidar: &LidarSpec, [sweep, tilt]: [f64; 2], points: u32) -> Self {
+        let LidarSpec { mount, range, .. } = lidar;
+        let (position, range) = (mount.position, *range);
+        if mount.is_level() {
+            let fan = Fan { sweep, points, tilt, height: position.z, range };
+            return Self::Level(Scan::new(Mount::new(position.x, position.y, mount.yaw), fan));
+        }
+        let scan = Scan::new(Mount::default(), Fan { sweep, points, tilt, height: position.z, range });
+        let (pose, link) = build::scanner_mount(spec, lidar);
+        let ray = |ray| Pose3::from_angles(DVec3::ZERO, 0.0, tilt, scan.bearing(ray)).forward();
+        let rays = (0..points).map(ray).collect();
+        Self::InSpace { scan, mount: pose, link, rays, range }
+    }
+
+    /// Its fan: how many rays, and where each looks.
+    pub fn fan(&self) -> &Scan {
+        match self {
+            Self::Level(scan) | Self::InSpace { scan, .. } => scan,
+        }
+    }
+}
