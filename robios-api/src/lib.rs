@@ -85,7 +85,7 @@ pub use key::Key;
 pub use lcd::{Cursor, Ink, Lcd, LcdPlace, Overflow, Pixel};
 pub use os::{DeviceEntry, MachineType, RobotNumber};
 pub use port::{AnalogValue, Ports};
-pub use psd::{Psd, RawDistance};
+pub use psd::{Psd, RawDistance, Signal};
 pub use random::Random;
 pub use robot::Robot;
 pub use sensor::{Bumper, Calibration, Compass, Infrared};

@@ -2,12 +2,16 @@
 
 use std::time::Duration;
 
+use robios_sys::ByteRoom;
 use robios_sys::robios6::{FALSE, PSD_OUT_OF_RANGE, PSDHandle, TRUE};
 
 use crate::device::{Device, PsdAt};
 use crate::robot::{release, robios};
 use crate::unit::Length;
 use crate::{Error, Result, Robot};
+
+/// Most points of a scan.
+const MAX_POINTS: usize = 65_536;
 
 /// Length of a measuring cycle.
 const CYCLE: Duration = Duration::from_millis(60);
@@ -139,6 +143,13 @@ impl Psd {
         RawDistance(raw.clamp(0, 255) as u8)
     }
 
+    /// What the distance of the last complete cycle was made of; `None` if nothing has been measured. A function of this
+    /// simulator.
+    #[track_caller]
+    pub fn signal(&self) -> Option<Signal> {
+        Signal::from_robios(robios!(&self.robot, PSDGetSignal(self.handle)))
+    }
+
     /// When the last complete cycle has measured, since the robot's start, to a hundredth of a second.
     #[track_caller]
     pub fn measured_at(&self) -> Duration {
@@ -150,6 +161,36 @@ impl Psd {
 /// What a PSD sensor gives before its table turns it to a distance, 0 to 255.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RawDistance(pub u8);
+
+/// What the distance of a range sensor is made of: of a reflectance sensor its signal, in 1/m; of a sonar the energy of the
+/// echo, of which a perfect reflector 1 m ahead returns 1; of others 1 with an echo and 0 without.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct Signal(pub f64);
+
+impl Signal {
+    /// The answer of `PSDGetSignal`: negative for none.
+    pub(crate) fn from_robios(signal: f32) -> Option<Self> {
+        (signal >= 0.0).then_some(Self(signal.into()))
+    }
+}
+
+impl Robot {
+    /// Scans once with the laser scanner: the distances of all points that the robi file says, from left to right, the middle
+    /// one straight ahead; `None` where nothing is within range. A function of this simulator.
+    ///
+    /// # Errors
+    /// [`Error::Unavailable`] if the robot has no scanner.
+    #[track_caller]
+    pub fn laser_scan(&self) -> Result<Vec<Option<Length>>> {
+        let mut distances_mm = vec![0_i32; MAX_POINTS];
+        let room = ByteRoom { data: distances_mm.as_mut_ptr().cast(), len: distances_mm.len() };
+        let points: i32 = robios!(self, LIDARScan(room));
+        let points = usize::try_from(points).map_err(|_| Error::Unavailable(Device::Lidar))?;
+        distances_mm.truncate(points);
+        let distance = |mm: i32| (mm != PSD_OUT_OF_RANGE).then(|| Length::millimetres(mm.into()));
+        Ok(distances_mm.into_iter().map(distance).collect())
+    }
+}
 
 impl Drop for Psd {
     fn drop(&mut self) {

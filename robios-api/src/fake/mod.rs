@@ -45,6 +45,7 @@ use std::time::Duration;
 use robios_sys::{Host, Program, Robios6Table, Robios7Table, SupportTable};
 
 use crate::device::{BumperAt, InfraredAt, PsdAt};
+use crate::psd::Signal;
 use crate::drive::Position;
 use crate::entry::{self, Machine, Outcome};
 use crate::key::Key;
@@ -91,6 +92,7 @@ impl From<crate::robios7::PsdAt> for PsdName {
 /// What a robot has and what happens to it.
 pub struct Fake {
     psds: Vec<(PsdName, Script<Option<Length>>)>,
+    signals: Vec<(PsdName, Script<Signal>)>,
     lidar: Option<robios7::Scanner>,
     touches: robios7::Touches,
     bumpers: Vec<(BumperAt, Vec<Duration>)>,
@@ -121,6 +123,7 @@ impl Fake {
     pub fn new() -> Self {
         Self {
             psds: Vec::new(),
+            signals: Vec::new(),
             lidar: None,
             touches: Vec::new(),
             bumpers: Vec::new(),
@@ -140,7 +143,22 @@ impl Fake {
         self
     }
 
-    /// Gives it a laser scanner and what it measures in each direction of the robot; RoBIOS-7 alone.
+    /// Gives a distance sensor its signal; without one, it is 1 where the sensor measures something, else 0.
+    pub fn signal(mut self, at: impl Into<PsdName>, signal: impl Fn(&Moment) -> Signal + 'static) -> Self {
+        self.signals.push((at.into(), Box::new(signal)));
+        self
+    }
+
+    /// The signal of a distance sensor at a moment.
+    fn signal_of(&self, index: usize, moment: &Moment) -> f32 {
+        let (name, distance) = &self.psds[index];
+        match self.signals.iter().find(|(at, _)| at == name) {
+            Some((_, signal)) => signal(moment).0 as f32,
+            None => f32::from(u8::from(distance(moment).is_some())),
+        }
+    }
+
+    /// Gives it a laser scanner and what it measures in each direction of the robot.
     pub fn lidar(mut self, distance: impl Fn(&Moment, Angle) -> Option<Length> + 'static) -> Self {
         self.lidar = Some(Box::new(distance));
         self

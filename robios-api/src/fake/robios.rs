@@ -6,7 +6,7 @@ use robios_sys::robios6::{
     Char, FALSE, MotorHandle, NOKEY, PSD_OUT_OF_RANGE, PositionType, QuadHandle, SCROLLING, SpeedType, TRUE, VEHICLE,
     semantics,
 };
-use robios_sys::{Callback, Out, OutBytes, Robios6, Stop};
+use robios_sys::{Callback, Out, OutBytes, OutInts, Robios6, Stop};
 
 use super::PsdName;
 use super::motion::Pose;
@@ -305,6 +305,26 @@ impl Robios6 for FakeRobot {
                 .filter(|_| psd.cycles(state.now_us) > 0)
                 .and_then(|index| self.fake.psds[index].1(&state.moment(time_us)));
             distance.map_or(PSD_OUT_OF_RANGE, |distance| distance.as_millimetres().round().max(0.0) as i32)
+        })
+    }
+
+    fn PSDGetSignal(&self, handle: i32) -> Result<f32, Stop> {
+        self.act(|state| {
+            let psd = state.psd.filter(|psd| psd.cycles(state.now_us) > 0)?;
+            let time_us = psd.start_us + psd.cycles(state.now_us) * PSD_CYCLE_US;
+            let index = Self::index_of(handle & psd.mask, self.fake.psds.len())?;
+            Some(self.fake.signal_of(index, &state.moment(time_us)))
+        })
+        .map(|signal| signal.unwrap_or(-1.0))
+    }
+
+    fn LIDARScan(&self, distance: &mut OutInts) -> Result<i32, Stop> {
+        self.act(|state| match self.fake.scan(state) {
+            Some(distances) if !distance.is_null() => {
+                distance.set(&distances);
+                distances.len() as i32
+            }
+            _ => -1,
         })
     }
 

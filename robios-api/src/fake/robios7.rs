@@ -7,7 +7,7 @@ use robios_sys::{Callback, Out, OutBytes, OutInts, Robios7, Stop};
 
 use super::motion::Pose;
 use super::robot::{FakeRobot, State, TICKS_PER_METRE, Timer};
-use super::{Moment, PsdName};
+use super::{Fake, Moment, PsdName};
 use crate::robios7::Color;
 use crate::unit::{Angle, Length};
 
@@ -321,16 +321,18 @@ impl Robios7 for FakeRobot {
         })
     }
 
+    fn PSDGetSignal(&self, psd: i32) -> Result<f32, Stop> {
+        self.act(|state| {
+            let is_named = |name: &PsdName| matches!(name, PsdName::Number(number) if i32::from(*number) == psd);
+            let index = self.fake.psds.iter().position(|(name, _)| is_named(name))?;
+            Some(self.fake.signal_of(index, &state.moment(state.now_us)))
+        })
+        .map(|signal| signal.unwrap_or(-1.0))
+    }
+
     fn LIDARGet(&self, distance: &mut OutInts) -> Result<i32, Stop> {
         self.act(|state| {
-            let Some(scanner) = &self.fake.lidar else { return 1 };
-            let (range_deg, points) = state.scan;
-            let spacings = if range_deg == 360 || points % 2 == 0 { points } else { points - 1 };
-            let spacing = Angle::degrees(f64::from(range_deg) / f64::from(spacings.max(1)));
-            let moment = state.moment(state.now_us);
-            let direction = |index: i32| spacing * f64::from(points / 2 - index);
-            let distances: Vec<i32> =
-                (0..points).map(|index| millimetres(scanner(&moment, direction(index)))).collect();
+            let Some(distances) = self.fake.scan(state) else { return 1 };
             distance.set(&distances);
             0
         })
@@ -518,3 +520,16 @@ pub type Scanner = Box<dyn Fn(&Moment, Angle) -> Option<Length>>;
 
 /// Times and places of touches.
 pub type Touches = Vec<(Duration, crate::Pixel)>;
+
+impl Fake {
+    /// What the laser scanner measures now, in millimetres; `None` without one.
+    pub(super) fn scan(&self, state: &State) -> Option<Vec<i32>> {
+        let scanner = self.lidar.as_ref()?;
+        let (range_deg, points) = state.scan;
+        let spacings = if range_deg == 360 || points % 2 == 0 { points } else { points - 1 };
+        let spacing = Angle::degrees(f64::from(range_deg) / f64::from(spacings.max(1)));
+        let moment = state.moment(state.now_us);
+        let direction = |index: i32| spacing * f64::from(points / 2 - index);
+        Some((0..points).map(|index| millimetres(scanner(&moment, direction(index)))).collect())
+    }
+}

@@ -5,7 +5,7 @@ use robios_sys::ByteRoom;
 use super::Robot;
 use crate::device::Device;
 use crate::error::checked;
-use crate::psd::RawDistance;
+use crate::psd::{RawDistance, Signal};
 use crate::robot::robios7;
 use crate::unit::{Angle, Length};
 use crate::{Error, Result};
@@ -90,6 +90,12 @@ impl Psd<'_> {
     #[track_caller]
     pub fn distance(&self) -> Option<Length> {
         within_range(robios7!(self.robot, PSDGet(self.at.number().into())))
+    }
+
+    /// What the distance is made of now; `None` if there is no such sensor. A function of this simulator.
+    #[track_caller]
+    pub fn signal(&self) -> Option<Signal> {
+        Signal::from_robios(robios7!(self.robot, PSDGetSignal(self.at.number().into())))
     }
 
     /// The sensor's own number now.
