@@ -50,6 +50,46 @@ fn distance_to_parallel(a: DVec2, b: DVec2, direction: DVec2, longer: f64) -> Op
     (far >= -longer).then_some(near.max(0.0))
 }
 
+/// The nearest of `triangles` along a ray: metres from `origin` along the unit vector `direction`, and its place in the
+/// list. `None` when nothing lies within `range` metres.
+///
+/// Each triangle is made `wider` metres wider at all its edges (narrower, if negative), so that the answers for a small
+/// positive and a small negative `wider` enclose that of an index which lets no ray slip through a shared edge. Triangles
+/// without area are not met, and neither are those whose plane is parallel to the ray.
+///
+/// Source: the ray and two edges as three linear equations, solved by Cramer's rule.
+pub fn nearest_triangle(
+    triangles: &[[DVec3; 3]],
+    origin: DVec3,
+    direction: DVec3,
+    range: f64,
+    wider: f64,
+) -> Option<(f64, usize)> {
+    let distances = triangles.iter().map(|corners| distance_to_triangle(corners, origin, direction, wider));
+    distances
+        .enumerate()
+        .filter_map(|(place, distance)| distance.filter(|&metres| metres <= range).map(|metres| (metres, place)))
+        .min_by(|one, other| one.0.total_cmp(&other.0))
+}
+
+fn distance_to_triangle(&[a, b, c]: &[DVec3; 3], origin: DVec3, direction: DVec3, wider: f64) -> Option<f64> {
+    let (ab, ac, to_a) = (b - a, c - a, a - origin);
+    let normal = ab.cross(ac);
+    let area = normal.length();
+    let determinant = -direction.dot(normal);
+    if area.is_nan() || determinant.abs() <= 1e-14 * area {
+        return None;
+    }
+    // origin + t direction = a + u ab + v ac.
+    let t = -to_a.dot(normal) / determinant;
+    let u = direction.dot(to_a.cross(ac)) / determinant;
+    let v = direction.dot(ab.cross(to_a)) / determinant;
+    // A share of 1 is the triangle's height over that edge.
+    let inside =
+        [(u, ac), (v, ab), (1.0 - u - v, c - b)].iter().all(|(share, edge)| share * area >= -wider * edge.length());
+    (t >= -wider.max(0.0) && inside).then_some(t.max(0.0))
+}
+
 /// Metres between a disc of `radius` around `centre` and the nearest of `segments`; negative when they overlap, infinite
 /// without segments.
 pub fn clearance(segments: &[Segment], centre: DVec2, radius: f64) -> f64 {
@@ -233,6 +273,19 @@ mod tests {
         assert_eq!(nearest_wall(&[WALL], DVec2::new(0.0, 1.0), DVec2::X, 9.0, 1e-9), Some((2.0, 0)));
         assert_eq!(nearest_wall(&[WALL], DVec2::new(0.0, 1.0), DVec2::X, 9.0, -1e-9), None);
         assert_eq!(nearest_wall(&[WALL], DVec2::new(2.0, -4.0), DVec2::Y, 9.0, 1e-9), Some((3.0, 0)));
+    }
+
+    #[test]
+    fn a_ray_meets_a_triangle_where_its_plane_is() {
+        let slope = [DVec3::new(2.0, 0.0, 0.0), DVec3::new(4.0, 0.0, 2.0), DVec3::new(2.0, 3.0, 0.0)];
+        let found = |y: f64, range, wider| nearest_triangle(&[slope], DVec3::new(0.0, y, 0.5), DVec3::X, range, wider);
+        let near = |found: Option<(f64, usize)>| found.is_some_and(|(metres, _)| (metres - 2.5).abs() < 1e-15);
+        assert!(near(found(1.0, 9.0, 0.0)), "x - 2 = z: {:?}", found(1.0, 9.0, 0.0));
+        assert_eq!(found(1.0, 2.4, 0.0), None);
+        assert!(near(found(0.0, 9.0, 1e-9)));
+        assert_eq!(found(0.0, 9.0, -1e-9), None);
+        assert!(near(found(-1.9e-3, 9.0, 2e-3)), "the edge is moved by 2 mm");
+        assert_eq!(found(-2.1e-3, 9.0, 2e-3), None);
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! near a place. Meshes with their materials are looks alone, in the frame of their body.
 
 mod bounds;
+mod bvh;
 mod grid;
 mod material;
 mod mesh;
@@ -14,6 +15,7 @@ mod surface;
 mod walls;
 
 pub use bounds::Bounds;
+pub use bvh::{MeshHit, MeshIndex};
 pub use material::{Material, Texture};
 pub use mesh::{Mesh, Triangle};
 pub use moving::Moving;

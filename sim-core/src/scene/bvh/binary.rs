@@ -1,0 +1,174 @@
+//! The binary tree by the surface area heuristic, and the cheapest ways to make wide nodes of it.
+
+use std::ops::Range;
+
+use super::node::{Box3, WIDTH};
+
+/// Places on an axis at which a split is weighed, and one more.
+const BINS: usize = 32;
+
+/// A binary tree over boxes, down to single ones.
+pub(super) struct Binary {
+    forks: Vec<Fork>,
+    /// Places of the boxes, so that those below a fork are neighbours.
+    order: Vec<usize>,
+}
+
+/// A subtree. Its children come later in the list.
+struct Fork {
+    bounds: Box3,
+    /// In [`Binary::order`].
+    range: Range<usize>,
+    /// The left child; the right one is next to it. `None` for a single box.
+    left: Option<usize>,
+    best: Best,
+}
+
+/// What is cheapest for a subtree.
+#[derive(Default)]
+struct Best {
+    /// Expected cost when it is handed on as at most 1, 2, ... 7 children.
+    costs: [f32; WIDTH - 1],
+    /// How many of at most 2, 3, ... 8 children the left subtree gets; 0 when one child fewer is as good.
+    left: [usize; WIDTH - 1],
+    /// Whether it is a block of triangles, as one child.
+    is_block: bool,
+}
+
+impl Binary {
+    /// The tree over `boxes`, of which there is one at least; testing a block costs `block_cost` times that of a node.
+    pub fn new(boxes: &[Box3], block_cost: f32) -> Self {
+        let mut order: Vec<usize> = (0..boxes.len()).collect();
+        let mut forks = vec![Fork::new(boxes, &order, 0..boxes.len())];
+        let mut next = 0;
+        while let Some(Fork { range, .. }) = forks.get(next) {
+            let range = range.clone();
+            if range.len() > 1 {
+                let middle = range.start + split(boxes, &mut order[range.clone()]);
+                forks[next].left = Some(forks.len());
+                forks.push(Fork::new(boxes, &order, range.start..middle));
+                forks.push(Fork::new(boxes, &order, middle..range.end));
+            }
+            next += 1;
+        }
+        let mut binary = Self { forks, order };
+        for place in (0..binary.forks.len()).rev() {
+            binary.forks[place].best = binary.weighed(place, block_cost);
+        }
+        binary
+    }
+
+    /// Whether a subtree is best a block of triangles.
+    pub fn is_block(&self, root: usize) -> bool {
+        self.forks[root].best.is_block
+    }
+
+    /// Places of all boxes below a subtree.
+    pub fn places(&self, root: usize) -> &[usize] {
+        &self.order[self.forks[root].range.clone()]
+    }
+
+    /// The subtrees that are to be the at most `parts` children of a wide node made of `root`.
+    pub fn split(&self, root: usize, parts: usize, into: &mut Vec<usize>) {
+        let Some(left) = self.forks[root].left.filter(|_| parts > 1) else {
+            into.push(root);
+            return;
+        };
+        match self.forks[root].best.left[parts - 2] {
+            0 => self.split(root, parts - 1, into),
+            share => {
+                self.split(left, share, into);
+                self.split(left + 1, parts - share, into);
+            }
+        }
+    }
+
+    /// Source: Ylitie, Karras and Laine 2017, section 3.1.
+    fn weighed(&self, place: usize, block_cost: f32) -> Best {
+        let fork = &self.forks[place];
+        let area = fork.bounds.half_area();
+        let block = area * block_cost;
+        let Some(left) = fork.left else {
+            return Best { costs: [block; WIDTH - 1], left: [0; WIDTH - 1], is_block: true };
+        };
+        let mut best = Best::default();
+        // By the number of parts.
+        let mut costs = [f32::INFINITY; WIDTH + 1];
+        for parts in 2..=WIDTH {
+            for share in 1..parts {
+                let cost = self.forks[left].best.costs[share - 1] + self.forks[left + 1].best.costs[parts - share - 1];
+                if cost < costs[parts] {
+                    costs[parts] = cost;
+                    best.left[parts - 2] = share;
+                }
+            }
+        }
+        let inner = area + costs[WIDTH];
+        best.is_block = fork.range.len() <= WIDTH && block <= inner;
+        best.costs[0] = if best.is_block { block } else { inner };
+        for parts in 2..WIDTH {
+            let fewer = best.costs[parts - 2];
+            if fewer <= costs[parts] {
+                best.left[parts - 2] = 0;
+            }
+            best.costs[parts - 1] = fewer.min(costs[parts]);
+        }
+        best
+    }
+}
+
+impl Fork {
+    fn new(boxes: &[Box3], order: &[usize], range: Range<usize>) -> Self {
+        let bounds = order[range.clone()].iter().fold(Box3::EMPTY, |bounds, &place| bounds.union(boxes[place]));
+        Self { bounds, range, left: None, best: Best::default() }
+    }
+}
+
+/// Parts `order` in two where that is expected to cost least, and returns how many come first: neither none nor all.
+///
+/// Source: Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007; halved by number where all
+/// middles fall together.
+fn split(boxes: &[Box3], order: &mut [usize]) -> usize {
+    let middles = order.iter().fold(Box3::EMPTY, |all, &place| all.union(Box3::at(boxes[place].middle())));
+    let size = middles.high - middles.low;
+    let bin = |place: usize, axis: usize| {
+        let share = (boxes[place].middle()[axis] - middles.low[axis]) / size[axis];
+        ((share * BINS as f32) as usize).min(BINS - 1)
+    };
+    let mut best = (f32::INFINITY, 0, 0);
+    for axis in (0..3).filter(|&axis| size[axis] > 0.0) {
+        let mut bins = [(Box3::EMPTY, 0_usize); BINS];
+        for &place in &*order {
+            let (bounds, count) = &mut bins[bin(place, axis)];
+            *bounds = bounds.union(boxes[place]);
+            *count += 1;
+        }
+        let mut above = [(Box3::EMPTY, 0_usize); BINS + 1];
+        for at in (0..BINS).rev() {
+            above[at] = (above[at + 1].0.union(bins[at].0), above[at + 1].1 + bins[at].1);
+        }
+        let mut below = (Box3::EMPTY, 0);
+        for at in 1..BINS {
+            below = (below.0.union(bins[at - 1].0), below.1 + bins[at - 1].1);
+            if below.1 == 0 || above[at].1 == 0 {
+                continue;
+            }
+            let cost = below.0.half_area() * below.1 as f32 + above[at].0.half_area() * above[at].1 as f32;
+            if cost < best.0 {
+                best = (cost, axis, at);
+            }
+        }
+    }
+    let (cost, axis, at) = best;
+    if cost == f32::INFINITY {
+        return order.len() / 2;
+    }
+    let mut first = 0;
+    for place in 0..order.len() {
+        if bin(order[place], axis) < at {
+            order.swap(first, place);
+            first += 1;
+        }
+    }
+    first
+}

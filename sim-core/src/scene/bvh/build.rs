@@ -1,0 +1,120 @@
+//! The wide tree: a binary one, collapsed to eight children a node where that is expected to cost least.
+
+use glam::{DVec3, Vec3};
+
+use super::binary::Binary;
+
+use super::frame::Frame;
+use super::node::{Block, Box3, Child, Node, PADDING, Tree, WIDTH};
+
+/// Levels of a tree, at most.
+pub(super) const DEPTH: usize = 24;
+
+/// Below this level, subtrees are halved by number: 2^28 triangles then take no more levels than are left.
+const BALANCED_FROM: usize = 14;
+
+/// Cost of testing a block, in that of testing a node.
+const BLOCK_COST: f32 = 1.0;
+
+/// The tree over those of the `triangles` that are numbered in `met`.
+pub(super) fn tree(triangles: &[[DVec3; 3]], met: &[u32], frame: &Frame) -> Tree {
+    let corners: Vec<[Vec3; 3]> = met
+        .iter()
+        .map(|&number| triangles[number as usize].map(|corner| frame.tree_from_mesh(corner).as_vec3()))
+        .collect();
+    let boxes: Vec<Box3> = corners.iter().map(padded).collect();
+    let mut builder = Builder { numbers: met, corners: &corners, boxes: &boxes, tree: Tree::default() };
+    builder.tree.root = Some(builder.subtree(&Binary::new(&boxes, BLOCK_COST), 0, 0).0);
+    builder.tree
+}
+
+fn padded(corners: &[Vec3; 3]) -> Box3 {
+    let [a, b, c] = *corners;
+    Box3 { low: a.min(b).min(c) - PADDING, high: a.max(b).max(c) + PADDING }
+}
+
+struct Builder<'a> {
+    /// By place: the triangle's number, corners and box.
+    numbers: &'a [u32],
+    corners: &'a [[Vec3; 3]],
+    boxes: &'a [Box3],
+    tree: Tree,
+}
+
+impl Builder<'_> {
+    /// Adds what is below a node of the binary tree, as one child.
+    fn subtree(&mut self, binary: &Binary, root: usize, depth: usize) -> (Child, Box3) {
+        if binary.is_block(root) {
+            return self.block(binary.places(root).to_vec());
+        }
+        if depth >= BALANCED_FROM {
+            return self.balanced(binary.places(root).to_vec());
+        }
+        let place = self.reserve();
+        let mut parts = Vec::with_capacity(WIDTH);
+        binary.split(root, WIDTH, &mut parts);
+        let children: Vec<_> = parts.into_iter().map(|part| self.subtree(binary, part, depth + 1)).collect();
+        self.fill(place, &children)
+    }
+
+    /// Adds triangles as one child, parted by number alone.
+    fn balanced(&mut self, mut places: Vec<usize>) -> (Child, Box3) {
+        if places.len() <= WIDTH {
+            return self.block(places);
+        }
+        let bounds = self.bounds(&places);
+        let size = bounds.high - bounds.low;
+        let axis = if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        let middle = |place: &usize| self.boxes[*place].low[axis] + self.boxes[*place].high[axis];
+        places.sort_by(|one, other| middle(one).total_cmp(&middle(other)));
+        let place = self.reserve();
+        let share = places.len().div_ceil(WIDTH);
+        let children: Vec<_> = places.chunks(share).map(|part| self.balanced(part.to_vec())).collect();
+        self.fill(place, &children)
+    }
+
+    fn bounds(&self, places: &[usize]) -> Box3 {
+        places.iter().fold(Box3::EMPTY, |bounds, &place| bounds.union(self.boxes[place]))
+    }
+
+    fn block(&mut self, mut places: Vec<usize>) -> (Child, Box3) {
+        places.sort_unstable();
+        let mut block =
+            Block { corners: [[[0.0; WIDTH]; 3]; 3], triangles: [u32::MAX; WIDTH], count: places.len() as u32 };
+        for (lane, &place) in places.iter().enumerate() {
+            block.triangles[lane] = self.numbers[place];
+            for (number, corner) in self.corners[place].iter().enumerate() {
+                for axis in 0..3 {
+                    block.corners[axis][number][lane] = corner[axis];
+                }
+            }
+        }
+        self.tree.blocks.push(block);
+        (Child::block(self.tree.blocks.len() - 1), self.bounds(&places))
+    }
+
+    fn reserve(&mut self) -> usize {
+        // Boxes that no ray meets: entered at infinity.
+        let planes = [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3];
+        self.tree.nodes.push(Node { planes, children: [Child::default(); WIDTH] });
+        self.tree.nodes.len() - 1
+    }
+
+    fn fill(&mut self, place: usize, children: &[(Child, Box3)]) -> (Child, Box3) {
+        let node = &mut self.tree.nodes[place];
+        for (lane, (child, bounds)) in children.iter().enumerate() {
+            node.children[lane] = *child;
+            for axis in 0..3 {
+                node.planes[axis][0][lane] = bounds.low[axis];
+                node.planes[axis][1][lane] = bounds.high[axis];
+            }
+        }
+        (Child::node(place), children.iter().fold(Box3::EMPTY, |all, (_, bounds)| all.union(*bounds)))
+    }
+}

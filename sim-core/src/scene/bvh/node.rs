@@ -1,0 +1,95 @@
+//! What the tree is made of.
+
+use glam::Vec3;
+
+/// Children of a node, triangles of a block.
+pub(super) const WIDTH: usize = 8;
+
+/// By how much the boxes are larger than their triangles on all sides, in the tree's units: 24 units of rounding of 1.
+///
+/// A box is entered at (bound - origin) / direction on each axis. Rounding moves it, as a place on that axis, by at most
+/// 1 unit (the bound) + 1 (the origin) + 2.1 (the reciprocal) + 4.2 (two products, or one, and the difference, of at most
+/// 2.1): 8.3 units. Hits are off by 4 units at most (see `ray`), and so are origins that are taken as on a surface. The rest
+/// is for the directions that are taken as [`STEEPEST`](super::walk::STEEPEST), and for `f64`.
+pub(super) const PADDING: f32 = 24.0 / (1 << 24) as f32;
+
+/// The tree over a mesh's triangles.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tree {
+    pub nodes: Vec<Node>,
+    pub blocks: Vec<Block>,
+    /// `None` without triangles.
+    pub root: Option<Child>,
+}
+
+/// Eight boxes, coordinate by coordinate; a child that is not there has a box that no ray meets.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Node {
+    /// By axis and by side (low, high).
+    pub planes: [[[f32; WIDTH]; 2]; 3],
+    pub children: [Child; WIDTH],
+}
+
+/// A node or a block: its place in [`Tree::nodes`] or, with the highest bit set, in [`Tree::blocks`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Child(pub u32);
+
+const BLOCK: u32 = 1 << 31;
+
+impl Child {
+    pub fn node(place: usize) -> Self {
+        Self(u32::try_from(place).expect("fewer than 2^28 triangles"))
+    }
+
+    pub fn block(place: usize) -> Self {
+        Self(u32::try_from(place).expect("fewer than 2^28 triangles") | BLOCK)
+    }
+
+    /// Its place in the tree's blocks, if it is one.
+    #[inline(always)]
+    pub fn as_block(self) -> Option<usize> {
+        (self.0 & BLOCK != 0).then_some((self.0 & !BLOCK) as usize)
+    }
+}
+
+/// Up to eight triangles, coordinate by coordinate in the tree's frame.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Block {
+    /// By axis and corner.
+    pub corners: [[[f32; WIDTH]; 3]; 3],
+    /// Numbers of the triangles.
+    pub triangles: [u32; WIDTH],
+    /// How many there are.
+    pub count: u32,
+}
+
+/// A box in the tree's coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Box3 {
+    pub low: Vec3,
+    pub high: Vec3,
+}
+
+impl Box3 {
+    pub const EMPTY: Self = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
+
+    pub fn at(point: Vec3) -> Self {
+        Self { low: point, high: point }
+    }
+
+    pub fn union(self, other: Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    pub fn middle(self) -> Vec3 {
+        0.5 * (self.low + self.high)
+    }
+
+    /// Half of its surface.
+    pub fn half_area(self) -> f32 {
+        let size = self.high - self.low;
+        size.x * size.y + size.y * size.z + size.z * size.x
+    }
+}

@@ -1,0 +1,181 @@
+//! What a ray meets: the one place where it is decided, in `f64`.
+
+use glam::DVec3;
+
+use super::frame::{Entry, Frame};
+
+/// A ray and the nearest triangle it is known to meet.
+pub(super) struct Ray {
+    pub origin: DVec3,
+    pub direction: DVec3,
+    /// The axis that it runs along most is the last.
+    axes: [usize; 3],
+    /// Metres on the first two axes for a metre on the last.
+    shear: [f64; 2],
+    /// Metres along the ray for a metre on the last axis.
+    stretch: f64,
+    /// As near as this to a surface is on it, m.
+    touch: f64,
+    /// As far behind the origin is worth a look whether the origin is on the surface, m.
+    behind: f64,
+    /// The least distance known, at first the range.
+    distance: f64,
+    triangle: u32,
+}
+
+/// As far behind the origin, in the tree's units, is worth a look whether the origin is on a surface.
+const BEHIND: f64 = 1.0 / (1 << 20) as f64;
+
+/// As much, in the tree's units, the margin of the boxes leaves for the origin's rounding.
+const FINEST: f64 = 1.0 / (1 << 22) as f64;
+
+const NO_TRIANGLE: u32 = u32::MAX;
+
+/// Twice the area of a triangle seen along the ray, over the square of the distance of its farthest corner from the ray:
+/// up to this, the triangle is taken as a line.
+///
+/// A corner's weight, three products, is off by 2^-50 of that square at most, so a hit by 2^-50 / `SLIVER` = 2^-24 of the
+/// triangle's extent; where it is taken as a line, by its width, which is 2^-25 of its extent at most. Neither exceeds 2^-22
+/// of the tree's units, which the margin of the boxes covers.
+const SLIVER: f64 = 1.0 / (1 << 26) as f64;
+
+/// A corner as the ray sees it: sheared, so that the ray runs along the last axis through 0.
+#[derive(Clone, Copy)]
+struct Corner {
+    x: f64,
+    y: f64,
+    /// On the axis that the ray runs along most.
+    z: f64,
+}
+
+impl Ray {
+    pub fn new(entry: &Entry, direction: DVec3, range: f64, frame: &Frame) -> Self {
+        let [x, y, z] = direction.abs().to_array();
+        let last = if x > y && x > z {
+            0
+        } else if y > z {
+            1
+        } else {
+            2
+        };
+        let axes = [(last + 1) % 3, (last + 2) % 3, last];
+        let [first, second, last] = axes.map(|axis| direction[axis]);
+        let extent = frame.low.abs().max(frame.high.abs()).max(entry.origin.abs()).max_element();
+        Self {
+            origin: entry.origin,
+            direction,
+            axes,
+            shear: [first / last, second / last],
+            stretch: 1.0 / last,
+            touch: (4.0 * f64::EPSILON * extent).min(FINEST / frame.scale),
+            behind: BEHIND / frame.scale,
+            distance: range,
+            triangle: NO_TRIANGLE,
+        }
+    }
+
+    /// Places of the axes; the ray runs along the last of them most.
+    pub fn axes(&self) -> [usize; 3] {
+        self.axes
+    }
+
+    /// Metres on the first two axes for a metre on the last.
+    pub fn shear(&self) -> [f64; 2] {
+        self.shear
+    }
+
+    /// The least distance known, at first the range, m.
+    pub fn distance(&self) -> f64 {
+        self.distance
+    }
+
+    /// Distance and number of the nearest triangle met.
+    pub fn nearest(&self) -> Option<(f64, u32)> {
+        (self.triangle != NO_TRIANGLE).then_some((self.distance, self.triangle))
+    }
+
+    /// Takes a triangle into account.
+    #[inline]
+    pub fn test(&mut self, corners: &[DVec3; 3], triangle: u32) {
+        if let Some(distance) = self.meets(corners)
+            && (distance < self.distance || distance == self.distance && triangle < self.triangle)
+        {
+            self.distance = distance;
+            self.triangle = triangle;
+        }
+    }
+
+    /// Metres to where the ray, endless ahead, meets a triangle.
+    #[inline]
+    pub fn meets(&self, corners: &[DVec3; 3]) -> Option<f64> {
+        let [a, b, c] = corners.map(|corner| self.seen(corner));
+        // The sign of a difference of two products is never wrong: rounding keeps the products in order. And the products
+        // of an edge are the same for both triangles that share it.
+        let u = c.x * b.y - c.y * b.x;
+        let v = a.x * c.y - a.y * c.x;
+        let w = b.x * a.y - b.y * a.x;
+        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+            return None;
+        }
+        let area = u + v + w;
+        let spread = [a, b, c].iter().fold(0.0_f64, |spread, corner| spread.max(corner.x.abs()).max(corner.y.abs()));
+        let ahead = self.stretch * ((u * a.z + v * b.z + w * c.z) / area);
+        let distance =
+            if area.abs() <= SLIVER * spread * spread { self.through_sliver([a, b, c], spread, ahead)? } else { ahead };
+        if distance >= 0.0 { Some(distance) } else { self.starts_on(corners, distance).then_some(0.0) }
+    }
+
+    #[inline(always)]
+    fn seen(&self, corner: DVec3) -> Corner {
+        let offset = (corner - self.origin).to_array();
+        let [x, y, z] = self.axes.map(|axis| offset[axis]);
+        Corner { x: x - self.shear[0] * z, y: y - self.shear[1] * z, z }
+    }
+
+    /// Whether the origin is on a triangle that the ray's line meets shortly behind it.
+    #[cold]
+    fn starts_on(&self, corners: &[DVec3; 3], distance: f64) -> bool {
+        let normal = super::normal(corners, self.direction);
+        distance >= -self.behind && normal.dot(corners[0] - self.origin).abs() <= self.touch
+    }
+
+    /// Distance to a triangle that is next to a line as the ray sees it. `ahead` may be anywhere within it, or no number.
+    #[cold]
+    fn through_sliver(&self, seen: [Corner; 3], spread: f64, ahead: f64) -> Option<f64> {
+        let edges = [(seen[0], seen[1]), (seen[1], seen[2]), (seen[2], seen[0])];
+        let [length, p, x, y] = edges.iter().fold([0.0, spread, 0.0, 0.0], |longest, (from, to)| {
+            let (x, y) = (to.x - from.x, to.y - from.y);
+            let length = (x * x + y * y).sqrt();
+            // The line's distance from the ray.
+            if length > longest[0] {
+                [length, (from.x * y - from.y * x) / length, x / length, y / length]
+            } else {
+                longest
+            }
+        });
+        if p.abs() > 2.0 * SLIVER * spread {
+            return None;
+        }
+        // Along that line, the ray is at 0.
+        let along = |corner: &Corner| corner.x * x + corner.y * y;
+        let slack = 4.0 * f64::EPSILON * spread;
+        let (mut near, mut far) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (from, to) in &edges {
+            let (start, end) = (along(from), along(to));
+            if start.min(end) > slack || start.max(end) < -slack {
+                continue;
+            }
+            let (first, last) = if start == end {
+                (from.z, to.z)
+            } else {
+                let z = from.z + (start / (start - end)).clamp(0.0, 1.0) * (to.z - from.z);
+                (z, z)
+            };
+            for distance in [self.stretch * first, self.stretch * last] {
+                near = near.min(distance);
+                far = far.max(distance);
+            }
+        }
+        (near <= far).then(|| if ahead.is_finite() { ahead.clamp(near, far) } else { near.max(far.min(0.0)) })
+    }
+}

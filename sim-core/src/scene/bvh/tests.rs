@@ -1,0 +1,437 @@
+use std::f64::consts::{PI, TAU};
+
+use accuracy::oracle;
+use accuracy::world::Random;
+use proptest::prelude::*;
+
+use super::*;
+use crate::math;
+
+type Triangle = [DVec3; 3];
+
+fn unit(random: &mut Random) -> DVec3 {
+    let z = random.between(-1.0, 1.0);
+    let (sin, cos) = math::sin_cos(random.between(0.0, TAU));
+    let flat = (1.0 - z * z).sqrt();
+    DVec3::new(flat * cos, flat * sin, z).normalize_or(DVec3::Z)
+}
+
+fn point(random: &mut Random, reach: f64) -> DVec3 {
+    DVec3::new(random.between(-reach, reach), random.between(-reach, reach), random.between(-reach, reach))
+}
+
+fn soup(seed: u64, count: usize, reach: f64, size: f64) -> Vec<Triangle> {
+    let mut random = Random::new(seed);
+    (0..count)
+        .map(|_| {
+            let middle = point(&mut random, reach);
+            [(); 3].map(|()| middle + point(&mut random, size))
+        })
+        .collect()
+}
+
+/// Hills on a grid of `cells` by `cells` squares of 1 m with the corner in the origin.
+fn hills(cells: usize) -> Vec<Triangle> {
+    let at = |column: usize, row: usize| {
+        let (x, y) = (column as f64, row as f64);
+        DVec3::new(x, y, math::sin(0.7 * x) + math::cos(0.4 * y + 0.3 * x))
+    };
+    let square = |column: usize, row: usize| {
+        let (a, b) = (at(column, row), at(column + 1, row));
+        let (c, d) = (at(column, row + 1), at(column + 1, row + 1));
+        [[a, b, d], [a, d, c]]
+    };
+    (0..cells * cells).flat_map(|cell| square(cell % cells, cell / cells)).collect()
+}
+
+/// The surface of a box, twelve triangles, corners counter-clockwise from outside.
+fn cuboid(low: DVec3, high: DVec3) -> Vec<Triangle> {
+    let corner = |bits: usize| {
+        let part = |axis: usize| if bits >> axis & 1 == 0 { low[axis] } else { high[axis] };
+        DVec3::new(part(0), part(1), part(2))
+    };
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    faces.iter().flat_map(|face| [[0, 1, 2], [0, 2, 3]].map(|part| part.map(|at: usize| corner(face[at])))).collect()
+}
+
+/// A sphere of radius 1: an octahedron, each face parted in four `times` times.
+fn sphere(times: u32) -> Vec<Triangle> {
+    let mut faces: Vec<Triangle> = (0..8)
+        .map(|octant| {
+            let sign = |bit: i32| if octant >> bit & 1 == 0 { 1.0 } else { -1.0 };
+            [DVec3::X * sign(0), DVec3::Y * sign(1), DVec3::Z * sign(2)]
+        })
+        .collect();
+    for _ in 0..times {
+        faces = faces
+            .iter()
+            .flat_map(|&[a, b, c]| {
+                let [ab, bc, ca] = [a + b, b + c, c + a].map(DVec3::normalize_or_zero);
+                [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
+            })
+            .collect();
+    }
+    faces
+}
+
+/// The nearest triangle by the index's own test, without a tree.
+fn without_tree(index: &MeshIndex, origin: DVec3, direction: DVec3, range: f64) -> Option<(u64, u32)> {
+    let frame = index.frame.as_ref()?;
+    let entry = frame.enter(origin, direction, range)?;
+    let mut ray = Ray::new(&entry, direction, range - entry.distance, frame);
+    for (number, corners) in (0..).zip(&index.triangles).filter(|(_, corners)| has_area(corners)) {
+        ray.test(corners, number);
+    }
+    ray.nearest().map(|(distance, triangle)| ((entry.distance + distance).min(range).to_bits(), triangle))
+}
+
+fn levels() -> Vec<Level> {
+    let mut levels = vec![Level::baseline(), Level::new()];
+    #[cfg(target_arch = "x86_64")]
+    levels.extend(Level::new().as_avx2().map(|token| fearless_simd::Simd::level(token)));
+    levels
+}
+
+/// The index at each level of the processor.
+fn indices(triangles: &[Triangle]) -> Vec<MeshIndex> {
+    levels().into_iter().map(|level| MeshIndex::at_level(triangles, level)).collect()
+}
+
+/// The answer of all levels, which is to the bit what the test of every triangle says.
+fn cast(indices: &[MeshIndex], origin: DVec3, direction: DVec3, range: f64) -> Option<MeshHit> {
+    let expected = without_tree(&indices[0], origin, direction, range);
+    for index in indices {
+        let found = index.cast(origin, direction, range).map(|hit| (hit.distance.to_bits(), hit.triangle));
+        assert_eq!(found, expected, "{:?}: {origin:?} {direction:?} {range}", index.level);
+    }
+    indices[0].cast(origin, direction, range)
+}
+
+/// As [`cast`], and as the oracle says within `tolerance` metres.
+fn check(indices: &[MeshIndex], origin: DVec3, direction: DVec3, range: f64, tolerance: f64) {
+    let hit = cast(indices, origin, direction, range);
+    let nearest = |range, wider| oracle::nearest_triangle(&indices[0].triangles, origin, direction, range, wider);
+    let (loose, strict) = (nearest(range + tolerance, 1e-11), nearest(range - tolerance, -1e-11));
+    let distance = hit.map_or(f64::INFINITY, |hit| hit.distance);
+    let low = loose.map_or(f64::INFINITY, |(metres, _)| metres);
+    let high = strict.map_or(f64::INFINITY, |(metres, _)| metres);
+    assert!(
+        distance >= low - tolerance && distance <= high + tolerance,
+        "{distance}, not in [{low}, {high}]: {origin:?} {direction:?} {range}"
+    );
+}
+
+#[test]
+fn a_triangle_is_met_from_both_sides() {
+    let index = MeshIndex::new(&[[DVec3::ZERO, DVec3::X, DVec3::Y]]);
+    let at = DVec3::new(0.25, 0.25, 0.0);
+    for side in [DVec3::Z, -DVec3::Z] {
+        let hit = index.cast(at + 3.0 * side, -side, 3.0);
+        assert_eq!(hit, Some(MeshHit { distance: 3.0, triangle: 0, normal: side }));
+        assert_eq!(index.cast(at + 3.0 * side, -side, 2.999), None);
+        assert_eq!(index.cast(at + 3.0 * side, side, f64::INFINITY), None);
+    }
+    let slanted = DVec3::new(0.6, 0.0, -0.8);
+    let hit = index.cast(DVec3::new(-0.35, 0.25, 0.8), slanted, 2.0).unwrap();
+    assert!((hit.distance - 1.0).abs() < 1e-15, "within rounding: {hit:?}");
+}
+
+#[test]
+fn random_triangles_are_met_as_brute_force_says() {
+    let mut random = Random::new(11);
+    for (seed, count, size) in [(1, 1, 3.0), (2, 9, 3.0), (3, 200, 1.0), (4, 700, 0.2), (5, 60, 9.0)] {
+        let indices = indices(&soup(seed, count, 5.0, size));
+        for _ in 0..400 {
+            check(&indices, point(&mut random, 6.0), unit(&mut random), random.between(0.1, 20.0), 1e-9);
+        }
+        for _ in 0..50 {
+            let direction = DVec3::AXES[random.below(3)] * if random.chance(0.5) { 1.0 } else { -1.0 };
+            check(&indices, point(&mut random, 6.0), direction, f64::INFINITY, 1e-9);
+        }
+    }
+}
+
+#[test]
+fn the_nearest_of_a_terrain_is_met_from_anywhere() {
+    let indices = indices(&hills(24));
+    let mut random = Random::new(12);
+    for _ in 0..600 {
+        let origin = DVec3::new(random.between(-5.0, 29.0), random.between(-5.0, 29.0), random.between(-3.0, 6.0));
+        check(&indices, origin, unit(&mut random), 60.0, 1e-9);
+    }
+}
+
+#[test]
+fn nothing_is_lost_from_far_away() {
+    let indices = indices(&hills(16));
+    let mut random = Random::new(13);
+    for far in [1e2, 1e4, 1e6, 1e8] {
+        for _ in 0..100 {
+            let target = DVec3::new(random.between(4.0, 12.0), random.between(4.0, 12.0), 0.0);
+            let mut from = unit(&mut random);
+            from.z = 1.0;
+            let from = from.normalize_or_zero();
+            let hit = cast(&indices, target + far * from, -from, f64::INFINITY).expect("the hills have no holes");
+            let met = target + (far - hit.distance) * from;
+            let truth =
+                oracle::nearest_triangle(&indices[0].triangles, target + 30.0 * from, -from, 60.0, 1e-12).unwrap().0;
+            let expected = target + (30.0 - truth) * from;
+            // Of two slopes that a grazing ray meets, rounding of the origin may choose either.
+            let grazing = hit.normal.dot(from) < 0.05;
+            assert!(grazing || (met - expected).length() < 1e-14 * far + 1e-9, "{far}: {met} for {expected}");
+        }
+    }
+}
+
+#[test]
+fn extents_of_any_size_are_the_same_mesh() {
+    let terrain = hills(6);
+    let mut random = Random::new(14);
+    let rays: Vec<_> = (0..100).map(|_| (point(&mut random, 6.0) + 3.0, unit(&mut random))).collect();
+    let one = indices(&terrain);
+    // Powers of two: everything scales without rounding.
+    for scale in [1e-30, 1e-3, 1e6, 1e90_f64].map(|about| f64::from_bits(about.to_bits() >> 52 << 52)) {
+        let scaled = indices(&terrain.iter().map(|corners| corners.map(|corner| corner * scale)).collect::<Vec<_>>());
+        for &(origin, direction) in &rays {
+            let expected = cast(&one, origin, direction, 40.0).map(|hit| (hit.distance * scale, hit.triangle));
+            let found = cast(&scaled, origin * scale, direction, 40.0 * scale).map(|hit| (hit.distance, hit.triangle));
+            assert_eq!(found, expected, "scale {scale:e}");
+        }
+    }
+}
+
+/// Rays from `origin` at points of the mesh's edges and corners.
+fn aimed(triangles: &[Triangle], origin: DVec3, random: &mut Random) -> DVec3 {
+    let [a, b, c] = triangles[random.below(triangles.len())];
+    let target = match random.below(4) {
+        0 => a,
+        1 => 0.5 * (b + c),
+        2 => a + 0.25 * (b - a),
+        _ => b + random.between(0.0, 1.0) * (c - b),
+    };
+    (target - origin).normalize_or_zero()
+}
+
+#[test]
+fn no_ray_slips_through_a_shared_edge() {
+    let mut random = Random::new(15);
+    let closed = [sphere(3), cuboid(DVec3::new(-2.0, -3.0, 0.0), DVec3::new(4.0, 5.0, 2.5)), sphere(0)];
+    for triangles in closed {
+        let indices = indices(&triangles);
+        for turn in 0..1500 {
+            let origin = if turn % 3 == 0 { DVec3::new(0.125, -0.25, 0.25) } else { point(&mut random, 0.1) + 0.12 };
+            let direction = aimed(&triangles, origin, &mut random);
+            let hit = cast(&indices, origin, direction, f64::INFINITY).expect("nothing leaves a closed mesh");
+            let truth = oracle::nearest_triangle(&triangles, origin, direction, 99.0, 1e-12).unwrap().0;
+            assert!((hit.distance - truth).abs() < 1e-9, "{hit:?} for {truth}");
+        }
+        let middle = DVec3::new(0.125, -0.25, 0.25);
+        for axis in DVec3::AXES {
+            for direction in [axis, -axis] {
+                assert!(cast(&indices, middle, direction, f64::INFINITY).is_some(), "along {direction}");
+            }
+        }
+    }
+}
+
+#[test]
+fn vertical_rays_through_the_corners_of_a_grid_meet_it() {
+    let indices = indices(&hills(12));
+    for place in 0..13 * 13 {
+        let (x, y) = (f64::from(place % 13), f64::from(place / 13));
+        let height = math::sin(0.7 * x) + math::cos(0.4 * y + 0.3 * x);
+        for (origin, direction) in [(10.0, -DVec3::Z), (-10.0, DVec3::Z)] {
+            let hit = cast(&indices, DVec3::new(x, y, origin), direction, 50.0).expect("corners belong to triangles");
+            assert!((hit.distance - (height - origin).abs()).abs() < 1e-14, "{hit:?} at {x}, {y}");
+        }
+    }
+}
+
+#[test]
+fn of_equal_triangles_the_first_is_met() {
+    let mut triangles = soup(6, 30, 2.0, 2.0);
+    let copy = triangles.clone();
+    triangles.extend_from_slice(&copy);
+    triangles.extend(copy.iter().map(|&[a, b, c]| [b, c, a]));
+    let indices = indices(&triangles);
+    let mut random = Random::new(16);
+    let met = (0..500).filter_map(|_| cast(&indices, point(&mut random, 3.0), unit(&mut random), 9.0));
+    let numbers: Vec<u32> = met.map(|hit| hit.triangle % 60).collect();
+    assert!(numbers.len() > 100 && numbers.iter().all(|&number| number < 30), "{numbers:?}");
+}
+
+#[test]
+fn triangles_without_area_keep_their_numbers() {
+    let wall = |x: f64| [DVec3::new(x, -1.0, -1.0), DVec3::new(x, 1.0, -1.0), DVec3::new(x, 0.0, 2.0)];
+    let spoilt = |corner: DVec3| [corner, wall(1.0)[1], wall(1.0)[2]];
+    let triangles = [
+        spoilt(DVec3::NAN),
+        spoilt(DVec3::INFINITY),
+        spoilt(DVec3::splat(1e101)),
+        [DVec3::ONE; 3],
+        [DVec3::X, 2.0 * DVec3::X, 3.0 * DVec3::X],
+        [wall(1.0)[0], wall(1.0)[0], wall(1.0)[1]],
+        wall(2.0),
+    ];
+    let indices = indices(&triangles);
+    let hit = cast(&indices, DVec3::ZERO, DVec3::X, f64::INFINITY).unwrap();
+    assert_eq!((hit.distance, hit.triangle), (2.0, 6));
+    assert_eq!(indices[0].len(), 7);
+    assert_eq!(indices[0].bounds(), Some((DVec3::new(2.0, -1.0, -1.0), DVec3::new(2.0, 1.0, 2.0))));
+    let none = MeshIndex::new(&triangles[..6]);
+    assert_eq!((none.cast(DVec3::ZERO, DVec3::X, 9.0), none.bounds(), none.is_empty()), (None, None, false));
+    assert!(MeshIndex::new(&[]).is_empty());
+}
+
+#[test]
+fn arguments_that_are_no_ray_meet_nothing() {
+    let index = MeshIndex::new(&[[DVec3::new(1.0, -1.0, -1.0), DVec3::new(1.0, 1.0, -1.0), DVec3::new(1.0, 0.0, 2.0)]]);
+    assert!(index.cast(DVec3::ZERO, DVec3::X, 1.0).is_some());
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for axis in 0..3 {
+            let (mut origin, mut direction) = (DVec3::ZERO, DVec3::X);
+            origin[axis] = bad;
+            direction[axis] = bad;
+            assert_eq!(index.cast(origin, DVec3::X, 2.0), None);
+            assert_eq!(index.cast(DVec3::ZERO, direction, 2.0), None);
+        }
+    }
+    for (direction, range) in [(DVec3::X, f64::NAN), (DVec3::X, -1.0), (DVec3::ZERO, 2.0), (1.1 * DVec3::X, 2.0)] {
+        assert_eq!(index.cast(DVec3::ZERO, direction, range), None);
+    }
+    assert_eq!(index.cast(DVec3::splat(1e99), DVec3::X, f64::INFINITY), None);
+}
+
+#[test]
+fn a_ray_that_starts_on_a_surface_is_there() {
+    let mut random = Random::new(17);
+    for reach in [1.0, 1e4] {
+        for seed in 0..40 {
+            let corners = soup(100 + seed, 1, reach, 1.0);
+            let indices = indices(&corners);
+            let [a, b, c] = corners[0];
+            for _ in 0..25 {
+                let (u, v) = (random.between(0.05, 0.45), random.between(0.05, 0.45));
+                let direction = unit(&mut random);
+                let hit = cast(&indices, a + u * (b - a) + v * (c - a), direction, 9.0);
+                let distance = hit.map(|hit| hit.distance);
+                // Just above the surface, the way back is as long as the cosine of incidence makes it.
+                assert!(distance.is_some_and(|metres| metres < 1e-9 * reach), "{distance:?} towards {direction}")
+            }
+        }
+    }
+}
+
+#[test]
+fn a_ray_within_a_triangles_plane_meets_it_where_it_enters() {
+    let flat = [[DVec3::new(1.0, -1.0, 0.5), DVec3::new(3.0, 0.0, 0.5), DVec3::new(1.0, 1.0, 0.5)]];
+    let indices = indices(&flat);
+    let cast = |x: f64, y: f64, direction| cast(&indices, DVec3::new(x, y, 0.5), direction, 9.0);
+    let distance = |x, y, direction| cast(x, y, direction).map(|hit| hit.distance);
+    assert_eq!(distance(0.0, 0.0, DVec3::X), Some(1.0));
+    assert_eq!(distance(0.0, 1.0, DVec3::X), Some(1.0), "through a corner");
+    assert_eq!(distance(0.0, 1.5, DVec3::X), None);
+    assert_eq!(distance(5.0, 0.0, -DVec3::X), Some(2.0));
+    assert_eq!(distance(2.0, 3.0, -DVec3::Y), Some(2.5));
+    assert_eq!(distance(1.0, 3.0, -DVec3::Y), Some(2.0), "along an edge");
+    assert_eq!(distance(2.0, 0.0, DVec3::X), Some(0.0), "from within");
+    assert_eq!(distance(4.0, 0.0, DVec3::X), None, "away from it");
+    assert_eq!(cast(0.0, 0.0, DVec3::X).unwrap().normal, DVec3::Z);
+}
+
+#[test]
+fn slivers_are_met_within_themselves() {
+    let mut random = Random::new(18);
+    for thickness in [1e-6, 1e-10, 1e-13, 1e-16] {
+        let triangles: Vec<Triangle> = (0..40)
+            .map(|_| {
+                let (from, to) = (point(&mut random, 2.0), point(&mut random, 2.0));
+                [from, to, 0.5 * (from + to) + thickness * unit(&mut random)]
+            })
+            .collect();
+        let indices = indices(&triangles);
+        for _ in 0..400 {
+            let origin = point(&mut random, 3.0);
+            let direction = aimed(&triangles, origin, &mut random);
+            if let Some(hit) = cast(&indices, origin, direction, 20.0) {
+                let [a, b, _] = triangles[hit.triangle as usize];
+                let (met, along) = (origin + hit.distance * direction, (b - a).normalize_or_zero());
+                let aside = (met - a).reject_from(along).length();
+                // As the ray runs almost along it, the place on it is open.
+                let grazing = direction.cross(along).length() < 1e-3;
+                assert!(grazing || aside < thickness + 1e-9, "{aside} from a sliver of {thickness}");
+            }
+        }
+    }
+}
+
+#[test]
+fn many_triangles_in_one_place_make_no_deep_tree() {
+    let mut triangles = vec![[DVec3::ZERO, DVec3::X, DVec3::Y]; 500];
+    // Each half as large as the one before, nested.
+    triangles.extend((0..300).map(|step| {
+        let size = f64::from_bits((1023 - step) << 52);
+        [DVec3::ZERO, DVec3::X * size, DVec3::new(0.0, size, size)]
+    }));
+    let indices = indices(&triangles);
+    let mut random = Random::new(19);
+    for _ in 0..300 {
+        check(&indices, point(&mut random, 2.0), unit(&mut random), 9.0, 1e-9);
+    }
+}
+
+#[test]
+fn a_room_is_as_large_as_it_is_at_any_pose() {
+    let mut random = Random::new(20);
+    for far in [0.0, 1e4] {
+        let low = DVec3::new(far, -far, 0.0);
+        let size = DVec3::new(4.0, 3.0, 2.5);
+        let index = MeshIndex::new(&cuboid(low, low + size));
+        for _ in 0..5000 {
+            let share = DVec3::new(random.between(0.01, 0.99), random.between(0.01, 0.99), random.between(0.01, 0.99));
+            let (origin, direction) = (low + share * size, unit(&mut random));
+            let expected = (0..3).fold(f64::INFINITY, |least: f64, axis| {
+                let wall = if direction[axis] > 0.0 { low[axis] + size[axis] } else { low[axis] };
+                least.min(((wall - origin[axis]) / direction[axis]).abs())
+            });
+            let hit = index.cast(origin, direction, f64::INFINITY).unwrap();
+            assert!((hit.distance - expected).abs() < 1e-9, "{hit:?} for {expected}");
+            assert!(hit.normal.dot(direction) < 0.0 && hit.normal.abs().max_element() == 1.0, "{hit:?}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Coordinates on a coarse grid: shared corners, coplanar and degenerate triangles, rays along edges and planes.
+    #[test]
+    fn on_a_grid_all_levels_give_what_every_triangle_says(
+        corners in prop::collection::vec(prop::array::uniform9(-3_i8..4), 1..60),
+        rays in prop::collection::vec((prop::array::uniform3(-8_i8..9), prop::array::uniform3(-2_i8..3)), 1..20),
+    ) {
+        let triangles: Vec<Triangle> = corners
+            .iter()
+            .map(|numbers| [0, 3, 6].map(|at| DVec3::from_array([0, 1, 2].map(|axis| f64::from(numbers[at + axis])))))
+            .collect();
+        let indices = indices(&triangles);
+        for (origin, direction) in rays {
+            let origin = DVec3::from_array(origin.map(|number| 0.5 * f64::from(number)));
+            let direction = DVec3::from_array(direction.map(f64::from)).normalize_or(DVec3::X);
+            cast(&indices, origin, direction, 20.0);
+        }
+    }
+
+    #[test]
+    fn a_turned_box_is_met_from_within_at_the_right_distance(
+        angle in 0.0..PI, x in -0.9..0.9_f64, y in -0.9..0.9_f64, towards in 0.0..TAU,
+    ) {
+        let turn = glam::DMat3::from_rotation_z(angle);
+        let triangles: Vec<Triangle> = cuboid(DVec3::NEG_ONE, DVec3::ONE).iter().map(|face| face.map(|at| turn * at)).collect();
+        let (sin, cos) = math::sin_cos(towards);
+        let direction = DVec3::new(cos, sin, 0.0);
+        let hit = cast(&indices(&triangles), turn * DVec3::new(x, y, 0.0), turn * direction, 9.0).expect("it is closed");
+        let to = |at: f64, part: f64| if part == 0.0 { f64::INFINITY } else { (part.signum() - at) / part };
+        prop_assert!((hit.distance - to(x, cos).min(to(y, sin))).abs() < 1e-12);
+    }
+}

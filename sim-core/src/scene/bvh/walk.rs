@@ -1,0 +1,156 @@
+//! The way of a ray through the tree, eight boxes and eight triangles at a time.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch, f32x8};
+use glam::DVec3;
+
+use super::frame::Frame;
+use super::node::{Block, Child, Node, Tree, WIDTH};
+use super::ray::Ray;
+
+/// Components of a direction are taken as at least this large: no reciprocal is infinite, and over the whole mesh a ray is
+/// moved aside by less than 2^-38.
+pub(super) const STEEPEST: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// Places for children that wait: 7 for each level.
+pub(super) const WAITING: usize = 7 * super::build::DEPTH + 1;
+
+/// Farther than any way through the tree's coordinates.
+const FARTHEST: f64 = 8.0;
+
+/// Tries `ray` on every triangle that it could meet before the nearest one.
+pub(super) fn nearest(level: Level, tree: &Tree, triangles: &[[DVec3; 3]], frame: &Frame, ray: &mut Ray) {
+    if let Some(root) = tree.root {
+        dispatch!(level, simd => walk(simd, tree, root, triangles, frame, ray));
+    }
+}
+
+/// A ray in the tree's coordinates.
+struct Probe<S: Simd> {
+    /// Reciprocal of the direction, and that times the origin, by axis.
+    reciprocal: [f32x8<S>; 3],
+    moved: [f32x8<S>; 3],
+    /// By axis, the side of boxes (low 0, high 1) at which it enters.
+    near: [usize; 3],
+    /// As [`Ray`] has them.
+    axes: [usize; 3],
+    /// By sheared axis.
+    origin: [f32x8<S>; 3],
+    shear: [f32x8<S>; 2],
+}
+
+impl<S: Simd> Probe<S> {
+    #[inline(always)]
+    fn new(simd: S, ray: &Ray, frame: &Frame) -> Self {
+        let origin = frame.tree_from_mesh(ray.origin).as_vec3().to_array();
+        let reciprocal = ray
+            .direction
+            .to_array()
+            .map(|part| (1.0 / if part.abs() < STEEPEST { STEEPEST.copysign(part) } else { part }) as f32);
+        let axes = ray.axes();
+        Self {
+            reciprocal: reciprocal.map(|part| f32x8::splat(simd, part)),
+            moved: [0, 1, 2].map(|axis| f32x8::splat(simd, reciprocal[axis] * origin[axis])),
+            near: reciprocal.map(|part| usize::from(part < 0.0)),
+            axes,
+            origin: axes.map(|axis| f32x8::splat(simd, origin[axis])),
+            shear: ray.shear().map(|part| f32x8::splat(simd, part as f32)),
+        }
+    }
+
+    /// Where the ray enters the boxes of a node, and of which boxes that is no farther than `farthest`.
+    #[inline(always)]
+    fn boxes(&self, simd: S, node: &Node, farthest: f32) -> ([f32; WIDTH], u32) {
+        let enter = |axis: usize| {
+            let plane = f32x8::simd_from(simd, node.planes[axis][self.near[axis]]);
+            plane.mul_sub(self.reciprocal[axis], self.moved[axis])
+        };
+        let leave = |axis: usize| {
+            let plane = f32x8::simd_from(simd, node.planes[axis][1 - self.near[axis]]);
+            plane.mul_sub(self.reciprocal[axis], self.moved[axis])
+        };
+        let near = enter(0).max(enter(1)).max(enter(2).max(f32x8::splat(simd, 0.0)));
+        let far = leave(0).min(leave(1)).min(leave(2).min(f32x8::splat(simd, farthest)));
+        (near.into(), near.simd_le(far).to_bitmask() as u32)
+    }
+
+    /// Which triangles of a block the ray's line might meet.
+    ///
+    /// In units u of rounding of 1: a corner seen from the origin is off by 4.1 u, sheared by 17 u on each axis; with
+    /// m, the greatest of those coordinates, at most 4.2, the side of an edge is off by 4 (17 u) m + 4 m^2 u < 86 u m, and
+    /// another 2 (17 u)^2 where m is about as small as u. Taken are 128 u (m + 2^-18).
+    #[inline(always)]
+    fn triangles(&self, simd: S, block: &Block) -> u32 {
+        let [x, y, z] = self.axes.map(|axis| &block.corners[axis]);
+        let seen = [0, 1, 2].map(|corner| {
+            let ahead = f32x8::simd_from(simd, z[corner]) - self.origin[2];
+            let x = f32x8::simd_from(simd, x[corner]) - self.origin[0] - self.shear[0] * ahead;
+            let y = f32x8::simd_from(simd, y[corner]) - self.origin[1] - self.shear[1] * ahead;
+            (x, y)
+        });
+        let [(ax, ay), (bx, by), (cx, cy)] = seen;
+        let u = cx * by - cy * bx;
+        let v = ax * cy - ay * cx;
+        let w = bx * ay - by * ax;
+        let spread = ax.abs().max(ay.abs()).max(bx.abs().max(by.abs())).max(cx.abs().max(cy.abs()));
+        let slack = (spread + f32x8::splat(simd, 1.0 / (1 << 18) as f32)) * f32x8::splat(simd, 1.0 / (1 << 17) as f32);
+        let is_left = u.min(v).min(w).simd_ge(-slack);
+        let is_right = u.max(v).max(w).simd_le(slack);
+        (is_left | is_right).to_bitmask() as u32 & ((1 << block.count) - 1)
+    }
+}
+
+/// A distance in the tree's coordinates, rounded up.
+#[inline(always)]
+fn bound(distance: f64, frame: &Frame) -> f32 {
+    ((distance * frame.scale).min(FARTHEST) * (1.0 + 1e-6)) as f32
+}
+
+#[inline(always)]
+fn walk<S: Simd>(simd: S, tree: &Tree, root: Child, triangles: &[[DVec3; 3]], frame: &Frame, ray: &mut Ray) {
+    let probe = Probe::new(simd, ray, frame);
+    let mut farthest = bound(ray.distance(), frame);
+    // Children with the distance of their boxes, which as bits are in the order of numbers: not negative.
+    let mut waiting = [0_u64; WAITING];
+    let mut count = 0;
+    let mut child = root;
+    loop {
+        if let Some(place) = child.as_block() {
+            let block = &tree.blocks[place];
+            let mut met = probe.triangles(simd, block);
+            while met != 0 {
+                let number = block.triangles[met.trailing_zeros() as usize % WIDTH];
+                ray.test(&triangles[number as usize], number);
+                met &= met - 1;
+            }
+            farthest = bound(ray.distance(), frame);
+        } else {
+            let node = &tree.nodes[child.0 as usize];
+            let (near, mut met) = probe.boxes(simd, node, farthest);
+            let first = count;
+            while met != 0 {
+                let place = met.trailing_zeros() as usize % WIDTH;
+                met &= met - 1;
+                let entry = u64::from(near[place].to_bits()) << 32 | u64::from(node.children[place].0);
+                // Sorted in, the nearest last.
+                let mut at = count;
+                while at > first && waiting[at - 1] < entry {
+                    waiting[at] = waiting[at - 1];
+                    at -= 1;
+                }
+                waiting[at] = entry;
+                count += 1;
+            }
+        }
+        child = loop {
+            if count == 0 {
+                return;
+            }
+            count -= 1;
+            let entry = waiting[count];
+            if f32::from_bits((entry >> 32) as u32) <= farthest {
+                break Child(entry as u32);
+            }
+        };
+    }
+}
