@@ -143,7 +143,7 @@ impl Ray {
     #[cold]
     fn through_sliver(&self, seen: [Corner; 3], spread: f64, ahead: f64) -> Option<f64> {
         let edges = [(seen[0], seen[1]), (seen[1], seen[2]), (seen[2], seen[0])];
-        let [length, p, x, y] = edges.iter().fold([0.0, spread, 0.0, 0.0], |longest, (from, to)| {
+        let [_, p, x, y] = edges.iter().fold([0.0, spread, 0.0, 0.0], |longest, (from, to)| {
             let (x, y) = (to.x - from.x, to.y - from.y);
             let length = (x * x + y * y).sqrt();
             // The line's distance from the ray.
