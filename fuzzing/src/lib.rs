@@ -36,6 +36,7 @@ pub const TARGETS: &[Target] = &[
     Target::new("sim", reader::sim),
     Target::new("scene", reader::scene),
     Target::new("costs", reader::costs),
+    Target::new("noise", reader::noise),
     Target::new("mesh", reader::mesh),
     Target::new("load_scene", reader::load_scene),
 ];

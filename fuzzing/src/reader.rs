@@ -65,6 +65,13 @@ pub fn costs(input: &[u8]) {
     spec::costs(&costs, &Lines::new(&content));
 }
 
+pub fn noise(input: &[u8]) {
+    let (content, _) = format::decode(input);
+    let (noise, diagnostics) = format::read_noise("a.noise.toml", &content);
+    text::check(&content, &diagnostics);
+    spec::noise(&noise, &Lines::new(&content));
+}
+
 pub fn load_scene(input: &[u8]) {
     let archive = Archive::new(input);
     let loaded = format::load_scene(archive.first(), &archive);

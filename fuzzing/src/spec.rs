@@ -4,10 +4,12 @@ use std::f64::consts::TAU;
 use std::fmt::{self, Debug, Write};
 
 use glam::{DVec2, DVec3};
+use sim_core::RobotId;
 use sim_core::format::{
-    Collider, CostTable, CostsRef, DriveKind, JointSpec, Layout, MAX_LENGTH, ModelSpec, ObjectLine, ObjectType,
-    RobiSpec, SceneSpec, SimSpec, Span, StartRef, WorldSpec,
+    Collider, CostTable, CostsRef, DriveKind, JointSpec, Layout, MAX_LENGTH, ModelSpec, NoiseRef, NoiseSpec,
+    ObjectLine, ObjectType, RobiSpec, SceneSpec, SimSpec, Span, StartRef, WorldSpec,
 };
+use sim_core::noise::{RangeErrors, RangeKind};
 use sim_core::pose::Pose;
 use sim_core::scene::Mesh;
 use sim_core::time::Time;
@@ -66,6 +68,7 @@ pub fn sim(sim: &SimSpec, lines: &Lines<'_>) {
         inside(robot.kind.written().span, lines, &robot);
         assert!(!robot.kind.written().text.trim().is_empty(), "{robot:?}");
         assert!(robot.program.as_ref().is_none_or(|program| !program.text.trim().is_empty()), "{robot:?}");
+        robot.noise.iter().for_each(|noise| noise_ref(noise, lines));
         match robot.start {
             StartRef::Next => {}
             StartRef::Pose(start) => pose(&start, &robot),
@@ -98,6 +101,7 @@ pub fn sim(sim: &SimSpec, lines: &Lines<'_>) {
         run.slot.is_none_or(|slot| slot > Time::ZERO) && run.until.is_none_or(|until| until > Time::ZERO),
         "{run:?}"
     );
+    run.noise.iter().for_each(|noise| noise_ref(noise, lines));
     match &run.costs {
         Some(CostsRef::File(path)) => inside(path.span, lines, path),
         Some(CostsRef::Table(table)) => costs(table, lines),
@@ -111,6 +115,31 @@ pub fn costs(table: &CostTable, lines: &Lines<'_>) {
         assert!((1..=3_600_000_000).contains(&entry.cost.0), "{entry:?}");
         assert!(!entry.generation.is_empty(), "{entry:?}");
         inside(entry.span, lines, entry);
+    }
+}
+
+/// Panics unless a noise profile is sound, its models accept what it says, and its spans lie in `lines`.
+pub fn noise(noise: &NoiseSpec, lines: &Lines<'_>) {
+    for entry in &noise.entries {
+        assert!(entry.value.is_finite() && !entry.key.is_empty(), "{entry:?}");
+        inside(entry.span, lines, entry);
+    }
+    let profile = noise.profile();
+    for name in profile.sensors.keys().map(String::as_str).chain([""]) {
+        let range = profile.range(RangeKind::Psd, name);
+        let (errors, limits) = (RangeErrors::new(range, 1, RobotId(1), name), [0.1, 4.0]);
+        let read = errors.reading(1, Time::from_millis(1), limits, Some(2.0));
+        assert!(read.is_none_or(|read| (0.1..=4.0).contains(&read)), "{range:?} reads {read:?}");
+    }
+    let imperfection = profile.motion.imperfection(DriveKind::Omni, 1, RobotId(1));
+    assert_eq!(imperfection.check(), Ok(()), "{:?}", profile.motion);
+}
+
+fn noise_ref(noise: &NoiseRef, lines: &Lines<'_>) {
+    match noise {
+        NoiseRef::Preset(_) => {}
+        NoiseRef::File(path) => inside(path.span, lines, path),
+        NoiseRef::Profile(spec) => self::noise(spec, lines),
     }
 }
 

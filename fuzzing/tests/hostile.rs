@@ -156,6 +156,16 @@ const LINES: &[(&str, &[&str])] = &[
         ],
     ),
     ("costs", &["[robios6]\nOSWait = #", "robios7 = { \"*\" = # }"]),
+    (
+        "noise",
+        &[
+            "psd.sigma_mm = #\npsd.sigma_percent = #\npsd.bias_mm = #\npsd.bias_sigma_mm = #\npsd.step_mm = #",
+            "base = \"real\"\npsd = { outlier = #, dropout = #, drift_mm = #, drift_s = # }",
+            "[sensor]\nA = { sigma_mm = #, device = # }",
+            "[drive]\nleft_percent = #\ndiameter_sigma_percent = #\nslip_percent = #\nomega_sigma_deg_s = #",
+            "[odometry]\nv_sigma_mm_s = #\nstep_mm = #\nstep_deg = #",
+        ],
+    ),
     ("mesh", &["v # # #", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf # # #", "v 0 0 0\nf #/#/# #//# #/#", "vt # #\nvn # # #"]),
 ];
 
@@ -210,7 +220,7 @@ fn a_name_of_a_megabyte_holds() {
 
 #[test]
 fn deep_nesting_holds() {
-    for target in ["companion", "scene", "costs"] {
+    for target in ["companion", "scene", "costs", "noise"] {
         check(target, format!("a = {}", "[".repeat(MANY)).as_bytes());
         check(target, format!("a = {}", "{a=".repeat(MANY)).as_bytes());
         check(target, format!("a{} = 1", ".a".repeat(MANY)).as_bytes());
@@ -244,6 +254,8 @@ fn very_many_lines_hold() {
         ("scene", "[[world.wall]]\nfrom_mm = [0, 0]\nto_mm = [1, #]\n"),
         ("costs", "[robios6.a#]\n"),
         ("costs", "robios6.A# = #\n"),
+        ("noise", "sensor.A#.sigma_mm = #\n"),
+        ("noise", "[psd#]\n"),
         ("esobj", "collider sphere 1 2 3 #\n"),
         ("sim", "robi a#.robi a.so # 2 3\n"),
         ("sim", "robi a#.robi\n"),

@@ -203,10 +203,18 @@ fn schema_and_reader_know_the_same_keys() {
         .map(|kind| object(&format!("collider = {{ kind = \"{kind}\", zzz = 1 }}")));
     let echoes =
         ["laser", "ultrasonic", "reflectance"].map(|kind| robot(&format!("{kind} = [{{ name = \"a\", zzz = 1 }}]")));
+    let noise = |section: &str| format!("[scene.noise.{section}]\nzzz = 1");
     let cases: &[(&str, Vec<String>)] = &[
         ("", vec!["zzz = 1".into()]),
         ("RunForm", vec!["[scene]\nzzz = 1".into()]),
         ("GenerationsForm", vec!["[scene.costs]\nzzz = { a = 1 }".into()]),
+        ("ProfileForm", vec!["[scene.noise]\nzzz = 1".into(), "[[robot]]\ntype = \"S4\"\nnoise = { zzz = 1 }".into()]),
+        ("RangeNoiseForm", ["psd", "sonar", "lidar"].map(noise).to_vec()),
+        ("EchoNoiseForm", ["laser", "ultrasonic", "reflectance", "sensor.PSD_FRONT"].map(noise).to_vec()),
+        ("CompassNoiseForm", vec![noise("compass")]),
+        ("CameraNoiseForm", vec![noise("camera")]),
+        ("DriveNoiseForm", vec![noise("drive")]),
+        ("OdometryNoiseForm", vec![noise("odometry")]),
         ("WorldForm", vec!["[world]\nfile = \"a.wld\"\nzzz = 1".into()]),
         ("WallForm", vec!["[world]\nwall = [{ from_mm = [0, 0], to_mm = [1, 1], zzz = 1 }]".into()]),
         ("StartForm", vec!["[world]\nstart = [{ x_mm = 0, y_mm = 0, zzz = 1 }]".into()]),

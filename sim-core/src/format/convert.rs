@@ -286,6 +286,7 @@ impl Conversion<'_> {
         for line in sim.robots.iter_mut().chain(&mut sim.named) {
             self.rewrite_type(&mut line.kind);
             line.program.iter_mut().for_each(|program| self.rewrite_path(program));
+            line.noise.iter_mut().for_each(|noise| self.rewrite_noise(noise));
         }
         sim.objects.iter_mut().for_each(|line| self.rewrite_type(&mut line.kind));
         if let Some(world) = &mut sim.inline.world {
@@ -297,6 +298,13 @@ impl Conversion<'_> {
         let objects = sim.inline.object_types.iter_mut().flat_map(|(object, _)| &mut object.model);
         objects.for_each(|model| self.rewrite_path(&mut model.path));
         if let Some(super::CostsRef::File(path)) = &mut sim.run.costs {
+            self.rewrite_path(path);
+        }
+        sim.run.noise.iter_mut().for_each(|noise| self.rewrite_noise(noise));
+    }
+
+    fn rewrite_noise(&self, noise: &mut super::NoiseRef) {
+        if let super::NoiseRef::File(path) = noise {
             self.rewrite_path(path);
         }
     }

@@ -201,6 +201,11 @@ impl Quantity {
         Self::new(name, "", low, high, std::convert::identity)
     }
 
+    /// A share, written in percent.
+    pub(super) const fn percent(name: &'static str, low: f64, high: f64) -> Self {
+        Self::new(name, "percent", low, high, share_from_percent)
+    }
+
     /// The same quantity between other bounds, in its own unit.
     pub(super) const fn within(self, low: f64, high: f64) -> Self {
         Self { low, high, ..self }
@@ -209,6 +214,11 @@ impl Quantity {
     /// The same quantity as one that may be left out without harm.
     pub(super) const fn minor(self) -> Self {
         Self { is_minor: true, ..self }
+    }
+
+    /// A value of its own unit in SI units, whatever the bounds.
+    pub(super) fn si(&self, value: f64) -> f64 {
+        (self.to_si)(value)
     }
 
     /// How bad a value out of bounds is.
@@ -224,12 +234,16 @@ impl Quantity {
 
     /// The value in SI units, if it is finite and within the bounds.
     pub(super) fn check(&self, value: f64) -> Option<f64> {
-        (value >= self.low && value <= self.high).then(|| (self.to_si)(value))
+        (value >= self.low && value <= self.high).then(|| self.si(value))
     }
 }
 
 fn seconds_from_ms(ms: f64) -> f64 {
     ms / 1000.0
+}
+
+fn share_from_percent(percent: f64) -> f64 {
+    percent / 100.0
 }
 
 /// The number that `word` gives for `quantity`, in SI units; reports what is wrong with it.

@@ -12,8 +12,8 @@ use super::spec::{
     Solid, TypeRef, WallSpec, WorldKind, WorldSpec,
 };
 use super::{
-    MeshReader, Span, clearance, line, path, place, read_companion, read_costs, read_esobj, read_maze, read_robi,
-    read_scene, read_sim, read_world,
+    MeshReader, NoiseRef, Span, clearance, line, path, place, read_companion, read_costs, read_esobj, read_maze,
+    read_noise, read_robi, read_scene, read_sim, read_world,
 };
 
 /// The file system as the readers see it; paths have slashes.
@@ -93,6 +93,7 @@ pub fn load_scene_with(path: &str, seed: Option<u64>, files: &dyn Files) -> Load
     for (robi, _) in &mut sim.inline.robot_types {
         loader.serial_files(path, &folder, robi);
     }
+    loader.profiles(path, &folder, &mut sim);
     let mut world = loader.world(&sim, &folder);
     loader.solids(path, world.as_mut(), &mut sim.inline.object_types);
     let placed = place::place(&mut loader, &sim, &folder, world.as_ref());
@@ -148,6 +149,13 @@ pub fn load_object(path: &str, files: &dyn Files) -> (Option<ObjectType>, Loaded
         object
     });
     (object, loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() }))
+}
+
+/// Reads a noise profile alone; `None` if there is no such file. The scene of the result is empty.
+pub fn load_noise(path: &str, files: &dyn Files) -> (Option<NoiseRef>, Loaded) {
+    let mut loader = Loader::new(files);
+    let noise = loader.root(path).map(|text| loader.profile(path, &text));
+    (noise, loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() }))
 }
 
 /// The text of a file, and the place of the first byte that is not UTF-8, if any: such bytes become U+FFFD.
@@ -361,6 +369,32 @@ impl<'a> Loader<'a> {
         let (table, diagnostics) = read_costs(&path, &text);
         self.diagnostics.extend(diagnostics);
         Some(CostsRef::Table(table))
+    }
+
+    /// Reads the noise profiles that the scene `file` and its robots have in files.
+    fn profiles(&mut self, file: &str, folder: &str, sim: &mut SimSpec) {
+        let mut read: BTreeMap<String, Option<NoiseRef>> = BTreeMap::new();
+        let of_robots = sim.robots.iter_mut().map(|line| &mut line.noise);
+        for noise in of_robots.chain([&mut sim.run.noise]) {
+            let Some(NoiseRef::File(reference)) = noise else { continue };
+            *noise = match read.get(&reference.text) {
+                Some(known) => known.clone(),
+                None => {
+                    let profile = self.find(file, folder, reference).map(|(path, bytes)| {
+                        let text = self.take(&path, bytes);
+                        self.profile(&path, &text)
+                    });
+                    read.insert(reference.text.clone(), profile.clone());
+                    profile
+                }
+            };
+        }
+    }
+
+    fn profile(&mut self, path: &str, text: &str) -> NoiseRef {
+        let (profile, diagnostics) = read_noise(path, text);
+        self.diagnostics.extend(diagnostics);
+        NoiseRef::Profile(Arc::new(profile))
     }
 
     /// The robot type that `reference` in the sim file `file` names; reports if it is nowhere.

@@ -18,6 +18,7 @@ mod load;
 mod maze;
 mod mesh;
 mod mount;
+mod noise;
 pub mod path;
 mod place;
 pub mod print;
@@ -39,11 +40,12 @@ pub use convert::{Converted, Output, convert};
 pub use diagnostic::{Diagnostic, Severity, Span, has_errors};
 pub use esobj::read_esobj;
 pub use load::{
-    FileError, Files, InputFile, Loaded, decode, load_maze, load_object, load_robi, load_scene, load_scene_with,
-    load_world,
+    FileError, Files, InputFile, Loaded, decode, load_maze, load_noise, load_object, load_robi, load_scene,
+    load_scene_with, load_world,
 };
 pub use maze::read_maze;
 pub use mesh::MeshReader;
+pub use noise::{NOISE_EXTENSION, NoiseEntry, NoiseRef, NoiseSection, NoiseSpec, Preset, is_noise, read_noise};
 pub use robi::read_robi;
 pub use scene::{SCENE_EXTENSION, is_scene, read_costs, read_scene};
 pub use sim::read_sim;

@@ -203,7 +203,8 @@ impl Placer<'_> {
                 (SceneForm::Sim, TypeRef::Name(_)) => Some(7),
             };
             let (robi, span, api) = (Arc::clone(robi), line.span, line.api.or(self.sim.run.api));
-            self.robots.push(RobotSpec { id, robi, start, program, arguments, api, dialect, span });
+            let noise = line.noise.as_ref().or(self.sim.run.noise.as_ref()).cloned();
+            self.robots.push(RobotSpec { id, robi, start, program, arguments, api, noise, dialect, span });
         }
     }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::Span;
+use super::noise::{NoiseRef, NoiseSpec};
 use super::spec::{
     CostsRef, ModelSpec, ObjectLine, ObjectType, PathRef, RobiSpec, RobotLine, SceneSpec, SerialLine, SimSpec, Solid,
     TypeRef, WorldSpec,
@@ -15,6 +16,7 @@ pub fn scene(scene: &SceneSpec) -> SceneSpec {
     for robot in &mut scene.robots {
         robot.robi = Arc::new(robi(&robot.robi));
         robot.program.iter_mut().for_each(forget);
+        robot.noise.iter_mut().for_each(forget_noise);
         robot.span = Span::default();
         // A hint at the generation of a program, which no other form gives.
         robot.dialect = None;
@@ -33,6 +35,7 @@ pub fn scene(scene: &SceneSpec) -> SceneSpec {
         }
         None => {}
     }
+    scene.run.noise.iter_mut().for_each(forget_noise);
     scene
 }
 
@@ -44,6 +47,7 @@ pub fn sim(sim: &SimSpec) -> SimSpec {
     sim.robots.iter_mut().chain(&mut sim.named).for_each(|line: &mut RobotLine| {
         forget_type(&mut line.kind);
         line.program.iter_mut().for_each(forget);
+        line.noise.iter_mut().for_each(forget_noise);
         line.span = Span::default();
     });
     sim.objects.iter_mut().for_each(forget_object);
@@ -105,6 +109,13 @@ pub fn robi(robi: &RobiSpec) -> RobiSpec {
     robi
 }
 
+/// What a noise profile says.
+pub fn noise(noise: &NoiseSpec) -> NoiseSpec {
+    let mut noise = NoiseSpec { file: String::new(), ..noise.clone() };
+    noise.entries.iter_mut().for_each(|entry| entry.span = Span::default());
+    noise
+}
+
 /// What an object type says.
 pub fn object(object: &ObjectType) -> ObjectType {
     let mut object = ObjectType { file: String::new(), ..object.clone() };
@@ -117,6 +128,14 @@ pub fn object(object: &ObjectType) -> ObjectType {
 
 fn forget(path: &mut PathRef) {
     path.span = Span::default();
+}
+
+fn forget_noise(noise: &mut NoiseRef) {
+    match noise {
+        NoiseRef::Preset(_) => {}
+        NoiseRef::File(path) => forget(path),
+        NoiseRef::Profile(spec) => *spec = Arc::new(self::noise(spec)),
+    }
 }
 
 fn forget_model(model: &mut ModelSpec) {

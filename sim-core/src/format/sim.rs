@@ -131,6 +131,7 @@ impl Reader {
                 program: Some(program),
                 arguments: Vec::new(),
                 api: None,
+                noise: None,
                 start,
                 span,
             });
@@ -236,7 +237,7 @@ impl Reader {
             None => None,
         };
         let kind = TypeRef::Name(reference(name));
-        Some(RobotLine { kind, program, arguments: Vec::new(), api: None, start: start?, span })
+        Some(RobotLine { kind, program, arguments: Vec::new(), api: None, noise: None, start: start?, span })
     }
 
     fn marker(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {

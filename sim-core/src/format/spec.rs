@@ -8,6 +8,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 
 use super::Span;
+use super::noise::NoiseRef;
 use crate::RobotId;
 pub use crate::drive::DriveKind;
 pub use crate::format::mount::{BODY, LinkSpec, MountSpec, RangeSpec, ServoRef, Solid, TerrainSpec, TurnSpec};
@@ -733,6 +734,8 @@ pub struct RunSpec {
     pub costs: Option<CostsRef>,
     /// Generation of the RoBIOS API that the robots' programs are written for: 6 or 7.
     pub api: Option<u32>,
+    /// What errors devices and drives have.
+    pub noise: Option<NoiseRef>,
 }
 
 /// Where a scene takes its cost table from.
@@ -788,6 +791,8 @@ pub struct RobotLine {
     pub arguments: Vec<String>,
     /// Generation of the RoBIOS API that the program is written for: 6 or 7; `None`: that of the scene.
     pub api: Option<u32>,
+    /// What errors its devices and its drive have; `None`: those of the scene.
+    pub noise: Option<NoiseRef>,
     /// Where it starts.
     pub start: StartRef,
     /// The line.
@@ -858,6 +863,8 @@ pub struct RobotSpec {
     pub arguments: Vec<String>,
     /// Generation of the RoBIOS API that the program is written for, 6 or 7, where the scene says it.
     pub api: Option<u32>,
+    /// What errors its devices and its drive have: its own, else the scene's. A profile that is a file has been read.
+    pub noise: Option<NoiseRef>,
     /// Generation of the RoBIOS API of the simulator in whose dialect its line is written: 6 for `robi` lines, 7 for those of
     /// EyeSim VR; `None` in our own form.
     pub dialect: Option<u32>,
@@ -889,6 +896,6 @@ pub struct SceneSpec {
     pub markers: Vec<MarkerSpec>,
     /// What the window shows.
     pub settings: Settings,
-    /// What the scene says about its run. A cost table that is a file has been read.
+    /// What the scene says about its run. A cost table and a noise profile that are files have been read.
     pub run: RunSpec,
 }

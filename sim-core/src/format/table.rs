@@ -387,6 +387,13 @@ impl Reader<'_> {
     }
 }
 
+/// True for a TOML text with one of `keys` at its top level.
+pub(super) fn has_top_key(text: &str, keys: &[&str]) -> bool {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let (root, _) = DeTable::parse_recoverable(text);
+    root.get_ref().keys().any(|key| keys.contains(&key.get_ref().as_ref()))
+}
+
 fn float(value: &DeValue<'_>) -> Option<f64> {
     match value {
         DeValue::Integer(digits) => {

@@ -2,12 +2,16 @@
 
 mod angle;
 mod image;
+mod motion;
 mod normal;
+mod profile;
 mod range;
 mod stream;
 
 pub use angle::{Angle, AngleErrors};
 pub use image::{Image, ImageErrors};
+pub use motion::Motion;
 pub use normal::normal_quantile;
+pub use profile::{Place, Profile, RangeKind};
 pub use range::{Range, RangeErrors, ScanErrors};
 pub use stream::{Events, Purpose, Stream, name_key};

@@ -293,6 +293,7 @@ mod tests {
             program: (index == 0).then(|| PathRef { text: "own.c".into(), span }),
             arguments: if index == 0 { OWN.map(str::to_owned).to_vec() } else { Vec::new() },
             api: None,
+            noise: None,
             dialect: None,
             span,
         };

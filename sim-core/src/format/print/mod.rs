@@ -4,6 +4,7 @@
 //! double; where none does (a place that the arithmetic of a frame has put between them), the nearest is taken.
 
 mod maze;
+mod noise;
 mod number;
 mod object;
 mod robi;
@@ -15,6 +16,7 @@ mod world;
 
 pub(super) use maze::beside_maze;
 pub use maze::print_maze;
+pub use noise::print_noise;
 pub use object::print_esobj;
 pub use robi::{print_companion, print_robi};
 pub(super) use scene::{object_form, robot_type_form, section};

@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 use serde::Serialize;
 use toml::{Table, Value};
 
+use super::noise::noise_form;
 use super::number::{degrees, heading, mm, shortest};
 use super::{sensor, text};
 use crate::drive::DriveKind;
@@ -106,6 +107,7 @@ fn run_form(run: &RunSpec) -> RunForm {
         until_s: run.until.map(|time| until(time.0)),
         costs,
         api: run.api,
+        noise: run.noise.as_ref().map(noise_form),
     }
 }
 
@@ -186,6 +188,7 @@ fn robot_form(line: &RobotLine) -> RobotForm {
         program: line.program.as_ref().map(|program| program.text.clone()),
         arguments: line.arguments.clone(),
         api: line.api,
+        noise: line.noise.as_ref().map(noise_form),
         ..RobotForm::default()
     };
     match line.start {

@@ -86,6 +86,7 @@ impl Printer<'_> {
             (run.until.is_some(), "the end of the run"),
             (run.costs.is_some(), "the cost table"),
             (run.api.is_some(), "the generation of the API"),
+            (run.noise.is_some(), "the noise profile"),
             (sim.inline.world.is_some(), "the world described in place"),
             (!sim.inline.robot_types.is_empty(), "robot types described in place"),
             (!sim.inline.object_types.is_empty(), "object types described in place"),
@@ -103,6 +104,10 @@ impl Printer<'_> {
         if !line.arguments.is_empty() {
             let who = robots.first().map_or_else(|| "a robot".to_owned(), |robot| robot.id.to_string());
             self.out.lost.push(format!("the arguments of {who}"));
+        }
+        if line.noise.is_some() {
+            let who = robots.first().map_or_else(|| "a robot".to_owned(), |robot| robot.id.to_string());
+            self.out.lost.push(format!("the noise profile of {who}"));
         }
         if let Some(api) = line.api {
             let who = robots.first().map_or_else(|| "a robot".to_owned(), |robot| robot.id.to_string());

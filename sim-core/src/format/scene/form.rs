@@ -8,6 +8,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::sensor_form::{EchoForm, LinkForm, SolidForm, SonarForm, SurfaceForm, TerrainForm};
+use crate::format::noise::form::NoiseForm;
 
 /// A number; a whole one is written without a point.
 pub(crate) type Number = f64;
@@ -65,6 +66,9 @@ pub(crate) struct RunForm {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 6, max = 7))]
     pub(crate) api: Option<u32>,
+    /// What errors devices and drives have: `none` (if left out), `mild`, `real`, `harsh`, a file, or a profile.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) noise: Option<NoiseForm>,
 }
 
 /// A cost table.
@@ -222,6 +226,9 @@ pub(crate) struct RobotForm {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 6, max = 7))]
     pub(crate) api: Option<u32>,
+    /// What errors its devices and its drive have; those of the scene if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) noise: Option<NoiseForm>,
     /// Place of its centre along x in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) x_mm: Option<Number>,

@@ -19,7 +19,7 @@ use super::diagnostic::Diagnostic;
 use super::line::Quantity;
 use super::path;
 use super::spec::{CostEntry, CostTable, CostsRef, MarkerSpec, PathRef, SceneForm, SimSpec, TypeRef};
-use super::table::{Reader, Section};
+use super::table::{Reader, Section, has_top_key};
 use crate::time::Time;
 use place::MAX_ROBOTS;
 pub(super) use room::Room;
@@ -55,9 +55,7 @@ pub fn is_scene(path: &str, text: &str) -> bool {
 
 /// True for a TOML text with what only a scene has at its top level.
 pub(super) fn has_marks(text: &str) -> bool {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let (root, _) = DeTable::parse_recoverable(text);
-    root.get_ref().keys().any(|key| MARKS.contains(&key.get_ref().as_ref()))
+    has_top_key(text, &MARKS)
 }
 
 /// Reads a scene, and none of the files that it names (that is [`super::load_scene`]).
@@ -101,7 +99,7 @@ impl Reader<'_> {
         }
         let mut count = 0;
         for section in self.sections(&mut root, "robot") {
-            let (line, robots) = self.robot(section);
+            let (line, robots) = self.robot(section, &sim.file);
             sim.robots.extend(line);
             count += u64::from(robots);
         }
@@ -134,6 +132,7 @@ impl Reader<'_> {
             self.reference(&mut section, "costs").map(CostsRef::File)
         };
         sim.run.api = self.api(&mut section);
+        sim.run.noise = self.noise_ref(&mut section, &sim.file);
         self.unknown_keys(&section);
     }
 

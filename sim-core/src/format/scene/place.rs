@@ -28,12 +28,13 @@ const POINT: [Quantity; 2] = [Quantity::coordinate("x"), Quantity::coordinate("y
 const HEADING: Quantity = Quantity::angle("heading");
 
 impl Reader<'_> {
-    /// A robot, or a group of them; and how many it would be if all was well.
-    pub(super) fn robot(&mut self, mut section: Section<'_, '_>) -> (Option<RobotLine>, u32) {
+    /// A robot of the scene `file`, or a group of them; and how many it would be if all was well.
+    pub(super) fn robot(&mut self, mut section: Section<'_, '_>, file: &str) -> (Option<RobotLine>, u32) {
         let kind = self.required_reference(&mut section, "type").map(|kind| type_ref(kind, &ROBOT_FILES));
         let program = self.reference(&mut section, "program");
         let arguments = self.texts(&mut section, "arguments");
         let api = self.api(&mut section);
+        let noise = self.noise_ref(&mut section, file);
         let start = self.start(&mut section);
         if program.is_none() && !arguments.is_empty() {
             let span = self.key_span(&section, "arguments");
@@ -45,8 +46,15 @@ impl Reader<'_> {
             Some(StartRef::Many { count, .. }) => count,
             _ => 1,
         };
-        let line =
-            |kind: TypeRef, start: StartRef| RobotLine { kind, program, arguments, api, start, span: section.span };
+        let line = |kind: TypeRef, start: StartRef| RobotLine {
+            kind,
+            program,
+            arguments,
+            api,
+            noise,
+            start,
+            span: section.span,
+        };
         (kind.zip(start).map(|(kind, start)| line(kind, start)), count)
     }
 

@@ -1,0 +1,123 @@
+//! Noise profiles: what errors the devices of a robot have.
+//!
+//! A profile starts from a preset and changes some of its numbers, by the kind of the device and then of single sensors. The
+//! presets are profiles themselves, compiled in.
+
+pub(super) mod form;
+mod keys;
+mod spec;
+
+use toml::de::DeValue;
+
+use keys::Key;
+pub(super) use keys::{CAMERA, COMPASS, DRIVE, Keys, ODOMETRY, OWN, RANGE};
+pub use spec::{NoiseEntry, NoiseRef, NoiseSection, NoiseSpec, Preset};
+
+use super::code::Code;
+use super::diagnostic::Diagnostic;
+use super::line;
+use super::path;
+use super::table::{Reader, Section};
+use crate::noise::RangeKind;
+
+/// Ending of the names of profiles by which they are known without a look at their content.
+pub const NOISE_EXTENSION: &str = ".noise.toml";
+
+/// True for a TOML file that is a noise profile: its name ends in `.noise.toml`, or it has `base` at its top level.
+pub fn is_noise(path: &str, text: &str) -> bool {
+    path.to_lowercase().ends_with(NOISE_EXTENSION)
+        || path::extension(path) == "toml" && super::table::has_top_key(text, &["base"])
+}
+
+/// Reads a noise profile.
+///
+/// Unknown keys are warned about; a value of the wrong type or out of range is an error.
+pub fn read_noise(file: &str, text: &str) -> (NoiseSpec, Vec<Diagnostic>) {
+    let (mut reader, root) = Reader::parse(file, text);
+    let mut spec = reader.noise(Section::root(&root));
+    file.clone_into(&mut spec.file);
+    (spec, reader.sink.finish())
+}
+
+impl Reader<'_> {
+    /// `noise = "mild"`, `noise = "FILE.toml"` or a profile in place; that is of the file `file`.
+    pub(super) fn noise_ref(&mut self, section: &mut Section<'_, '_>, file: &str) -> Option<NoiseRef> {
+        if section.get("noise").is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_))) {
+            let mut spec = self.section(section, "noise").map(|section| self.noise(section))?;
+            file.clone_into(&mut spec.file);
+            return Some(NoiseRef::Profile(spec.into()));
+        }
+        let reference = self.reference(section, "noise")?;
+        if path::extension(&reference.text) == "toml" {
+            return Some(NoiseRef::File(reference));
+        }
+        let preset = self.preset(&reference.text, reference.span, ", or a file NAME.toml");
+        preset.map(NoiseRef::Preset)
+    }
+
+    fn preset(&mut self, name: &str, span: super::Span, or: &str) -> Option<Preset> {
+        let preset = Preset::of_name(name);
+        if preset.is_none() {
+            let names = Preset::ALL.map(Preset::name);
+            let message = format!("`{name}` is no noise profile");
+            let expected = format!("one of {}{or}", names.join(", "));
+            let suggestion = line::nearest(name, names).map(|name| format!("write `{name}`"));
+            self.sink.error(Code::TomlChoice, span, message, expected).suggestion = suggestion;
+        }
+        preset
+    }
+
+    /// A whole profile.
+    fn noise(&mut self, mut section: Section<'_, '_>) -> NoiseSpec {
+        let mut spec = NoiseSpec::default();
+        if let Some(base) = self.reference(&mut section, "base") {
+            spec.base = self.preset(&base.text, base.span, "").unwrap_or_default();
+        }
+        for kind in RangeKind::ALL {
+            if let Some(part) = self.section(&mut section, kind.name()) {
+                let own: Keys<_> = if kind.has_own_noise() { OWN } else { &[] };
+                self.entries(part, &NoiseSection::Range(kind), &[RANGE, own], &mut spec);
+            }
+        }
+        if let Some(part) = self.section(&mut section, "compass") {
+            self.entries(part, &NoiseSection::Compass, &[COMPASS], &mut spec);
+        }
+        if let Some(part) = self.section(&mut section, "camera") {
+            self.entries(part, &NoiseSection::Camera, &[CAMERA], &mut spec);
+        }
+        if let Some(part) = self.section(&mut section, "drive") {
+            self.entries(part, &NoiseSection::Drive, &[DRIVE], &mut spec);
+        }
+        if let Some(part) = self.section(&mut section, "odometry") {
+            self.entries(part, &NoiseSection::Odometry, &[ODOMETRY], &mut spec);
+        }
+        if let Some(sensors) = self.section(&mut section, "sensor") {
+            for (name, value) in sensors.table {
+                if let Some(part) = self.as_section("sensor", value) {
+                    let sensor = NoiseSection::Sensor(name.get_ref().to_string());
+                    self.entries(part, &sensor, &[RANGE, OWN], &mut spec);
+                }
+            }
+        }
+        self.unknown_keys(&section);
+        spec.entries.sort_by(|a, b| a.section.cmp(&b.section));
+        spec
+    }
+
+    /// Those of `keys` that a section has.
+    fn entries<M: 'static>(
+        &mut self,
+        mut part: Section<'_, '_>,
+        section: &NoiseSection,
+        keys: &[Keys<M>],
+        spec: &mut NoiseSpec,
+    ) {
+        for Key { name, quantity, .. } in keys.iter().copied().flatten() {
+            if let Some(value) = self.number(&mut part, name, quantity) {
+                let span = self.key_span(&part, name);
+                spec.entries.push(NoiseEntry { section: section.clone(), key: name, value, span });
+            }
+        }
+        self.unknown_keys(&part);
+    }
+}
