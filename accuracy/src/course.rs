@@ -116,6 +116,9 @@ impl End {
 
 /// The course as the core drives it in slots of this length: a program that gives the next drive when the one before has ended, in a
 /// world without walls. The true pose after the last drive; the robot is asked for it at the end of each slot too.
+///
+/// # Panics
+/// If a drive of the course is not finite.
 pub fn core(course: &Course, slot: Time) -> Pose {
     let walls = Arc::new(Walls::new(Vec::new()));
     let mut motion = Motion::new(RobotId(1), Arc::new(model()), Arc::clone(&walls), Pose::default());
@@ -171,6 +174,9 @@ fn integrate(course: &Course, step: f64, gain: impl Fn(Twist, f64, f64) -> DVec2
 
 /// The course as a robot's own odometry sees it that reads its encoders every `period` and takes each stretch for an arc: in whole ticks
 /// of `ticks_per_turn`, or exactly without.
+///
+/// # Panics
+/// If a drive of the course is not finite.
 pub fn odometry(course: &Course, period: Time, ticks_per_turn: Option<f64>) -> Pose {
     let model = Model { ticks_per_turn: ticks_per_turn.unwrap_or(1.0), ..model() };
     let per_tick = 2.0 * PI / model.ticks_per_turn;
