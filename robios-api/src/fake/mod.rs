@@ -45,11 +45,11 @@ use std::time::Duration;
 use robios_sys::{Host, Program, Robios6Table, Robios7Table, SupportTable};
 
 use crate::device::{BumperAt, InfraredAt, PsdAt};
-use crate::psd::Signal;
 use crate::drive::Position;
 use crate::entry::{self, Machine, Outcome};
 use crate::key::Key;
 use crate::lcd::Pixel;
+use crate::psd::Signal;
 use crate::unit::{Angle, Length};
 use crate::{Robot, call_site};
 use robot::FakeRobot;

@@ -20,10 +20,10 @@ pub struct Gains {
 }
 
 impl Gains {
-    /// True for factors of 0 or more and times above 0, all finite.
+    /// True for factors from 0 to 10^12 and times from 10^-12 to 10^12 s: beyond, an output may be no number.
     pub fn is_valid(&self) -> bool {
-        let factor = |v: f64| v.is_finite() && v >= 0.0;
-        let time = |t: f64| t.is_finite() && t > 0.0;
+        let factor = |v: f64| (0.0..=1e12).contains(&v);
+        let time = |t: f64| (1e-12..=1e12).contains(&t);
         factor(self.vv) && factor(self.vw) && time(self.tv) && time(self.tw)
     }
 }

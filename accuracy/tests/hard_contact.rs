@@ -1,0 +1,227 @@
+//! Hard cases of contact: robots that start in it, wedged and head on, at any speed, far away, in any slot.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use accuracy::course::model;
+use accuracy::oracle;
+use accuracy::touch::{Approach, Case};
+use accuracy::world::{Random, room_with_boxes};
+use glam::DVec2;
+use sim_core::RobotId;
+use sim_core::contact::{Path, SKIN, first_contact};
+use sim_core::drive::{Command, Model, Motion};
+use sim_core::pose::{Pose, Twist};
+use sim_core::scene::{Segment, Walls};
+use sim_core::time::Time;
+use sim_core::world::World;
+
+/// Radius of the robots, m.
+const RADIUS: f64 = 0.08;
+
+fn wall(ax: f64, ay: f64, bx: f64, by: f64) -> Segment {
+    Segment::new(DVec2::new(ax, ay), DVec2::new(bx, by))
+}
+
+fn robot(walls: &[Segment], start: Pose) -> Motion {
+    let racer = Model { max_wheel_rate: 1e9, ..model() };
+    Motion::new(RobotId(1), Arc::new(racer), Arc::new(Walls::new(walls.to_vec())), start)
+}
+
+fn drive(length: f64, angle: f64, duration: f64) -> Command {
+    Command::Drive { displacement: Twist::new(length, angle), duration }
+}
+
+/// Criterion: contacts that have a formula are found at its instant, 10 km away within the rounding of 1e4 m (2e-12 m) over
+/// the speed of approach.
+#[test]
+fn ten_kilometres_away_contacts_are_where_they_should_be() {
+    let mut random = Random::new(21);
+    let away = DVec2::new(-1e4, 1e4);
+    for approach in Approach::ALL {
+        for _ in 0..300 {
+            let case = Case::draw(&mut random, approach);
+            let start = Pose { position: case.start.position + away, ..case.start };
+            let wall = Segment::new(case.wall.a + away, case.wall.b + away);
+            let found = first_contact(&Path::new(&start, case.twist), case.radius, &wall, f64::INFINITY);
+            let found = found.unwrap_or_else(|| panic!("missed {case:?}")).after;
+            assert!((found - case.instant).abs() < 1e-8, "{found} for {case:?}");
+        }
+    }
+}
+
+/// Criterion: from 1 um/s to 1 km/s, head on, the robot rests one skin before the first wall of many, never behind one, also when it
+/// would cross all of them within one slot.
+#[test]
+fn at_any_speed_the_first_of_many_walls_stops_the_robot_in_one_slot() {
+    let walls: Vec<_> = (1..=50).map(|n| wall(0.2 * f64::from(n), -1.0, 0.2 * f64::from(n), 1.0)).collect();
+    for slot in [1_000, 50_000, 1_000_000] {
+        for speed in [1e-6, 0.1, 1.0, 50.0, 1e3] {
+            let mut motion = robot(&walls, Pose::default());
+            let mut world = World::new(Arc::new(Walls::new(walls.clone())), Time(slot), [&mut motion]);
+            motion.command(Time(3), Command::Twist(Twist::new(speed, 0.0)), &[]).expect("sound");
+            for _ in 0..20 {
+                world.advance(&mut [&mut motion]);
+                let x = motion.pose(world.slot_start()).position.x;
+                assert!(x <= 0.2 - RADIUS - SKIN + 1e-15, "{x} m at {speed} m/s in slots of {slot} us");
+            }
+            let elapsed = (world.slot_start() - Time(3)).seconds();
+            let x = motion.pose(world.slot_start()).position.x;
+            let expected = (0.2 - RADIUS - SKIN).min(speed * elapsed);
+            assert!((x - expected).abs() < 1e-12, "{x} m at {speed} m/s in slots of {slot} us");
+        }
+    }
+}
+
+/// Criterion: two robots head on at speeds that cross each other within one slot rest a skin apart, where the faster has come
+/// farther; the middle of the contact is at the ratio of their speeds within a micrometre.
+#[test]
+fn robots_head_on_rest_a_skin_apart_at_any_speed_and_slot() {
+    for slot in [1_000, 50_000, 1_000_000] {
+        for (left, right) in [(0.5, 0.5), (100.0, 1.0), (1e3, 1e3), (1e-3, 1e3), (0.7, 0.0)] {
+            let walls = Arc::new(Walls::new(vec![]));
+            let racer = Arc::new(Model { max_wheel_rate: 1e9, ..model() });
+            let mut motions = [
+                Motion::new(RobotId(1), Arc::clone(&racer), Arc::clone(&walls), Pose::new(-1.0, 0.0, 0.0)),
+                Motion::new(RobotId(2), racer, Arc::clone(&walls), Pose::new(1.0, 0.0, PI)),
+            ];
+            let mut world = World::new(walls, Time(slot), &mut motions);
+            for (motion, speed) in motions.iter_mut().zip([left, right]) {
+                motion.command(Time::ZERO, Command::Twist(Twist::new(speed, 0.0)), &[]).expect("sound");
+            }
+            while world.slot_start() < Time(4_000_000) {
+                world.advance(&mut motions.iter_mut().collect::<Vec<_>>());
+                let at = world.slot_start();
+                let gap = motions[1].pose(at).position.x - motions[0].pose(at).position.x - 2.0 * RADIUS;
+                assert!(gap > SKIN - 1e-9, "gap {gap} at {left} and {right} m/s in slots of {slot} us");
+            }
+            let at = world.slot_start();
+            let [a, b] = motions.each_mut().map(|motion| motion.pose(at).position.x);
+            assert!(((b - a - 2.0 * RADIUS) - SKIN).abs() < 2e-9, "gap at {left} and {right} m/s");
+            let way = (2.0 - 2.0 * RADIUS - SKIN) * left / (left + right);
+            assert!((a + 1.0 - way).abs() < 1e-6, "{a} for {way} at {left} and {right} m/s");
+        }
+    }
+}
+
+/// Criterion: a robot that starts in contact, or up to its centre in a wall, goes as far as commanded in the directions that lead away,
+/// and not at all in those that lead deeper.
+#[test]
+fn robots_that_start_in_contact_may_leave_and_not_sink_in() {
+    let walls = [wall(-5.0, 0.0, 5.0, 0.0)];
+    for depth in [-SKIN, 0.0, 1e-9, 0.01, 0.079] {
+        for eighth in 0..8 {
+            let heading = f64::from(eighth) * PI / 4.0;
+            let mut motion = robot(&walls, Pose::new(0.0, RADIUS - depth, heading));
+            motion.command(Time(9), drive(0.3, 0.0, 1.0), &[]).expect("sound");
+            let is_away = eighth <= 4;
+            assert_eq!(motion.drive_end().is_some(), is_away, "depth {depth}, heading {heading}");
+            let moved = (motion.pose(Time(3_000_000)).position - DVec2::new(0.0, RADIUS - depth)).length();
+            assert!(
+                (moved - if is_away { 0.3 } else { 0.0 }).abs() < 1e-12,
+                "depth {depth}, heading {heading}: {moved}"
+            );
+            // A turn on the spot is free.
+            let mut motion = robot(&walls, Pose::new(0.0, RADIUS - depth, heading));
+            motion.command(Time(9), drive(0.0, 9.0, 1.0), &[]).expect("sound");
+            assert!(motion.drive_end().is_some(), "depth {depth}");
+        }
+    }
+}
+
+/// Criterion: in corners from 2 to 178 degrees the robot rests a skin from both walls or, along the bisector, from the nearer; straight back it comes
+/// out by what is commanded; it can turn there as often as it likes.
+#[test]
+fn wedged_in_corners_of_every_angle_a_robot_comes_out() {
+    for degrees in [2.0, 10.0, 45.0, 60.0, 90.0, 120.0, 178.0_f64] {
+        let half = 0.5 * degrees.to_radians();
+        let (sin, cos) = sim_core::math::sin_cos(half);
+        let walls = [wall(0.0, 0.0, -20.0 * cos, 20.0 * sin), wall(0.0, 0.0, -20.0 * cos, -20.0 * sin)];
+        let start = -RADIUS / sin - 0.1;
+        let mut motion = robot(&walls, Pose::new(start, 0.0, 0.0));
+        motion.command(Time::ZERO, Command::Twist(Twist::new(0.2, 0.0)), &[]).expect("sound");
+        let mut at = Time::from_millis(10_000);
+        let wedged = motion.pose(at);
+        let gap = oracle::clearance(&walls, wedged.position, RADIUS);
+        assert!((gap - SKIN).abs() < 1e-12, "{degrees} degrees: gap {gap}");
+        assert!((wedged.position.x + (RADIUS + SKIN) / sin).abs() < 1e-9);
+        for _ in 0..10 {
+            motion.command(at, drive(0.0, TAU / 10.0, 0.1), &[]).expect("sound");
+            at = motion.drive_end().expect("it turns");
+        }
+        motion.command(at, drive(0.5, 0.0, 1.0), &[]).expect("sound");
+        assert_eq!(motion.drive_end(), None, "{degrees} degrees: deeper it does not go");
+        motion.command(at + Time(1), drive(-0.5, 0.0, 1.0), &[]).expect("sound");
+        let end = motion.drive_end().unwrap_or_else(|| panic!("it does not come out of {degrees} degrees"));
+        assert!((motion.pose(end).position.x - wedged.position.x + 0.5).abs() < 1e-9);
+        assert_eq!(motion.contacts(end), 1);
+    }
+}
+
+/// Criterion: through a gap 1 mm wider than itself a robot drives 100 m to its mark, here and 10 km away, with no contact; 0.6 mm
+/// beside the middle it is stopped at the mouth.
+#[test]
+fn a_gap_of_a_millimetre_more_lets_a_robot_through_for_a_hundred_metres() {
+    let half = RADIUS + 0.5e-3;
+    for (away, angle) in [(DVec2::ZERO, 0.0), (DVec2::new(1e4, 1e4), 0.7), (DVec2::new(-1e4, 3.0), -2.9)] {
+        let frame = Pose { position: away, ..Pose::new(0.0, 0.0, angle) };
+        let place = |x: f64, y: f64| frame.transform_point(DVec2::new(x, y));
+        let walls = [
+            Segment::new(place(1.0, half), place(110.0, half)),
+            Segment::new(place(1.0, -half), place(110.0, -half)),
+            Segment::new(place(1.0, half), place(1.0, 2.0)),
+            Segment::new(place(1.0, -half), place(1.0, -2.0)),
+        ];
+        let mut through = robot(&walls, frame);
+        through.command(Time::ZERO, drive(100.0, 0.0, 100.0), &[]).expect("sound");
+        let end = through.drive_end().expect("the gap is wide enough");
+        assert_eq!(through.contacts(end), 0);
+        let gap = oracle::clearance(&walls, through.pose(end).position, RADIUS);
+        assert!((gap - 0.5e-3).abs() < 1e-10, "gap {gap}");
+        let mut beside = robot(&walls, Pose { position: place(0.0, 0.6e-3), ..frame });
+        beside.command(Time::ZERO, drive(100.0, 0.0, 100.0), &[]).expect("sound");
+        assert_eq!(beside.drive_end(), None);
+        let gap = oracle::clearance(&walls, beside.pose(Time(200_000_000)).position, RADIUS);
+        assert!((gap - SKIN).abs() < 1e-11, "gap {gap}");
+    }
+}
+
+/// Criterion: a robot that tries a thousand random drives among boxes is never nearer to a wall than the skin, less the rounding of 1e-12 m, and
+/// ends at the same bits in slots of 1 ms and of 1 s.
+#[test]
+fn a_thousand_drives_among_boxes_never_touch_more_than_the_skin() {
+    let walls = room_with_boxes(3, DVec2::splat(-2.0), 4.0, 12);
+    let mut random = Random::new(8);
+    let start = (0..10_000)
+        .map(|_| DVec2::new(random.between(-1.8, 1.8), random.between(-1.8, 1.8)))
+        .find(|place| oracle::clearance(&walls, *place, RADIUS) > 0.01)
+        .expect("a free place");
+    let drives: Vec<_> = (0..1_000)
+        .map(|_| {
+            let (v, omega) = (random.between(-1.0, 2.0), random.between(-4.0, 4.0));
+            Command::Twist(if random.chance(0.2) { Twist::new(0.0, omega) } else { Twist::new(v, omega) })
+        })
+        .collect();
+    let run = |slot: i64| {
+        let mut motion = robot(&walls, Pose { position: start, ..Pose::default() });
+        let mut world = World::new(Arc::new(Walls::new(walls.clone())), Time(slot), [&mut motion]);
+        let mut poses = Vec::new();
+        for (n, command) in (0_i64..).zip(&drives) {
+            let at = Time(n * 217_003);
+            while world.slot_end() <= at {
+                world.advance(&mut [&mut motion]);
+            }
+            motion.command(at, *command, &[]).expect("sound");
+            for part in 0..20 {
+                let pose = motion.pose(at + Time(part * 10_850));
+                let gap = oracle::clearance(&walls, pose.position, RADIUS);
+                assert!(gap > SKIN - 1e-12, "gap {gap} in drive {n}");
+                poses.push(pose);
+            }
+        }
+        (poses, motion.contacts(Time(1_000 * 217_003)))
+    };
+    let (poses, contacts) = run(1_000);
+    assert!(contacts > 50, "{contacts} contacts: the drives say something");
+    assert_eq!(run(1_000_000), (poses, contacts));
+}

@@ -1,0 +1,278 @@
+//! Hard cases of motion: where doubles end, for very long, far away, and in slots from a microsecond to a second.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use accuracy::course::model;
+use accuracy::wide::Wide;
+use glam::DVec2;
+use sim_core::RobotId;
+use sim_core::drive::{Command, DriveKind, Gains, Imperfection, Model, Motion, Pid, State, TwistNoise};
+use sim_core::math;
+use sim_core::pose::{Pose, Twist};
+use sim_core::scene::{Segment, Walls};
+use sim_core::time::Time;
+use sim_core::world::World;
+
+fn robot(model: Model, walls: Vec<Segment>, start: Pose) -> Motion {
+    model.check().expect("a sound model");
+    Motion::new(RobotId(1), Arc::new(model), Arc::new(Walls::new(walls)), start)
+}
+
+fn room(corner: DVec2, size: f64) -> Vec<Segment> {
+    let at = |x: f64, y: f64| corner + DVec2::new(x, y) * size;
+    let corners = [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)];
+    (0..4).map(|i| Segment::new(corners[i], corners[(i + 1) % 4])).collect()
+}
+
+fn drive(length: f64, angle: f64, duration: f64) -> Command {
+    Command::Drive { displacement: Twist::new(length, angle), duration }
+}
+
+/// Noise enough to be seen in every bit.
+fn imperfection() -> Imperfection {
+    let noise = TwistNoise { speed: 0.02, speed_share: 0.05, turn: 0.1, turn_share: 0.05 };
+    Imperfection {
+        diameters: [0.01, -0.02, 0.0, 0.03],
+        slip: 0.02,
+        slip_deviation: 0.05,
+        command: noise,
+        odometry: noise,
+        ..Imperfection::default()
+    }
+}
+
+/// States at and between the commands of a script, for one robot in a small room with slots of `slot`.
+fn script(mut motion: Motion, slot: Time) -> Vec<State> {
+    let mut world = World::new(motion_walls(), slot, [&mut motion]);
+    let commands = [
+        (1, drive(0.01, 0.0, 0.04)),
+        (45_000, drive(0.004, 0.3, 0.0)),
+        (70_001, drive(0.0, -0.2, 0.02)),
+        (93_333, Command::Twist(Twist::new(0.8, 0.4))),
+        (140_000, Command::Twist(Twist::new(5.0, 0.1))),
+        (190_007, drive(-0.02, 0.02, 0.1)),
+        (240_000, Command::Wheels([9.0, 7.0, -3.0, 1.0])),
+        (270_000, Command::WheelSpeed { wheel: 0, rate: -12.0 }),
+        (333_333, Command::Halt),
+    ];
+    let mut states = Vec::new();
+    for (at, command) in commands {
+        let at = Time(at);
+        while world.slot_end() <= at {
+            world.advance(&mut [&mut motion]);
+        }
+        states.push(motion.state(at));
+        motion.command(at, command, &[]).expect("a sound command");
+        states.push(motion.state(at + Time(3_217)));
+    }
+    states
+}
+
+fn motion_walls() -> Arc<Walls> {
+    Arc::new(Walls::new(room(DVec2::splat(-0.1), 0.2)))
+}
+
+/// Criterion: equality of all bits of poses, odometry, wheels and path, for straight lines, curves, turns, speeds, walls,
+/// motors; with lag, controllers, controllers of wheels and imperfections.
+#[test]
+fn poses_are_equal_to_the_bit_in_slots_of_a_microsecond_to_a_second() {
+    let lame = Model { wheel_lag: 0.04, axis_offset: 0.01, ..model() };
+    let omni = Model { kind: DriveKind::Omni, ..model() };
+    let new = |model: Model| Motion::new(RobotId(1), Arc::new(model), motion_walls(), Pose::new(0.0, -0.01, 0.7));
+    let controlled = || {
+        let mut motion = new(lame.clone());
+        motion.start_control(Time::ZERO, Gains { vv: 3.0, tv: 0.2, vw: 3.0, tw: 0.2 }).expect("sound");
+        motion.start_wheel_control(Time::ZERO, 0, Pid { p: 2.0, i: 30.0, d: 0.001 }).expect("sound");
+        motion
+    };
+    let imperfect = |motion: Motion| motion.with_imperfection(5, imperfection()).expect("sound");
+    let robots: [(&str, Motion); 6] = [
+        ("plain", new(model())),
+        ("lag", new(lame.clone())),
+        ("controllers", controlled()),
+        ("imperfect", imperfect(new(model()))),
+        ("imperfect controllers", imperfect(controlled())),
+        ("imperfect omni", imperfect(new(omni))),
+    ];
+    for (name, motion) in robots {
+        let reference = script(motion.clone(), Time(50_000));
+        assert!(reference.iter().any(|state| state.path > 0.0));
+        for slot in [1, 17, 1_000, 9_999, 10_000, 200_000, 1_000_000] {
+            assert!(script(motion.clone(), Time(slot)) == reference, "{name} in slots of {slot} us");
+        }
+    }
+}
+
+/// Criterion: a drive ends at its angle and its arc to 1e-12 m, from 1e-300 to 1e4 rad/s, turned to either side.
+#[test]
+fn drives_of_every_turning_speed_end_at_their_arcs() {
+    let racer = Model { max_wheel_rate: 1e9, ..model() };
+    for exponent in -300..=4 {
+        for sign in [1.0, -1.0] {
+            let omega = sign * 10.0_f64.powi(exponent);
+            let mut motion = robot(racer.clone(), vec![], Pose::default());
+            motion.command(Time(7), drive(1.0, 2.0 * omega, 2.0), &[]).expect("sound");
+            let end = motion.drive_end().expect("an end");
+            assert!((end - Time(2_000_007)).0.abs() <= 1, "{end:?} at {omega} rad/s");
+            let pose = motion.pose(end);
+            assert!((pose.heading.radians() - 2.0 * omega).abs() <= 4e-16 * (2.0 * omega).abs().max(1.0));
+            // Chord and half angle, in 30 digits above where the series is exact.
+            let angle = 2.0 * omega;
+            let expected = if angle.abs() < 1e-5 {
+                DVec2::new(1.0 - angle * angle / 6.0, angle / 2.0)
+            } else {
+                let (sin, cos) = Wide::from(angle).sin_cos();
+                let wide = Wide::from(angle);
+                DVec2::new((sin / wide).rounded(), ((Wide::from(1.0) - cos) / wide).rounded())
+            };
+            assert!((pose.position - expected).length() < 1e-12, "{pose:?} for {expected} at {omega} rad/s");
+        }
+    }
+}
+
+/// Criterion: after a million rounds of a circle in one piece, and of a spiral of a million curves, the position is right
+/// to the rounding of the commanded rate times the time.
+#[test]
+fn a_million_rounds_of_a_circle_stay_on_it() {
+    let mut motion = robot(Model { axis_offset: 0.02, ..model() }, vec![], Pose::new(3.0, 4.0, 0.2));
+    let (v, omega) = (0.4, 2.5);
+    motion.command(Time::ZERO, Command::Twist(Twist::new(v, omega)), &[]).expect("sound");
+    let at = Time(2_513_274_122_872); // A million turns, to the microsecond.
+    let state = motion.state(at);
+    assert!((999_999..=1_000_001).contains(&state.world_from_axle.heading.turns()));
+    let angle = Wide::from(omega) * (Wide::from(at.0 as f64) / Wide::from(1e6));
+    let (sin, cos) = (angle + Wide::from(0.2)).sin_cos();
+    let pose = state.world_from_axle;
+    let (found_sin, found_cos) = math::sin_cos(pose.heading.remainder());
+    // The angle of 6e6 rad is rounded to 1e-9, about a millionth of a degree.
+    assert!((found_sin - sin.rounded()).abs() < 2e-9 && (found_cos - cos.rounded()).abs() < 2e-9);
+    let start = robot(Model { axis_offset: 0.02, ..model() }, vec![], Pose::new(3.0, 4.0, 0.2)).state(Time::ZERO);
+    assert!((pose.position - start.world_from_axle.position).length() < 1e-6, "{pose:?}");
+    assert!((state.path - v * at.seconds()).abs() < 1e-3 * 1e-6, "{} m", state.path);
+}
+
+/// Criterion: ten kilometres away a drive with curves ends as at the origin to 1e-9 m, the rounding of 1e4 m being 2e-12 m.
+#[test]
+fn ten_kilometres_away_a_course_is_the_same() {
+    let lame = Model { wheel_lag: 0.05, axis_offset: 0.03, ..model() };
+    for (model, imperfection) in
+        [(model(), Imperfection::default()), (lame, Imperfection::default()), (model(), imperfection())]
+    {
+        let run = |offset: DVec2| {
+            let start = Pose { position: offset, ..Pose::new(0.0, 0.0, 0.3) };
+            let mut motion = robot(model.clone(), vec![], start).with_imperfection(3, imperfection).expect("sound");
+            let mut at = Time::ZERO;
+            for n in 0..200 {
+                let command = drive(0.3 - 0.01 * f64::from(n % 50), 0.1 * f64::from(n % 17) - 0.8, 0.5);
+                motion.command(at, command, &[]).expect("sound");
+                at = motion.drive_end().expect("an end");
+            }
+            (motion.pose(at).position - offset, at)
+        };
+        let (here, end_here) = run(DVec2::ZERO);
+        let (there, end_there) = run(DVec2::new(1e4, -1e4));
+        assert_eq!(end_here, end_there);
+        assert!((here - there).length() < 1e-9, "{here} and {there}");
+    }
+}
+
+/// Criterion: a million moves of a micrometre are a metre, to the rounding of each; forwards and back is where it was.
+#[test]
+fn a_million_moves_of_a_micrometre_are_a_metre() {
+    let mut motion = robot(model(), vec![], Pose::new(0.0, 0.0, 0.5));
+    let mut world = World::new(Arc::new(Walls::new(vec![])), Time::from_millis(50), [&mut motion]);
+    let mut at = Time::ZERO;
+    for _ in 0..1_000_000 {
+        motion.command(at, drive(1e-6, 0.0, 1e-5), &[]).expect("sound");
+        at = motion.drive_end().expect("an end");
+        while world.slot_end() <= at {
+            world.advance(&mut [&mut motion]);
+        }
+    }
+    let expected = DVec2::new(math::cos(0.5), math::sin(0.5));
+    assert!((motion.pose(at).position - expected).length() < 1e-10, "{:?}", motion.pose(at));
+    assert!((motion.odometry(at).position - DVec2::X).length() < 1e-10);
+    motion.command(at, drive(-1.0, 0.0, 1.0), &[]).expect("sound");
+    let end = motion.drive_end().expect("an end");
+    assert!(motion.pose(end).position.length() < 1e-10);
+}
+
+/// Criterion: moves of nothing are done at once and move nothing, also with lag, controllers and imperfections; those of
+/// negative length go back as far as the same move goes forwards.
+#[test]
+fn moves_of_nothing_and_backwards_end_for_every_kind_of_robot() {
+    let lame = Model { wheel_lag: 0.05, ..model() };
+    for (model, imperfection) in
+        [(model(), Imperfection::default()), (lame, Imperfection::default()), (model(), imperfection())]
+    {
+        let new = || robot(model.clone(), vec![], Pose::default()).with_imperfection(8, imperfection).expect("sound");
+        for (length, angle) in [(0.0, 0.0), (-0.0, -0.0), (5e-324, 0.0), (0.0, -5e-324), (1e-300, 1e-300)] {
+            let mut motion = new();
+            motion.command(Time(11), drive(length, angle, 0.0), &[]).expect("sound");
+            let end = motion.drive_end().unwrap_or_else(|| panic!("no end of {length} m, {angle} rad"));
+            assert!(end <= Time(20_000), "{end:?}");
+            assert!(motion.pose(end).position.length() < 1e-12 && motion.is_drive_done(end));
+        }
+        for length in [1e-6, 1e-9, 0.2] {
+            let ends = [length, -length].map(|length| {
+                let mut motion = new();
+                motion.command(Time::ZERO, drive(length, 0.0, 1.0), &[]).expect("sound");
+                let end = motion.drive_end().expect("an end");
+                motion.state(end).wheels[0]
+            });
+            assert!((ends[0] + ends[1]).abs() <= 1e-12 * length && ends[0] > 0.0, "{ends:?}");
+        }
+    }
+}
+
+/// Criterion: controllers that ask for more than the wheels can do reach the limit and no more, and after that a set speed
+/// within it in less than 0.3 s: no sum has been wound up. Gains of any size leave all numbers finite.
+#[test]
+fn saturated_controllers_stay_within_the_limit_and_come_back() {
+    let lame = Model { wheel_lag: 0.06, max_wheel_rate: 20.0, ..model() };
+    let limit = 0.5; // m/s
+    let mut motion = robot(lame.clone(), vec![], Pose::default());
+    motion.start_control(Time::ZERO, Gains { vv: 3.0, tv: 0.1, vw: 3.0, tw: 0.1 }).expect("sound");
+    motion.command(Time::ZERO, Command::Twist(Twist::new(40.0, 0.0)), &[]).expect("sound");
+    for second in 1..=60 {
+        let speed = motion.speed(Time(second * 1_000_000)).vx;
+        assert!(speed <= limit + 1e-9 && speed > limit - 1e-3, "{speed} m/s");
+    }
+    let at = Time(60_000_000);
+    motion.command(at, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("sound");
+    let speed = motion.speed(at + Time(300_000)).vx;
+    assert!((speed - 0.1).abs() < 0.02, "{speed} m/s");
+    // A drive beyond the limit takes longer and ends at its mark.
+    motion.command(at + Time(1_000_000), drive(0.5, 0.0, 1e-9), &[]).expect("sound");
+    let before = motion.path_length(at + Time(1_000_000));
+    let end = motion.drive_end().expect("an end");
+    assert!((motion.path_length(end) - before - 0.5).abs() < 1e-9 && end > at + Time(1_900_000));
+    for factor in [0.0, 1e-300, 1e12] {
+        for integral_time in [1e-12, 1.0, 1e12] {
+            let mut motion = robot(lame.clone(), room(DVec2::splat(-1.0), 2.0), Pose::default());
+            let gains = Gains { vv: factor, tv: integral_time, vw: factor, tw: integral_time };
+            motion.start_control(Time::ZERO, gains).expect("sound");
+            motion.command(Time::ZERO, Command::Twist(Twist::new(0.3, 0.5)), &[]).expect("sound");
+            for step in 0..500 {
+                let state = motion.state(Time(step * 10_000));
+                let numbers = [state.world_from_axle.position.x, state.world_from_axle.position.y, state.wheels[0]];
+                assert!(numbers.iter().all(|number| number.is_finite()), "{state:?} with {gains:?}");
+                assert!(state.world_from_axle.position.abs().max_element() < 1.0);
+            }
+        }
+    }
+}
+
+/// Criterion: a robot that has stood for a year moves then as it does at first.
+#[test]
+fn a_year_later_a_drive_is_the_same() {
+    let year = Time(365 * 86_400 * 1_000_000);
+    let ends = [Time::ZERO, year].map(|start| {
+        let mut motion = robot(model(), vec![], Pose::new(0.0, 0.0, PI / 3.0));
+        motion.command(start, drive(0.7, 1.3, 1.1), &[]).expect("sound");
+        let end = motion.drive_end().expect("an end");
+        (end - start, motion.state(start + Time(543_210)), motion.pose(end))
+    });
+    assert_eq!(ends[0], ends[1]);
+}

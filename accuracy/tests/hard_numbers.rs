@@ -1,0 +1,194 @@
+//! NaN, infinities and the ends of the doubles through every number of a motion's and a world's interface.
+//!
+//! Criterion: each is refused, or taken and all poses stay finite; and the robot then drives to its mark.
+
+use std::sync::Arc;
+
+use accuracy::course::model;
+use glam::DVec2;
+use sim_core::drive::{Command, DriveKind, Gains, Model, Motion, Pid};
+use sim_core::object::{Part, Properties, Resistance, Shape};
+use sim_core::pose::{Pose, Twist};
+use sim_core::scene::{Segment, Walls};
+use sim_core::time::Time;
+use sim_core::world::World;
+use sim_core::{ObjectId, RobotId};
+
+const UGLY: [f64; 18] = [
+    f64::NAN,
+    f64::INFINITY,
+    f64::NEG_INFINITY,
+    f64::MAX,
+    f64::MIN,
+    1e300,
+    -1e300,
+    1e13,
+    -1e13,
+    1e12,
+    -1e12,
+    f64::MIN_POSITIVE,
+    5e-324,
+    -5e-324,
+    1e-300,
+    0.0,
+    -0.0,
+    -1.0,
+];
+
+fn robots() -> Vec<Motion> {
+    let walls = Arc::new(Walls::new(vec![Segment::new(DVec2::new(2.0, -3.0), DVec2::new(2.0, 3.0))]));
+    let kinds = [DriveKind::Differential, DriveKind::Ackermann, DriveKind::Omni];
+    let models = kinds.into_iter().flat_map(|kind| [0.0, 0.05].map(|wheel_lag| Model { kind, wheel_lag, ..model() }));
+    models.map(|model| Motion::new(RobotId(1), Arc::new(model), walls.clone(), Pose::default())).collect()
+}
+
+fn is_finite(motion: &mut Motion, at: Time) -> bool {
+    let state = motion.state(at);
+    let numbers = [
+        state.world_from_axle.position.x,
+        state.world_from_axle.position.y,
+        state.world_from_axle.heading.remainder(),
+        state.odometry.position.x,
+        state.odometry.position.y,
+        state.odometry.heading.remainder(),
+        state.path,
+        motion.drive_remaining(at),
+        motion.steering(at),
+    ];
+    let speed = motion.speed(at);
+    numbers.iter().chain(&state.wheels).all(|number| number.is_finite()) && speed.is_finite()
+}
+
+/// What is asked of a robot with an ugly number; true when it was taken.
+type Question = Box<dyn Fn(&mut Motion, Time, f64) -> bool>;
+
+fn command(make: impl Fn(f64) -> Command + 'static) -> Question {
+    Box::new(move |motion, at, number| motion.command(at, make(number), &[]).is_ok())
+}
+
+fn questions() -> Vec<(&'static str, Question)> {
+    let twist = |vx, vy, omega| Twist { vx, vy, omega };
+    let drive = |displacement, duration| Command::Drive { displacement, duration };
+    let gains = |place: usize, number: f64| {
+        let mut values = [2.0, 0.3, 2.0, 0.3];
+        values[place] = number;
+        let [vv, tv, vw, tw] = values;
+        Gains { vv, tv, vw, tw }
+    };
+    let mut all: Vec<(&'static str, Question)> = vec![
+        ("wheels", command(|n| Command::Wheels([n, 1.0, 1.0, 1.0]))),
+        ("all wheels", command(|n| Command::Wheels([n; 4]))),
+        ("wheel", command(|n| Command::Wheel { wheel: 0, rate: n })),
+        ("wheel speed", command(|n| Command::WheelSpeed { wheel: 0, rate: n })),
+        ("steer", command(Command::Steer)),
+        ("v", command(move |n| Command::Twist(twist(n, 0.0, 0.1)))),
+        ("sideways", command(move |n| Command::Twist(twist(0.1, n, 0.1)))),
+        ("omega", command(move |n| Command::Twist(twist(0.1, 0.0, n)))),
+        ("length", command(move |n| drive(twist(n, 0.0, 0.1), 1.0))),
+        ("side", command(move |n| drive(twist(0.1, n, 0.1), 1.0))),
+        ("angle", command(move |n| drive(twist(0.1, 0.0, n), 1.0))),
+        ("turn on the spot", command(move |n| drive(twist(0.0, 0.0, n), 0.0))),
+        ("duration", command(move |n| drive(twist(0.1, 0.0, 0.1), n))),
+        ("x", Box::new(|motion, at, n| motion.place(at, Pose::new(n, 0.0, 0.0)).is_ok())),
+        ("y", Box::new(|motion, at, n| motion.place(at, Pose::new(0.0, n, 0.0)).is_ok())),
+        ("phi", Box::new(|motion, at, n| motion.place(at, Pose::new(0.0, 0.0, n)).is_ok())),
+        ("odometry x", Box::new(|motion, at, n| motion.set_odometry(at, Pose::new(n, 0.0, 0.0)).is_ok())),
+        ("odometry y", Box::new(|motion, at, n| motion.set_odometry(at, Pose::new(0.0, n, 0.0)).is_ok())),
+        ("odometry phi", Box::new(|motion, at, n| motion.set_odometry(at, Pose::new(0.0, 0.0, n)).is_ok())),
+    ];
+    for place in 0..4 {
+        all.push(("gains", Box::new(move |motion, at, n| motion.start_control(at, gains(place, n)).is_ok())));
+    }
+    for place in 0..3 {
+        let pid = move |n: f64| {
+            let mut values = [2.0, 1.0, 0.01];
+            values[place] = n;
+            Pid { p: values[0], i: values[1], d: values[2] }
+        };
+        all.push(("pid", Box::new(move |motion, at, n| motion.start_wheel_control(at, 0, pid(n)).is_ok())));
+    }
+    all
+}
+
+#[test]
+fn every_number_of_a_motion_is_refused_or_leaves_all_finite() {
+    for (name, ask) in questions() {
+        for number in UGLY {
+            for (place, mut motion) in robots().into_iter().enumerate() {
+                let begin = Time(3);
+                motion.command(begin, Command::Twist(Twist::new(0.1, 0.05)), &[]).expect("sound");
+                motion.start_wheel_control(begin, 0, Pid { p: 1.0, i: 1.0, d: 0.0 }).expect("sound");
+                let at = Time(33_333);
+                let (revision, before) = (motion.revision(), motion.state(at));
+                let is_taken = ask(&mut motion, at, number);
+                let what = format!("{name} {number} of robot {place}");
+                assert!(!is_taken || number.is_finite() || name.ends_with("phi"), "{what} was taken");
+                if !is_taken {
+                    assert_eq!((motion.revision(), motion.state(at)), (revision, before), "{what} changed something");
+                }
+                // Up to a day ahead, without ticks; the ends of drives too.
+                let ahead = if motion.model().wheel_lag > 0.0 { 1_000_000 } else { 86_400_000_000 };
+                for later in [0, 1, 10_000, 500_000, ahead] {
+                    assert!(is_finite(&mut motion, at + Time(later)), "{what}: {:?}", motion.state(at + Time(later)));
+                }
+                motion.contacts(at + Time(ahead));
+                // Back from there it drives as ever.
+                let back = at + Time(ahead);
+                motion.stop_control(back);
+                motion.stop_wheel_control(back, 0).expect("a wheel");
+                motion.place(back, Pose::default()).expect("sound");
+                motion.set_odometry(back, Pose::default()).expect("sound");
+                let drive = Command::Drive { displacement: Twist::new(0.5, 0.5), duration: 1.0 };
+                motion.command(back, drive, &[]).expect("sound");
+                let end = motion.drive_end().unwrap_or_else(|| panic!("{what}: the drive has no end"));
+                let mark = Pose::default().moved(Twist::new(0.5, 0.5)).position;
+                let found = motion.odometry(end).position;
+                // With a lag a curve is a little different.
+                assert!((found - mark).length() < 0.02, "{what}: {found} for {mark}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_number_of_a_world_is_refused_or_leaves_all_finite() {
+    let ball = Arc::new(Properties {
+        mass: 0.1,
+        centre_of_mass: DVec2::ZERO,
+        parts: vec![Part { shape: Shape::Disc { radius: 0.05 }, object_from_part: Pose::default() }],
+        resistance: Resistance::Rolling(0.02),
+        restitution: 0.5,
+        contact_friction: 0.3,
+    });
+    for number in UGLY {
+        let walls = Arc::new(Walls::new(vec![Segment::new(DVec2::new(2.0, -3.0), DVec2::new(2.0, 3.0))]));
+        let mut motion = Motion::new(RobotId(1), Arc::new(model()), walls.clone(), Pose::default());
+        let world = World::new(walls, Time::from_millis(50), [&mut motion]);
+        let mut world = world.with_objects([(ball.clone(), Pose::new(0.5, 0.5, 0.0))]);
+        let object = ObjectId(1);
+        for place in [Pose::new(number, 0.5, 0.0), Pose::new(0.5, number, 0.0), Pose::new(0.5, 0.5, number)] {
+            let is_taken = world.place_object(object, place).is_ok();
+            assert!(!is_taken || place.position.is_finite(), "{place:?}");
+            world.advance(&mut [&mut motion]);
+            let pose = world.object_pose(object, world.slot_start());
+            assert!(pose.position.is_finite() && pose.heading.remainder().is_finite(), "{pose:?} after {place:?}");
+        }
+        world.place_object(object, Pose::new(0.5, 0.5, 0.0)).expect("sound");
+        world.advance(&mut [&mut motion]);
+        for (origin, direction, range) in [
+            (DVec2::new(number, 0.1), DVec2::X, 5.0),
+            (DVec2::new(0.1, number), DVec2::Y, 5.0),
+            (DVec2::ZERO, DVec2::X, number),
+            (DVec2::ZERO, DVec2::new(number, 0.0), 5.0),
+            (DVec2::ZERO, DVec2::new(0.5, number), 5.0),
+        ] {
+            let hit = world.cast(RobotId(1), origin, direction, range, world.slot_start());
+            let is_sound = hit.is_none_or(|hit| hit.distance >= 0.0 && hit.distance.is_finite());
+            assert!(is_sound, "{hit:?} from {origin} along {direction} to {range}");
+        }
+        motion.command(world.slot_start(), Command::Twist(Twist::new(0.2, 0.0)), &[]).expect("sound");
+        let start = motion.pose(world.slot_start()).position.x;
+        world.advance(&mut [&mut motion]);
+        assert!((motion.pose(world.slot_start()).position.x - start - 0.01).abs() < 1e-12);
+    }
+}
