@@ -7,7 +7,8 @@ use std::sync::Arc;
 use anyhow::{Context, anyhow};
 use sim_core::build;
 use sim_core::drive::Motion;
-use sim_core::format::{ObjectSpec, PathRef, RobotSpec, SceneSpec, Span};
+use sim_core::format::{NoiseRef, ObjectSpec, PathRef, RobotSpec, SceneSpec, Span};
+use sim_core::noise::Profile;
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
@@ -257,6 +258,7 @@ pub fn build_world(
     let walls = build::obstacles(scene);
     let census = Arc::new(census(scene));
     let mut models = BTreeMap::new();
+    let mut profiles = Profiles::default();
     let mut robots = Vec::with_capacity(scene.robots.len());
     for (spec, program) in scene.robots.iter().zip(&programs.of_robots) {
         let model = models.entry(&spec.robi.file).or_insert_with(|| Arc::new(build::model(&spec.robi)));
@@ -271,9 +273,15 @@ pub fn build_world(
             Remote::scripted(remote.iter().filter_map(|press| Some((press.at, press.touch.remote_key()?))));
         devices.storage = Storage::new(Path::new(&scene.folder));
         devices.os.may_execute = options.may_execute;
+        let mut motion = Motion::new(spec.id, Arc::clone(model), Arc::clone(&walls), spec.start);
+        if let Some(profile) = profiles.of(spec) {
+            devices = devices.with_errors(&spec.robi, &profile, options.seed, spec.id);
+            let imperfection = profile.motion.imperfection(model.kind, options.seed, spec.id);
+            motion = motion.with_imperfection(options.seed, imperfection).context("noise of the drive")?;
+        }
         let mut robot = Robot::new(RobotParts {
             program: program.as_ref().map(|program| program.name.clone()).unwrap_or_default(),
-            motion: Motion::new(spec.id, Arc::clone(model), Arc::clone(&walls), spec.start),
+            motion,
             spec: Arc::clone(&spec.robi),
             devices,
             seed: options.seed,
@@ -285,6 +293,25 @@ pub fn build_world(
     let world = World::new(walls, options.slot, robots.iter_mut().map(|robot| &mut robot.motion));
     let objects = build::movable(scene).map(|object| (build::properties(object), object.pose));
     Ok((world.with_objects(objects).with_space(build::space(scene)), robots))
+}
+
+/// The noise profiles of the robots, each made once.
+#[derive(Default)]
+struct Profiles<'a> {
+    made: Vec<(&'a NoiseRef, Option<Arc<Profile>>)>,
+}
+
+impl<'a> Profiles<'a> {
+    /// The profile of a robot; `None` where it has no errors.
+    fn of(&mut self, robot: &'a RobotSpec) -> Option<Arc<Profile>> {
+        let noise = robot.noise.as_ref()?;
+        if let Some((_, made)) = self.made.iter().find(|(known, _)| *known == noise) {
+            return made.clone();
+        }
+        let made = noise.profile().map(Arc::new);
+        self.made.push((noise, made.clone()));
+        made
+    }
 }
 
 /// The robots and objects of a scene by their numbers for programs.

@@ -13,7 +13,7 @@ use super::spec::{
 };
 use super::{
     MeshReader, NoiseRef, Span, clearance, line, path, place, read_companion, read_costs, read_esobj, read_maze,
-    read_noise, read_robi, read_scene, read_sim, read_world,
+    read_noise, read_robi, read_scene, read_sim, read_world, unknown_sensors,
 };
 
 /// The file system as the readers see it; paths have slashes.
@@ -108,6 +108,7 @@ pub fn load_scene_with(path: &str, seed: Option<u64>, files: &dyn Files) -> Load
         settings: sim.settings,
         run: RunSpec { costs, ..sim.run },
     };
+    loader.diagnostics.extend(unknown_sensors(&scene.robots));
     loader.diagnostics.extend(clearance::check(&scene, placed.of_world));
     loader.finish(scene)
 }

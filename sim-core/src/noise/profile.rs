@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{Angle, Image, Motion, Range};
+use crate::sensor::RangeModel;
 
 /// Kinds of devices that measure distances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -25,9 +26,9 @@ impl RangeKind {
     /// All kinds, in the order of a profile.
     pub const ALL: [Self; 6] = [Self::Psd, Self::Laser, Self::Ultrasonic, Self::Reflectance, Self::Sonar, Self::Lidar];
 
-    /// True for those that France et al. give a noise N of their own.
+    /// True for those whose type gives them a noise N of their own, after France et al.
     pub const fn has_own_noise(self) -> bool {
-        matches!(self, Self::Laser | Self::Ultrasonic | Self::Reflectance)
+        !matches!(self, Self::Psd | Self::Lidar)
     }
 
     /// Its section of a profile.
@@ -39,6 +40,18 @@ impl RangeKind {
             Self::Reflectance => "reflectance",
             Self::Sonar => "sonar",
             Self::Lidar => "lidar",
+        }
+    }
+}
+
+impl From<&RangeModel> for RangeKind {
+    fn from(model: &RangeModel) -> Self {
+        match model {
+            RangeModel::Psd { .. } => Self::Psd,
+            RangeModel::Laser(_) => Self::Laser,
+            RangeModel::Ultrasonic(_) => Self::Ultrasonic,
+            RangeModel::Reflectance(_) => Self::Reflectance,
+            RangeModel::Sonar(_) => Self::Sonar,
         }
     }
 }

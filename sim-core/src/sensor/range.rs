@@ -79,6 +79,26 @@ impl RangeModel {
     }
 }
 
+impl RangeModel {
+    /// The least and the greatest distance that it measures, m.
+    pub fn limits(&self) -> [f64; 2] {
+        match self {
+            Self::Psd { range } => [0.0, *range],
+            Self::Laser(echo) | Self::Ultrasonic(echo) | Self::Reflectance(echo) => [echo.min, echo.max],
+            Self::Sonar(sonar) => [sonar.min, sonar.max],
+        }
+    }
+
+    /// What it reads where it measures nothing.
+    pub fn nothing(&self) -> Reading {
+        let distance = match self {
+            Self::Psd { .. } | Self::Sonar(_) => None,
+            Self::Laser(echo) | Self::Ultrasonic(echo) | Self::Reflectance(echo) => Some(echo.max),
+        };
+        Reading { distance, signal: 0.0 }
+    }
+}
+
 impl RangeSensor {
     /// Pose of the sensor of a robot in this posture.
     ///

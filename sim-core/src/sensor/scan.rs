@@ -66,6 +66,11 @@ impl Scan {
         Self { mount, spacing, range, slope, cos_tilt: math::cos(tilt), rays }
     }
 
+    /// How far it sees along a ray, m; may be infinite.
+    pub fn range(&self) -> f64 {
+        self.range
+    }
+
     /// Number of rays.
     pub fn len(&self) -> usize {
         self.rays.len()

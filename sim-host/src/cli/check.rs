@@ -150,6 +150,7 @@ fn check_one(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> L
         }
         "robi" => check_robi(name, files),
         "toml" if is_scene(name, files) => check_sim(name, files, find_program),
+        "toml" if is_noise(name, files) => format::load_noise(name, files).1,
         "toml" => check_robi(&format!("{stem}.robi"), files),
         _ => Loaded { diagnostics: vec![unknown_kind(name)], ..Loaded::default() },
     }
@@ -161,7 +162,13 @@ pub(super) fn is_scene(name: &str, files: &dyn Files) -> bool {
     format::is_scene(name, &text)
 }
 
-/// Extensions of the files that are taken from a folder, besides `.scene.toml`. A companion is read with its robi.
+/// Whether the file is a noise profile.
+fn is_noise(name: &str, files: &dyn Files) -> bool {
+    let text = files.read(name).map_or(String::new(), |bytes| format::decode(&bytes).0);
+    format::is_noise(name, &text)
+}
+
+/// Extensions of the files that are taken from a folder, besides `.scene.toml` and `.noise.toml`. A companion is read with its robi.
 const EXTENSIONS: [&str; 6] = ["sim", "wld", "maz", "maze", "robi", "esObj"];
 
 fn check_sim(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
@@ -238,7 +245,7 @@ fn on_file(code: Code, name: &str, message: &str, expected: &str) -> Diagnostic 
 }
 
 fn unknown_kind(name: &str) -> Diagnostic {
-    let expected = "a name that ends in .sim, .scene.toml, .robi, .toml, .wld, .maz, .maze or .esObj";
+    let expected = "a name that ends in .sim, .scene.toml, .noise.toml, .robi, .toml, .wld, .maz, .maze or .esObj";
     on_file(Code::FileKind, name, "the name does not say which kind of file this is", expected)
 }
 
@@ -255,7 +262,8 @@ fn expand(paths: &[PathBuf], files: &mut DiskFiles) -> (Vec<String>, Vec<Diagnos
         let before = (names.len(), diagnostics.len());
         let mut take = |found: &Path| {
             let name = files.name(found);
-            if is_known(found) || found.extension().is_some_and(|it| it == "toml") && is_scene(&name, files) {
+            let is_toml = found.extension().is_some_and(|it| it == "toml");
+            if is_known(found) || is_toml && (is_scene(&name, files) || is_noise(&name, files)) {
                 names.push(name);
             }
         };
@@ -307,6 +315,7 @@ fn walk(folder: &Path, file: &mut dyn FnMut(&Path), unreadable: &mut dyn FnMut(&
 fn is_known(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     name.ends_with(format::SCENE_EXTENSION)
+        || name.ends_with(format::NOISE_EXTENSION)
         || path
             .extension()
             .is_some_and(|extension| EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known)))

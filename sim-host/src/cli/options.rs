@@ -5,11 +5,13 @@ use std::path::Path;
 
 use anyhow::{Context, anyhow, bail, ensure};
 use sim_core::RobotId;
-use sim_core::format::{CostsRef, InputFile, RobotSpec, SceneSpec};
+use sim_core::format::{
+    CostsRef, InputFile, Loaded, NoiseRef, Preset, RobotSpec, SceneSpec, load_noise, unknown_sensors,
+};
 use sim_core::time::Time;
 
 use super::run::RunArgs;
-use crate::files::slashed;
+use crate::files::{DiskFiles, slashed};
 use crate::program::Generation;
 use crate::program::words::split_words;
 use crate::record::log::{Filter, Pattern};
@@ -154,6 +156,37 @@ pub fn give_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> anyhow
     for (index, (_, program)) in given {
         scene.robots[index].program = Some(program_of_command_line(program));
     }
+    Ok(())
+}
+
+/// Gives all robots of a scene the noise profile `name` of the command line: a preset or a file.
+///
+/// # Errors
+/// A name that is neither. What is wrong in the file is among the scene's diagnostics.
+pub fn give_noise(loaded: &mut Loaded, name: &str, files: &mut DiskFiles) -> anyhow::Result<()> {
+    let noise = match Preset::of_name(name) {
+        Some(preset) => NoiseRef::Preset(preset),
+        None => {
+            let path = Path::new(name);
+            let is_file = path.extension().is_some_and(|it| it.eq_ignore_ascii_case("toml")) || path.exists();
+            ensure!(
+                is_file,
+                "`{name}` is no noise profile: expected one of {}, or a file NAME.toml",
+                Preset::ALL.map(Preset::name).join(", ")
+            );
+            let (noise, read) = load_noise(&files.name(path), files);
+            loaded.diagnostics.extend(read.diagnostics);
+            // The scene may name it, too.
+            let is_new = |input: &InputFile| loaded.inputs.iter().all(|known| known.path != input.path);
+            let new: Vec<InputFile> = read.inputs.into_iter().filter(is_new).collect();
+            loaded.inputs.extend(new);
+            noise.unwrap_or(NoiseRef::Preset(Preset::None))
+        }
+    };
+    let robots = &mut loaded.scene.robots;
+    robots.iter_mut().for_each(|robot| robot.noise = Some(noise.clone()));
+    loaded.scene.run.noise = Some(noise);
+    loaded.diagnostics.extend(unknown_sensors(&loaded.scene.robots));
     Ok(())
 }
 

@@ -21,7 +21,7 @@ use sim_core::time::Time;
 
 use super::cc::parse_api;
 use super::diagnostic::{self, Colour, Format};
-use super::options::{Options, ProgramOption};
+use super::options::{Options, ProgramOption, give_noise};
 use super::output;
 use super::progress::{Building, Counts, Progress};
 use super::table::{self, Screen};
@@ -95,6 +95,9 @@ pub struct RunArgs {
     /// Virtual time that RoBIOS calls take, as TOML, in place of the scene's
     #[arg(long, value_name = "FILE")]
     pub costs: Option<PathBuf>,
+    /// Errors of devices and drives of all robots, in place of the scene's: none, mild, real, harsh, or a noise profile
+    #[arg(long, value_name = "NAME|FILE")]
+    pub noise: Option<String>,
     /// Let programs run commands of this machine with `OSExecute`: what they do is outside of the simulation
     #[arg(long)]
     pub allow_execute: bool,
@@ -184,6 +187,9 @@ pub fn carry_out(args: &RunArgs) -> anyhow::Result<Option<Ran>> {
     expect_scene(&args.sim)?;
     let mut files = DiskFiles::of_environment();
     let mut loaded = load_scene_with(&files.name(&args.sim), args.seed, &files);
+    if let Some(noise) = &args.noise {
+        give_noise(&mut loaded, noise, &mut files).context("--noise")?;
+    }
     if let Some(CostsRef::Table(table)) = loaded.scene.run.costs.as_ref().filter(|_| args.costs.is_none()) {
         loaded.diagnostics.extend(check::unknown_functions(table));
     }

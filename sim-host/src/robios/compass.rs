@@ -7,6 +7,7 @@ use robios_sys::Robios6Call as Call;
 use robios_sys::robios6::hdt_type::HDT_COMPASS;
 use sim_core::drive::Motion;
 use sim_core::format::CompassSpec;
+use sim_core::noise::{AngleErrors, Events};
 use sim_core::pose::Heading;
 use sim_core::time::Time;
 use sim_core::unit;
@@ -19,7 +20,7 @@ use crate::record::Event;
 pub const CYCLE: Time = Time::from_millis(100);
 
 /// The compass of a robot.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Compass {
     /// True between `COMPASSInit` and `COMPASSRelease`.
     pub is_open: bool,
@@ -27,6 +28,8 @@ pub struct Compass {
     taken: Option<Time>,
     /// Degrees measured at `taken`, once computed.
     degrees: Option<i32>,
+    /// `None` where it is exact.
+    pub errors: Option<AngleErrors>,
 }
 
 impl Compass {
@@ -106,7 +109,9 @@ pub fn stop(robot: &mut Robot) -> i32 {
 
 /// `COMPASSRelease`
 pub fn release(robot: &mut Robot) -> i32 {
-    let was_open = std::mem::take(&mut robot.devices.compass).is_open;
+    let compass = &mut robot.devices.compass;
+    let (was_open, errors) = (compass.is_open, compass.errors.take());
+    *compass = Compass { errors, ..Compass::default() };
     if was_open { 0 } else { robot.failed(Call::COMPASSRelease, 1) }
 }
 
@@ -134,18 +139,25 @@ pub fn settle(robot: &mut Robot) {
 
 fn read(robot: &mut Robot) -> Option<i32> {
     let Robot { now, motion, spec, devices, .. } = robot;
-    devices.compass.read(*now, |at| measure(spec.compass.as_ref(), motion, at))
+    let compass = &mut devices.compass;
+    let errors = compass.errors.clone();
+    compass.read(*now, |at| measure(spec.compass.as_ref(), motion, at, errors.as_ref()))
 }
 
-fn measure(compass: Option<&CompassSpec>, motion: &mut Motion, at: Time) -> i32 {
-    compass.map_or(0, |compass| degrees_from_heading(motion.pose(at).heading, compass.north))
+fn measure(compass: Option<&CompassSpec>, motion: &mut Motion, at: Time, errors: Option<&AngleErrors>) -> i32 {
+    let Some(compass) = compass else { return 0 };
+    let exact = angle_from_heading(motion.pose(at).heading, compass.north);
+    whole_degrees(errors.map_or(exact, |errors| errors.reading(Events::index(at, CYCLE), exact)))
 }
 
-/// What a compass reads on a robot of this heading, 0 to 359: whole degrees clockwise from `north` (a world direction in
-/// radians, counter-clockwise from x).
-pub fn degrees_from_heading(heading: Heading, north: f64) -> i32 {
-    let clockwise = unit::degrees_from_radians(Heading::new(north).remainder() - heading.remainder());
-    (clockwise.round() as i32).rem_euclid(360)
+/// Angle of a robot of this heading clockwise from `north` (a world direction in radians, counter-clockwise from x).
+fn angle_from_heading(heading: Heading, north: f64) -> f64 {
+    Heading::new(north).remainder() - heading.remainder()
+}
+
+/// What a compass tells of an angle: whole degrees, 0 to 359.
+fn whole_degrees(angle: f64) -> i32 {
+    (unit::degrees_from_radians(angle).round() as i32).rem_euclid(360)
 }
 
 #[cfg(test)]
@@ -156,7 +168,7 @@ mod tests {
 
     #[test]
     fn degrees_run_clockwise_from_north() {
-        let reading = |heading: f64| degrees_from_heading(Heading::new(heading), PI / 2.0);
+        let reading = |heading: f64| whole_degrees(angle_from_heading(Heading::new(heading), PI / 2.0));
         assert_eq!([PI / 2.0, 0.0, -PI / 2.0, PI].map(reading), [0, 90, 180, 270]);
         assert_eq!(reading(PI / 2.0 + 0.001), 0, "359.94 rounds to 0, not to 360");
     }

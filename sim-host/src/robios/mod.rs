@@ -62,8 +62,10 @@ use std::sync::Arc;
 
 use robios_sys::Robios7Call as Call7;
 use robios_sys::robios6::semantics::SEMANTICS;
+use sim_core::RobotId;
 use sim_core::drive::{Command, CommandError};
 use sim_core::format::RobiSpec;
+use sim_core::noise::{AngleErrors, Profile};
 use sim_core::time::Time;
 use sim_core::world::World;
 
@@ -138,6 +140,14 @@ impl Devices {
     /// The same for a program of RoBIOS-7.
     pub fn of_robios7(spec: &RobiSpec, keys: key::Keys) -> Self {
         Self { screen: Some(new_screen(spec)), ..Self::new(spec, keys) }
+    }
+
+    /// These devices with the errors of `profile` on `robot`, in a run with `seed`.
+    pub fn with_errors(mut self, spec: &RobiSpec, profile: &Profile, seed: u64, robot: RobotId) -> Self {
+        self.ranges = self.ranges.with_errors(spec, profile, seed, robot);
+        let compass = spec.compass.as_ref();
+        self.compass.errors = compass.map(|it| AngleErrors::new(profile.compass, seed, robot, &it.name));
+        self
     }
 
     /// Takes the display out, at the end of the run.

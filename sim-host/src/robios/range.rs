@@ -4,9 +4,11 @@
 //! where the world becomes a reading; [`super::psd`] and [`super::psd7`] give it to programs.
 
 use glam::DVec3;
+use sim_core::RobotId;
 use sim_core::build;
 use sim_core::drive::Motion;
-use sim_core::format::{LidarSpec, RobiSpec};
+use sim_core::format::{LIDAR, LidarSpec, RobiSpec};
+use sim_core::noise::{Events, Profile, RangeErrors, RangeKind};
 use sim_core::pose::Pose3;
 use sim_core::sensor::{Beam, Fan, Link, Mount, Posture, RangeModel, RangeSensor, Reading, Scan};
 use sim_core::time::Time;
@@ -21,7 +23,24 @@ pub struct Ranges {
     links: Vec<Link>,
     /// By servo its angles at positions 0 and 255, rad.
     swings: Vec<[f64; 2]>,
+    /// `None` where all readings are exact.
+    errors: Option<Box<Errors>>,
 }
+
+/// The errors of the sensors of a robot.
+#[derive(Clone, Debug)]
+struct Errors {
+    /// By sensor, with sigma and mean of the noise that its type has.
+    sensors: Vec<(RangeErrors, [f64; 2])>,
+    lidar: RangeErrors,
+}
+
+/// How long a range sensor holds a reading: it measures in cycles of this length, and what is read within one has the
+/// same errors, however often that is. Source: the cycle of the PSDs; for the others our choice.
+const CYCLE: Time = super::psd::CYCLE;
+
+/// A laser scanner measures when it is told to.
+const SCAN: Time = Time(1);
 
 /// A range sensor of a robot.
 #[derive(Clone, Debug)]
@@ -65,27 +84,58 @@ impl Ranges {
             sensors: sensors.map(|(level, sensor)| level.unwrap_or(Sensor::InSpace(sensor))).collect(),
             links: build::links(spec),
             swings: spec.all_servos().into_iter().map(|servo| servo.swing).collect(),
+            errors: None,
         }
+    }
+
+    /// These sensors, which `spec` describes, with the errors of `profile` on `robot` in a run with `seed`.
+    pub fn with_errors(self, spec: &RobiSpec, profile: &Profile, seed: u64, robot: RobotId) -> Self {
+        let errors_of = |kind, name: &str| RangeErrors::new(profile.range(kind, name), seed, robot, name);
+        let psds = spec.psds.iter().map(|psd| (errors_of(RangeKind::Psd, &psd.name), [0.0; 2]));
+        let others = spec.ranges.iter();
+        let others = others.map(|it| (errors_of((&it.model).into(), &it.name), [it.sigma, it.mean]));
+        let sensors = psds.chain(others).collect();
+        let errors = Errors { sensors, lidar: errors_of(RangeKind::Lidar, LIDAR) };
+        Self { errors: Some(Box::new(errors)), ..self }
     }
 
     /// What sensor `index` reads at `at`; `None` if there is no such sensor. Its servos stand as they did just before.
     pub fn read(&self, index: usize, servos: &Servos, motion: &mut Motion, world: &World, at: Time) -> Option<Reading> {
         let world_from_robot = motion.pose(at);
-        Some(match self.sensors.get(index)? {
+        let event = Events::index(at, CYCLE);
+        let errors = self.errors.as_ref().and_then(|errors| errors.sensors.get(index));
+        let (model, exact) = match self.sensors.get(index)? {
             Sensor::Level(beam) => {
                 let distance = beam.distance(world, motion.id(), &world_from_robot, at);
-                Reading { distance, signal: if distance.is_some() { 1.0 } else { 0.0 } }
+                let signal = if distance.is_some() { 1.0 } else { 0.0 };
+                (RangeModel::Psd { range: beam.range }, Reading { distance, signal })
             }
             Sensor::InSpace(sensor) => {
                 let angles = self.angles(sensor.link, servos, at);
                 let posture = Posture { world_from_robot, links: &self.links, angles: &angles };
-                sensor.read(world, motion.id(), &posture, at, 0.0)
+                let own = errors.map_or(0.0, |(errors, [sigma, mean])| errors.own(event, *sigma, *mean));
+                (sensor.model, sensor.read(world, motion.id(), &posture, at, own))
             }
-        })
+        };
+        Some(errors.map_or(exact, |(errors, _)| errors.reading_of(event, at, &model, exact)))
     }
 
     /// What the rays of the scanner measure at `at`, in metres from left to right; `None` for nothing within range.
     pub fn scan(
+        &self,
+        scanner: &Scanner,
+        servos: &Servos,
+        motion: &mut Motion,
+        world: &World,
+        at: Time,
+    ) -> Vec<Option<f64>> {
+        let exact = self.exact_scan(scanner, servos, motion, world, at);
+        let Some(errors) = &self.errors else { return exact };
+        let mut erring = errors.lidar.scan(Events::index(at, SCAN), at, [0.0, scanner.range()]);
+        exact.into_iter().map(|point| erring.point(point)).collect()
+    }
+
+    fn exact_scan(
         &self,
         scanner: &Scanner,
         servos: &Servos,
@@ -132,6 +182,14 @@ impl Scanner {
         let ray = |ray| Pose3::from_angles(DVec3::ZERO, 0.0, tilt, scan.bearing(ray)).forward();
         let rays = (0..points).map(ray).collect();
         Self::InSpace { scan, mount: pose, link, rays, range }
+    }
+
+    /// How far it sees along a ray, m.
+    fn range(&self) -> f64 {
+        match self {
+            Self::Level(scan) => scan.range(),
+            Self::InSpace { range, .. } => *range,
+        }
     }
 
     /// Its fan: how many rays, and where each looks.

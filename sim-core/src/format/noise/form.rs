@@ -43,7 +43,7 @@ pub(crate) struct ProfileForm {
     pub(crate) reflectance: Table,
     /// Sonars with a beam.
     #[serde(skip_serializing_if = "Table::is_empty", default)]
-    #[schemars(with = "RangeNoiseForm")]
+    #[schemars(with = "EchoNoiseForm")]
     pub(crate) sonar: Table,
     /// The laser scanner; each of its points is a reading.
     #[serde(skip_serializing_if = "Table::is_empty", default)]
@@ -131,7 +131,7 @@ range_section! {
 }
 
 range_section! {
-    /// Errors of sensors of distance whose model has noise of its own.
+    /// Errors of sensors of distance whose type has noise of its own.
     EchoNoiseForm {
         /// Share of that noise, of which the sensor's own `sigma` and `mean` say how much it is; 1 for all of it.
         device: [0, 1000],

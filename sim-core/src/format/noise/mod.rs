@@ -7,6 +7,9 @@ pub(super) mod form;
 mod keys;
 mod spec;
 
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
 use toml::de::DeValue;
 
 use keys::Key;
@@ -14,11 +17,15 @@ pub(super) use keys::{CAMERA, COMPASS, DRIVE, Keys, ODOMETRY, OWN, RANGE};
 pub use spec::{NoiseEntry, NoiseRef, NoiseSection, NoiseSpec, Preset};
 
 use super::code::Code;
-use super::diagnostic::Diagnostic;
+use super::diagnostic::{Diagnostic, Sink};
 use super::line;
 use super::path;
+use super::spec::{RobiSpec, RobotSpec};
 use super::table::{Reader, Section};
 use crate::noise::RangeKind;
+
+/// Names that a message lists at most.
+const MAX_LISTED: usize = 32;
 
 /// Ending of the names of profiles by which they are known without a look at their content.
 pub const NOISE_EXTENSION: &str = ".noise.toml";
@@ -37,6 +44,44 @@ pub fn read_noise(file: &str, text: &str) -> (NoiseSpec, Vec<Diagnostic>) {
     let mut spec = reader.noise(Section::root(&root));
     file.clone_into(&mut spec.file);
     (spec, reader.sink.finish())
+}
+
+/// Name of the laser scanner in profiles.
+pub const LIDAR: &str = "LIDAR";
+
+/// Warnings of profiles that name sensors which none of the robots with the profile has.
+pub fn unknown_sensors(robots: &[RobotSpec]) -> Vec<Diagnostic> {
+    let mut profiles: Vec<(&Arc<NoiseSpec>, BTreeSet<&str>)> = Vec::new();
+    for robot in robots {
+        let Some(NoiseRef::Profile(spec)) = &robot.noise else { continue };
+        let place = profiles.iter().position(|(known, _)| Arc::ptr_eq(known, spec)).unwrap_or_else(|| {
+            profiles.push((spec, BTreeSet::new()));
+            profiles.len() - 1
+        });
+        let RobiSpec { psds, ranges, lidar, .. } = &*robot.robi;
+        let names = psds.iter().map(|psd| &*psd.name).chain(ranges.iter().map(|range| &*range.name));
+        profiles[place].1.extend(names.chain(lidar.as_ref().map(|_| LIDAR)));
+    }
+    let mut diagnostics = Vec::new();
+    for (spec, names) in profiles {
+        let mut sink = Sink::new(&spec.file);
+        let mut last = None;
+        for entry in &spec.entries {
+            let NoiseSection::Sensor(name) = &entry.section else { continue };
+            if last == Some(name) || names.contains(name.as_str()) {
+                continue;
+            }
+            last = Some(name);
+            let message = format!("no robot with this profile has a sensor of distance `{name}`");
+            let listed: Vec<&str> = names.iter().copied().take(MAX_LISTED).collect();
+            let expected =
+                if listed.is_empty() { "a robot with sensors".into() } else { format!("one of {}", listed.join(", ")) };
+            let nearest = line::nearest(name, names.iter().copied()).map(|name| format!("write `{name}`"));
+            sink.warn(Code::NoiseSensor, entry.span, message, expected).suggestion = nearest;
+        }
+        diagnostics.extend(sink.finish());
+    }
+    diagnostics
 }
 
 impl Reader<'_> {
