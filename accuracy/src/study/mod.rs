@@ -3,9 +3,12 @@
 //! Errors are functions of the code alone, the same at every call; times are of this machine at this moment. Tables, files
 //! and pictures are made of the [`Outcome`]s by whoever asked for them.
 
+mod contact;
+mod drive;
 mod figure;
 pub mod france;
 mod moving_target;
+mod range_sensors;
 mod reflectance;
 mod stopwatch;
 
@@ -80,4 +83,5 @@ pub struct Study {
 }
 
 /// All studies, in the order of the report.
-pub const STUDIES: &[Study] = &[reflectance::STUDY, moving_target::STUDY];
+pub const STUDIES: &[Study] =
+    &[drive::DRIVE, drive::ODOMETRY, contact::STUDY, range_sensors::STUDY, reflectance::STUDY, moving_target::STUDY];

@@ -9,13 +9,14 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use sim_core::RobotId;
-use sim_core::drive::{Command, DriveKind, Model, Motion};
+use sim_core::drive::{Command, Motion};
 use sim_core::pose::{Pose, Twist};
 use sim_core::scene::Walls;
 use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::{Effort, Outcome, Row, Study, nanoseconds};
+use crate::course::model;
 
 pub const STUDY: Study = Study {
     name: "moving-target",
@@ -116,26 +117,6 @@ fn errors(slot: Time, span: Time, sight: Sight) -> Errors {
         world.advance(&mut [&mut target]);
     }
     errors
-}
-
-/// A small differential drive.
-fn model() -> Model {
-    Model {
-        kind: DriveKind::Differential,
-        wheel_diameter: 0.05,
-        max_wheel_rate: 100.0,
-        ticks_per_turn: 1_000.0,
-        track: 0.1,
-        wheelbase: 0.1,
-        axis_offset: 0.0,
-        max_speed: f64::INFINITY,
-        max_turn: f64::INFINITY,
-        body_radius: 0.08,
-        wheel_lag: 0.0,
-        max_steering: 0.5,
-        mass: 1.0,
-        traction: 0.6,
-    }
 }
 
 #[cfg(test)]

@@ -1,0 +1,130 @@
+//! `drive` and `odometry`: ten minutes of driving, by the closed form and by the integrators of other simulators.
+
+use sim_core::pose::Pose;
+use sim_core::time::Time;
+
+use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};
+use crate::course::{self, Course, End};
+
+pub const DRIVE: Study = Study {
+    name: "drive",
+    title: "Position after 10 minutes of straight lines, curves and turns, against the length of the slot",
+    run: drive,
+};
+
+pub const ODOMETRY: Study = Study {
+    name: "odometry",
+    title: "Position that encoders tell after 10 minutes, against how often and how finely they are read",
+    run: odometry,
+};
+
+/// Lengths of slots and steps, us; each divides a second.
+const SLOTS: [i64; 8] = [100, 1_000, 5_000, 10_000, 50_000, 100_000, 200_000, 1_000_000];
+
+fn drive(_: Effort) -> Outcome {
+    let course = Course::ten_minutes();
+    let end = course.end();
+    let mut rows = Vec::new();
+    let mut series = Vec::new();
+    let methods: [(&str, Method); 3] = [
+        ("closed-form", |course, slot| course::core(course, slot)),
+        ("Euler", |course, slot| course::euler(course, slot.seconds())),
+        ("Runge-Kutta", |course, slot| course::runge_kutta(course, slot.seconds())),
+    ];
+    for (method, run) in methods {
+        let measured = SLOTS.map(|slot| {
+            let mut pose = Pose::default();
+            let repeats = if slot < 1_000 { 1 } else { 3 };
+            let time_ns = nanoseconds(repeats, 1, || pose = run(&course, Time(slot)));
+            row(DRIVE, method, &duration(slot), end.distance(&pose), time_ns, &course)
+        });
+        series.push(curve(method, SLOTS.iter().map(|slot| *slot as f64 / 1e6).zip(measured.iter())));
+        rows.extend(measured);
+    }
+    Outcome { rows, figures: vec![against_length("drive-slot", DRIVE.title, "slot or step, s", series)] }
+}
+
+fn odometry(_: Effort) -> Outcome {
+    let course = Course::ten_minutes();
+    let end = course.end();
+    let mut rows = Vec::new();
+    let mut series = Vec::new();
+    for (method, ticks) in [
+        ("angles without ticks", None),
+        ("10,000 ticks a turn", Some(10_000.0)),
+        ("1,000 ticks a turn", Some(1_000.0)),
+        ("100 ticks a turn", Some(100.0)),
+    ] {
+        let periods = &SLOTS[1..];
+        let measured: Vec<Row> =
+            periods.iter().map(|period| odometry_row(&course, &end, method, *period, ticks)).collect();
+        series.push(curve(method, periods.iter().map(|period| *period as f64 / 1e6).zip(&measured)));
+        rows.extend(measured);
+    }
+    Outcome { rows, figures: vec![against_length("odometry-period", ODOMETRY.title, "period, s", series)] }
+}
+
+type Method = fn(&Course, Time) -> Pose;
+
+fn odometry_row(course: &Course, end: &End, method: &str, period: i64, ticks: Option<f64>) -> Row {
+    let mut pose = Pose::default();
+    let time_ns = nanoseconds(1, 1, || pose = course::odometry(course, Time(period), ticks));
+    row(ODOMETRY, method, &format!("read every {}", duration(period)), end.distance(&pose), time_ns, course)
+}
+
+fn row(study: Study, method: &str, setting: &str, error: f64, time_ns: f64, course: &Course) -> Row {
+    Row {
+        study: study.name,
+        method: method.to_owned(),
+        setting: setting.to_owned(),
+        error,
+        unit: "m",
+        time_ns: time_ns / f64::from(course.seconds()),
+        per: "simulated second",
+    }
+}
+
+fn curve<'r>(method: &str, points: impl Iterator<Item = (f64, &'r Row)>) -> Series {
+    let points = points.map(|(length, row)| (length, row.error)).collect();
+    Series { name: method.to_owned(), mark: Mark::LineAndDots, points }
+}
+
+fn against_length(name: &str, title: &str, x_label: &str, series: Vec<Series>) -> Figure {
+    Figure {
+        name: name.to_owned(),
+        title: title.to_owned(),
+        x_label: x_label.to_owned(),
+        y_label: "error, m".to_owned(),
+        x_scale: Scale::Logarithmic,
+        y_scale: Scale::Logarithmic,
+        series,
+    }
+}
+
+/// `5 us`, `50 ms`, `1 s`.
+fn duration(micros: i64) -> String {
+    match micros {
+        us if us % 1_000_000 == 0 => format!("{} s", us / 1_000_000),
+        us if us % 1_000 == 0 => format!("{} ms", us / 1_000),
+        us => format!("{us} us"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_have_the_unit_that_suits_them() {
+        assert_eq!([1, 5_000, 1_000_000].map(duration), ["1 us", "5 ms", "1 s"]);
+    }
+
+    #[test]
+    fn encoders_lose_what_they_do_not_count() {
+        let course = Course::ten_minutes().first(30);
+        let end = course.end();
+        let error = |ticks| odometry_row(&course, &end, "", 10_000, ticks).error;
+        let (exact, fine, coarse) = (error(None), error(Some(10_000.0)), error(Some(100.0)));
+        assert!(exact < fine && fine < coarse, "{exact} {fine} {coarse}");
+    }
+}

@@ -1,0 +1,83 @@
+//! `range-sensors`: what the three sensors of the France paper make of one walk over a floor towards a step.
+
+use super::france::{Sample, WALK, walk};
+use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};
+
+pub const STUDY: Study = Study {
+    name: "range-sensors",
+    title: "Laser, ultrasonic and reflectance sensor on a walking leg, before a floor and a step",
+    run,
+};
+
+/// Between two samples, s.
+const PERIOD: f64 = 0.02;
+
+fn run(effort: Effort) -> Outcome {
+    let mut samples = Vec::new();
+    let count = (WALK / PERIOD) as usize;
+    // Three readings and the exact sight at each.
+    let time_ns = nanoseconds(effort.of(20), 4 * count, || samples = walk(PERIOD));
+    let mut rows = Vec::new();
+    let mut series = vec![curve("exact distance", &samples, |sample| sample.exact)];
+    for (method, read, max) in SENSORS {
+        for (ground, on_step) in [("floor", false), ("step", true)] {
+            let there: Vec<&Sample> = samples.iter().filter(|sample| sample.is_on_step == on_step).collect();
+            let seen: Vec<&&Sample> = there.iter().filter(|sample| read(sample) < max).collect();
+            let off = |sample: &&&Sample| (read(sample) - sample.exact).abs();
+            rows.push(Row {
+                study: STUDY.name,
+                method: method.to_owned(),
+                setting: format!("{ground}: an echo in {} of {} samples", seen.len(), there.len()),
+                error: seen.iter().map(off).fold(0.0, f64::max),
+                unit: "m",
+                time_ns,
+                per: "reading",
+            });
+        }
+        series.push(curve(method, &samples, read));
+    }
+    let figure = Figure {
+        name: "range-sensors-walk".to_owned(),
+        title: "What the sensors read on the walk".to_owned(),
+        x_label: "time, s".to_owned(),
+        y_label: "distance, m".to_owned(),
+        x_scale: Scale::Linear,
+        y_scale: Scale::Linear,
+        series,
+    };
+    Outcome { rows, figures: vec![figure] }
+}
+
+type Read = fn(&Sample) -> f64;
+
+/// Names, readings, and what they read without an echo, m.
+const SENSORS: [(&str, Read, f64); 3] = [
+    ("laser", |sample| sample.laser, 2.0),
+    ("ultrasonic", |sample| sample.ultrasonic, 1.0),
+    ("reflectance", |sample| sample.reflectance, 1.0),
+];
+
+fn curve(name: &str, samples: &[Sample], read: Read) -> Series {
+    let points = samples.iter().map(|sample| (sample.seconds, read(sample))).collect();
+    Series { name: name.to_owned(), mark: Mark::Line, points }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ultrasonic_sensor_sees_only_the_step_and_the_reflectance_reads_too_far() {
+        let rows = run(Effort::Quick).rows;
+        let row = |method: &str, ground: &str| {
+            let is_it = |row: &&Row| row.method == method && row.setting.starts_with(ground);
+            rows.iter().find(is_it).unwrap_or_else(|| panic!("{method} on the {ground}"))
+        };
+        assert!(row("ultrasonic", "floor").setting.contains("in 0 of"));
+        assert!(!row("ultrasonic", "step").setting.contains("in 0 of"));
+        for ground in ["floor", "step"] {
+            assert_eq!((row("laser", ground).error, row("ultrasonic", ground).error), (0.0, 0.0), "without noise");
+            assert!(row("reflectance", ground).error > 0.01);
+        }
+    }
+}
