@@ -1,11 +1,11 @@
 use std::f64::consts::TAU;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::Mount;
 use crate::{
     RobotId, math,
-    pose::Pose,
+    pose::{Pose, Pose3},
     time::Time,
     world::{Slope, World},
 };
@@ -28,6 +28,8 @@ pub struct Scan {
     slope: Slope,
     /// Horizontal distance over distance along a ray.
     cos_tilt: f64,
+    /// Gain in height over distance along a ray.
+    sin_tilt: f64,
     /// Unit vectors in the sensor's frame.
     rays: Vec<DVec2>,
 }
@@ -63,7 +65,7 @@ impl Scan {
         let slope = Slope { height: height.max(0.0), rise: math::tan(tilt) };
         let bearing = |ray| bearing(points, spacing, ray);
         let rays = (0..points).map(|ray| Pose::new(0.0, 0.0, bearing(ray)).heading.direction()).collect();
-        Self { mount, spacing, range, slope, cos_tilt: math::cos(tilt), rays }
+        Self { mount, spacing, range, slope, cos_tilt: math::cos(tilt), sin_tilt: math::sin(tilt), rays }
     }
 
     /// How far it sees along a ray, m; may be infinite.
@@ -111,6 +113,18 @@ impl Scan {
             let hit = world.cast_sloping(by, origin, ahead.rotate(*ray), reach, self.slope, at);
             let horizontal = hit.map(|hit| hit.distance).or(is_floor_in_range.then_some(floor))?;
             Some((horizontal / self.cos_tilt).min(self.range))
+        };
+        self.rays.iter().map(measure).collect()
+    }
+
+    /// As [`Scan::distances`] of a scanner that sits at `world_from_sensor`, rolled and pitched as it may be, instead of at
+    /// its mount: each ray meets what [`World::sight`] says, bodies up to their heights too.
+    ///
+    /// The rays of the fan, tilt included, are those of the sensor's frame.
+    pub fn distances_from(&self, world: &World, by: RobotId, world_from_sensor: &Pose3, at: Time) -> Vec<Option<f64>> {
+        let measure = |ray: &DVec2| {
+            let direction = world_from_sensor.rotation * DVec3::from(((*ray * self.cos_tilt), self.sin_tilt));
+            world.sight(by, world_from_sensor.position, direction, self.range, at).map(|sighting| sighting.distance)
         };
         self.rays.iter().map(measure).collect()
     }

@@ -1,0 +1,364 @@
+//! Range sensors in space against the closed forms of a box room, on links, and at the ends of their ranges.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::sync::Arc;
+
+use accuracy::world::Random;
+use glam::{DVec2, DVec3};
+use sim_core::{
+    RobotId, math,
+    object::{Figure, Shape, Solid},
+    pose::{Pose, Pose3},
+    scene::{Bounds, Segment, Surface, Walls},
+    sensor::{Beam, Echo, Fan, Link, Mount, Posture, RangeModel, RangeSensor, Reading, Scan, Sonar},
+    time::Time,
+    world::{Space, World},
+};
+
+const ME: RobotId = RobotId(1);
+
+/// Length, width and height of the room, m.
+const ROOM: DVec3 = DVec3::new(4.0, 3.0, 2.5);
+
+fn world(walls: Walls, space: Space) -> World {
+    World::new(Arc::new(walls), Time::from_millis(50), std::iter::empty()).with_space(space)
+}
+
+/// A room with its lower left corner at `corner`, closed by a slab above; all of one surface.
+fn room(corner: DVec2, surface: Surface) -> World {
+    let corners = [[0.0, 0.0], [ROOM.x, 0.0], [ROOM.x, ROOM.y], [0.0, ROOM.y]].map(|[x, y]| corner + DVec2::new(x, y));
+    let walls: Vec<_> = (0..4).map(|i| Segment::new(corners[i], corners[(i + 1) % 4])).collect();
+    let ceiling = Solid::Prism {
+        footprint: Shape::Rectangle { half: ROOM.truncate() },
+        body_from_footprint: Pose::default(),
+        bottom: ROOM.z,
+        top: ROOM.z + 0.2,
+    };
+    let middle = corner + 0.5 * ROOM.truncate();
+    let figure = Arc::new(Figure { solids: vec![ceiling], surface });
+    let space = Space {
+        floor: surface,
+        walls: vec![surface; 4],
+        fixed: vec![(Pose { position: middle, ..Pose::default() }, figure)],
+        ..Space::default()
+    };
+    world(Walls::new(walls).with_heights(vec![ROOM.z; 4]), space)
+}
+
+/// Distance and incidence on the inside of a box from the origin to [`ROOM`].
+fn in_box(origin: DVec3, direction: DVec3) -> (f64, f64) {
+    let to = |axis: usize| {
+        let end = if direction[axis] > 0.0 { ROOM[axis] } else { 0.0 };
+        ((end - origin[axis]) / direction[axis], direction[axis].abs())
+    };
+    let (distance, cos) = (0..3).map(to).min_by(|one, other| one.0.total_cmp(&other.0)).expect("three axes");
+    (distance, math::atan2((1.0 - cos * cos).sqrt(), cos))
+}
+
+/// Fails unless both read the same within 1 nm, or what stands before a limit is as near to it.
+fn assert_close(found: Reading, expected: f64, context: &str) {
+    let distance = found.distance.expect("a distance");
+    assert!((distance - expected).abs() < 1e-9, "{context}: {distance} for {expected}");
+}
+
+#[test]
+fn every_reading_in_a_room_is_the_analytic_one() {
+    let mut random = Random::new(31);
+    for corner in [DVec2::ZERO, DVec2::new(1e4, -1e4)] {
+        let world = room(corner, Surface::ROUGH);
+        let mut echoes = [0; 3];
+        for case in 0..10_000 {
+            let place = random.point_in(Bounds { min: DVec2::splat(0.3), max: ROOM.truncate() - DVec2::splat(0.3) });
+            let heading = random.between(-PI, PI);
+            let offset = DVec3::new(random.between(-0.2, 0.2), random.between(-0.2, 0.2), random.between(0.05, 2.4));
+            let (roll, pitch, yaw) =
+                (random.between(-PI, PI), random.between(-FRAC_PI_2, FRAC_PI_2), random.between(-PI, PI));
+            let posture = Posture {
+                world_from_robot: Pose { position: corner + place, ..Pose::new(0.0, 0.0, heading) },
+                ..Posture::default()
+            };
+            let read = |model| {
+                let mount = Pose3::from_angles(offset, roll, pitch, yaw);
+                RangeSensor { mount, link: None, model }.read(&world, ME, &posture, Time::ZERO, 0.0)
+            };
+            let (sin, cos) = math::sin_cos(heading);
+            let origin = DVec3::new(
+                place.x + cos * offset.x - sin * offset.y,
+                place.y + sin * offset.x + cos * offset.y,
+                offset.z,
+            );
+            let (level, rise) = (math::cos(pitch), math::sin(pitch));
+            let bearing = heading + yaw;
+            let direction = DVec3::new(math::cos(bearing) * level, math::sin(bearing) * level, rise);
+            let (distance, alpha) = in_box(origin, direction);
+
+            let context = format!("{case} at {corner}");
+            assert_close(read(RangeModel::Psd { range: 9.0 }), distance, &context);
+            for (count, (echo, model)) in [
+                (Echo::LASER, RangeModel::Laser(Echo::LASER)),
+                (Echo::ULTRASONIC, RangeModel::Ultrasonic(Echo::ULTRASONIC)),
+            ]
+            .into_iter()
+            .enumerate()
+            {
+                let is_at_limit = (alpha - echo.incidence).abs() < 1e-9
+                    || [echo.min, echo.max].iter().any(|end| (distance - end).abs() < 1e-9);
+                let returns = alpha <= echo.incidence && (echo.min..=echo.max).contains(&distance);
+                if !is_at_limit {
+                    assert_close(read(model), if returns { distance } else { echo.max }, &context);
+                    echoes[count] += usize::from(returns);
+                }
+            }
+            let reading = read(RangeModel::Reflectance(Echo::REFLECTANCE));
+            let cos = math::cos(alpha);
+            let signal = ((1.0 - distance) / (distance * distance) * cos * cos).max(0.0);
+            assert_close(reading, 2.0 / (1.0 + (1.0 + 4.0 * signal).sqrt()), &context);
+            assert!((reading.signal - signal).abs() <= 1e-8 * (1.0 + signal / distance), "{context}");
+            echoes[2] += usize::from(signal > 0.0);
+        }
+        assert!(echoes.iter().all(|&count| count > 200), "{echoes:?}");
+    }
+}
+
+#[test]
+fn a_sonar_among_mirrors_hears_the_nearest_that_faces_it() {
+    let mut random = Random::new(32);
+    let sonar = Sonar::srf08();
+    for corner in [DVec2::ZERO, DVec2::new(1e4, -1e4)] {
+        let world = room(corner, Surface::SMOOTH);
+        let (mut heard, mut silent) = (0, 0);
+        for case in 0..10_000 {
+            let place = DVec3::new(random.between(0.1, 3.9), random.between(0.1, 2.9), random.between(0.1, 2.4));
+            let (pitch, yaw) = (random.between(-FRAC_PI_2, FRAC_PI_2), random.between(-PI, PI));
+            let pose = Pose3::from_angles(place + corner.extend(0.0), random.between(-PI, PI), pitch, yaw);
+            let found = RangeModel::Sonar(sonar).read(&world, ME, &pose, Time::ZERO, 0.0);
+
+            // A mirror is heard in its foot alone.
+            let forward = pose.forward();
+            let feet =
+                (0..3).flat_map(|axis| [(place[axis], -forward[axis]), (ROOM[axis] - place[axis], forward[axis])]);
+            let heard_at = feet.filter(|&(distance, cos)| {
+                let angle = math::atan2((1.0 - cos * cos).max(0.0).sqrt(), cos);
+                let half = angle / sonar.half_angle;
+                // Twice the fall of 6 dB, out and back.
+                angle < FRAC_PI_2
+                    && math::exp(-4.0 * std::f64::consts::LN_2 * half * half) / (distance * distance) >= sonar.threshold
+            });
+            let expected = heard_at.map(|(distance, _)| distance).min_by(f64::total_cmp);
+            match (found.distance, expected) {
+                (Some(distance), Some(expected)) => {
+                    assert!((distance - expected).abs() < 1e-9, "{case}: {distance} for {expected}");
+                    heard += 1;
+                }
+                (None, None) => silent += 1,
+                (found, expected) => panic!("{case}: {found:?} for {expected:?}"),
+            }
+        }
+        assert!(heard > 5000 && silent + heard == 10_000, "{heard} {silent}");
+    }
+}
+
+/// A wall without end in sight, `distance` ahead of the origin, whose normal is turned by `angle` from the line of sight.
+fn slanting_wall(distance: f64, angle: f64, surface: Surface) -> World {
+    let (sin, cos) = math::sin_cos(angle);
+    let (middle, along) = (DVec2::new(distance, 0.0), DVec2::new(-sin, cos));
+    let wall = Segment::new(middle - 40.0 * along, middle + 40.0 * along);
+    world(Walls::new(vec![wall]), Space { walls: vec![surface], ..Space::default() })
+}
+
+fn ahead(model: RangeModel, world: &World) -> Reading {
+    model.read(world, ME, &Pose3 { position: DVec3::new(0.0, 0.0, 0.5), ..Pose3::IDENTITY }, Time::ZERO, 0.0)
+}
+
+#[test]
+fn incidence_limits_are_exact_to_a_nanoradian() {
+    for (echo, model) in
+        [(Echo::LASER, RangeModel::Laser(Echo::LASER)), (Echo::ULTRASONIC, RangeModel::Ultrasonic(Echo::ULTRASONIC))]
+    {
+        for side in [-1.0, 1.0] {
+            let read = |angle: f64| ahead(model, &slanting_wall(0.5, side * angle, Surface::ROUGH)).distance.unwrap();
+            assert!((read(echo.incidence - 1e-9) - 0.5).abs() < 1e-12);
+            assert!((read(echo.incidence) - 0.5).abs() < 1e-12, "the limit belongs to it");
+            assert_eq!(read(echo.incidence + 1e-9), echo.max);
+        }
+    }
+    // The same from the sensor's side: pitched over the floor.
+    for offset in [-1e-9, 0.0, 1e-9] {
+        let pose = Pose3::from_angles(DVec3::new(0.3, 0.2, 0.5), 0.7, -(FRAC_PI_4 - offset), 1.1);
+        let world = world(Walls::new(Vec::new()), Space::default());
+        let reading = RangeModel::Laser(Echo::LASER).read(&world, ME, &pose, Time::ZERO, 0.0);
+        assert_eq!(reading.signal == 1.0, offset <= 0.0, "{offset}");
+    }
+}
+
+#[test]
+fn a_smooth_wall_reflects_away_what_a_rough_one_returns() {
+    let sonar = RangeModel::Sonar(Sonar { rays: 1001, ..Sonar::srf08() });
+    // 60 degrees off, the foot is 60 degrees off the beam.
+    let angle = PI / 3.0;
+    let distance = |surface| ahead(sonar, &slanting_wall(3.0, angle, surface)).distance;
+    assert_eq!(distance(Surface::SMOOTH), None, "the foot lies at 1.5 m, out of the beam");
+    let rough = distance(Surface::ROUGH).expect("scattered");
+    assert!(rough > 1.5 && rough < 3.0, "{rough}");
+    let mixture = distance(Surface { reflectivity: 1.0, specular: 0.5 }).expect("scattered");
+    assert!(mixture > rough, "half as much comes from farther in: {mixture}");
+    assert_eq!(distance(Surface { reflectivity: 0.0, specular: 0.0 }), None);
+    // Head on, both are heard at the foot.
+    for surface in [Surface::SMOOTH, Surface::ROUGH] {
+        let reading = ahead(sonar, &slanting_wall(2.0, 0.0, surface));
+        assert_eq!((reading.distance, reading.signal), (Some(2.0), 0.25));
+    }
+}
+
+#[test]
+fn the_energy_of_an_echo_is_that_of_its_formula() {
+    // 20 degrees off, rough: along the line of sight alone, cos(20 degrees) / 1.5^2.
+    let sonar = Sonar { rays: 1, half_angle: 1e-3, ..Sonar::srf08() };
+    let reading = ahead(RangeModel::Sonar(sonar), &slanting_wall(1.5, PI / 9.0, Surface::ROUGH));
+    assert!((reading.signal - math::cos(PI / 9.0) / 2.25).abs() < 1e-12, "{reading:?}");
+    assert!((reading.distance.unwrap() - 1.5).abs() < 1e-12);
+    // A rod of 1.5 cm radius as a mirror, 2 m ahead: just noticed, as the preset's threshold was made.
+    let rod = |distance: f64| {
+        let figure = Arc::new(Figure::cylinder(0.015, 1.0, Surface::SMOOTH));
+        let fixed = vec![(Pose::new(distance + 0.015, 0.0, 0.0), figure)];
+        ahead(RangeModel::Sonar(Sonar::srf08()), &world(Walls::new(Vec::new()), Space { fixed, ..Space::default() }))
+    };
+    assert_eq!(rod(2.001).distance, None);
+    let reading = rod(1.999);
+    assert!((reading.distance.unwrap() - 1.999).abs() < 1e-12);
+    assert!((reading.signal - 0.015 / 2.014 / (1.999 * 1.999)).abs() < 1e-12);
+}
+
+#[test]
+fn the_nearest_echo_wins_and_the_dead_zone_is_deaf() {
+    let near = Segment::new(DVec2::new(1.0, 0.3), DVec2::new(1.0, 0.6));
+    let far = Segment::new(DVec2::new(2.0, -5.0), DVec2::new(2.0, 5.0));
+    let sonar = RangeModel::Sonar(Sonar::srf08());
+    let two = world(Walls::new(vec![far, near]), Space::default());
+    let reading = ahead(sonar, &two).distance.unwrap();
+    assert!((reading - math::hypot(1.0, 0.3)).abs() < 1e-12, "the near wall's end, 17 degrees off: {reading}");
+    let blind = RangeModel::Sonar(Sonar { min: 1.5, ..Sonar::srf08() });
+    assert_eq!(ahead(blind, &two).distance, Some(2.0), "what returns too early is not heard");
+    let short = RangeModel::Sonar(Sonar { max: 2.0, ..Sonar::srf08() });
+    assert_eq!(ahead(short, &world(Walls::new(vec![far]), Space::default())).distance, Some(2.0), "closed");
+    let shorter = RangeModel::Sonar(Sonar { max: 2.0 - 1e-9, ..Sonar::srf08() });
+    assert_eq!(ahead(shorter, &world(Walls::new(vec![far]), Space::default())).distance, None);
+}
+
+#[test]
+fn more_rays_come_nearer_to_the_truth() {
+    // The wall is heard where its echo falls below the threshold: by bisection along the wall.
+    let (angle, distance) = (1.2, 3.0);
+    let sonar = Sonar::srf08();
+    let heard_at = |theta: f64| {
+        let alpha = (angle - theta).abs();
+        let metres = distance * math::cos(angle) / math::cos(alpha);
+        let half = theta / sonar.half_angle;
+        (metres, math::exp(-4.0 * std::f64::consts::LN_2 * half * half) * math::cos(alpha) / (metres * metres))
+    };
+    let (mut inside, mut outside) = (0.0, angle);
+    assert!(heard_at(inside).1 >= sonar.threshold && heard_at(outside).1 < sonar.threshold);
+    for _ in 0..60 {
+        let middle = 0.5 * (inside + outside);
+        *(if heard_at(middle).1 >= sonar.threshold { &mut inside } else { &mut outside }) = middle;
+    }
+    let truth = heard_at(inside).0;
+    let world = slanting_wall(distance, angle, Surface::ROUGH);
+    let error = |rays| ahead(RangeModel::Sonar(Sonar { rays, ..sonar }), &world).distance.unwrap() - truth;
+    for (rays, limit) in [(16, 0.3), (128, 0.03), (1024, 0.003), (8192, 0.0004)] {
+        assert!((-1e-12..limit).contains(&error(rays)), "{rays} rays: {} m", error(rays));
+    }
+}
+
+#[test]
+fn a_sensor_on_a_tilting_link_moves_with_it() {
+    // A mast of 0.3 m on a pan joint, with a tilt joint on it, 5 cm ahead; a sensor 2 cm ahead of that.
+    let at = |x: f64, z: f64| Pose3 { position: DVec3::new(x, 0.0, z), ..Pose3::IDENTITY };
+    let pan = Link { parent: None, origin: at(0.1, 0.3), axis: DVec3::Z, servo: Some(0) };
+    let tilt = Link { parent: Some(0), origin: at(0.05, 0.0), axis: DVec3::NEG_Y, servo: Some(1) };
+    let links = [pan, tilt];
+    let sensor = RangeSensor { mount: at(0.02, 0.0), link: Some(1), model: RangeModel::Psd { range: 9.0 } };
+    let wall = Segment::new(DVec2::new(-9.0, 2.0), DVec2::new(9.0, 2.0));
+    let world = world(Walls::new(vec![wall]).with_heights(vec![0.6]), Space::default());
+    for (pan, tilt) in
+        [(FRAC_PI_2, 0.0), (FRAC_PI_2, 0.1), (FRAC_PI_2, -0.1), (FRAC_PI_2, -0.5), (1.0, -0.1), (1.0, 0.3)]
+    {
+        let posture = Posture { world_from_robot: Pose::new(0.5, 0.2, 0.0), links: &links, angles: &[pan, tilt] };
+        let found = sensor.read(&world, ME, &posture, Time::ZERO, 0.0).distance;
+        let (sin_pan, sin_tilt, cos_tilt) = (math::sin(pan), math::sin(tilt), math::cos(tilt));
+        let (y, z) = (0.2 + sin_pan * (0.05 + 0.02 * cos_tilt), 0.3 + 0.02 * sin_tilt);
+        let to_wall = (2.0 - y) / (sin_pan * cos_tilt);
+        let expected = match z + to_wall * sin_tilt {
+            height if height > 0.6 => None,
+            height if height < 0.0 => Some(-z / sin_tilt),
+            _ => Some(to_wall),
+        };
+        assert_eq!(found.is_some(), expected.is_some(), "{pan} {tilt}");
+        assert!((found.unwrap_or(0.0) - expected.unwrap_or(0.0)).abs() < 1e-12, "{pan} {tilt}: {found:?}");
+    }
+}
+
+#[test]
+fn a_level_psd_on_the_body_is_a_beam_to_the_bit() {
+    let mut random = Random::new(33);
+    let walls = Walls::new(accuracy::world::room_with_boxes(3, DVec2::ZERO, 8.0, 12));
+    // Lower than all sensors: a beam sees them all the same.
+    let count = walls.len();
+    let world = world(walls.with_heights(vec![0.01; count]), Space::default());
+    for _ in 0..2000 {
+        let (x, y, angle) = (random.between(-0.2, 0.2), random.between(-0.2, 0.2), random.between(-PI, PI));
+        let pose = Pose::new(random.between(0.5, 7.5), random.between(0.5, 7.5), random.between(-PI, PI));
+        let mount = Pose3::from_angles(DVec3::new(x, y, 0.3), 0.0, 0.0, angle);
+        let psd = RangeSensor { mount, link: None, model: RangeModel::Psd { range: 2.0 } };
+        let posture = Posture { world_from_robot: pose, ..Posture::default() };
+        let beam = Beam { mount: Mount::new(x, y, angle), range: 2.0 };
+        let found = psd.read(&world, ME, &posture, Time::ZERO, 0.0).distance;
+        assert_eq!(found, beam.distance(&world, ME, &pose, Time::ZERO));
+    }
+}
+
+#[test]
+fn noise_stretches_the_distance_or_the_signal() {
+    let world = slanting_wall(0.5, 0.0, Surface::ROUGH);
+    let read = |model: RangeModel, noise| {
+        let pose = Pose3 { position: DVec3::new(0.0, 0.0, 0.5), ..Pose3::IDENTITY };
+        model.read(&world, ME, &pose, Time::ZERO, noise)
+    };
+    for model in [
+        RangeModel::Psd { range: 1.0 },
+        RangeModel::Laser(Echo::LASER),
+        RangeModel::Ultrasonic(Echo::ULTRASONIC),
+        RangeModel::Sonar(Sonar::srf08()),
+    ] {
+        assert_eq!(read(model, 0.5).distance, Some(0.75), "{model:?}");
+        assert_eq!(read(model, -2.0).distance, Some(0.0), "{model:?}");
+    }
+    assert_eq!(read(RangeModel::Reflectance(Echo::REFLECTANCE), 0.5).signal, 3.0);
+    assert_eq!(read(RangeModel::Reflectance(Echo::REFLECTANCE), -1.5).distance, Some(1.0));
+}
+
+#[test]
+fn a_scan_from_a_rolled_and_pitched_mount_is_its_rays() {
+    let world = room(DVec2::ZERO, Surface::ROUGH);
+    let fan = Fan { sweep: PI, points: 19, tilt: 0.1, height: 0.4, range: 3.0 };
+    let scan = Scan::new(Mount::new(0.1, 0.05, 0.3), fan);
+    let robot = Pose::new(2.0, 1.5, 0.7);
+    // Where it sits level, both ways of asking agree.
+    let level = Pose3::from_planar(&robot, 0.0).then(&Pose3::from_angles(DVec3::new(0.1, 0.05, 0.4), 0.0, 0.0, 0.3));
+    let planar = scan.distances(&world, ME, &robot, Time::ZERO);
+    let space = scan.distances_from(&world, ME, &level, Time::ZERO);
+    for (one, other) in planar.iter().zip(&space) {
+        assert!((one.unwrap_or(9.0) - other.unwrap_or(9.0)).abs() < 1e-12, "{one:?} {other:?}");
+    }
+    let turned = Pose3::from_planar(&robot, 0.0).then(&Pose3::from_angles(DVec3::new(0.1, 0.0, 0.4), 0.2, -0.3, 0.5));
+    let found = scan.distances_from(&world, ME, &turned, Time::ZERO);
+    for (ray, found) in found.iter().enumerate() {
+        let (sin, cos) = math::sin_cos(scan.bearing(ray as u32));
+        let local = DVec3::new(cos * math::cos(0.1), sin * math::cos(0.1), math::sin(0.1));
+        let (expected, _) = in_box(turned.position, turned.rotation * local);
+        match found {
+            Some(distance) => assert!((distance - expected).abs() < 1e-12, "{ray}: {distance} for {expected}"),
+            None => assert!(expected > 3.0, "{ray}: {expected}"),
+        }
+    }
+}
