@@ -8,11 +8,12 @@ use glam::DVec3;
 
 use crate::drive::Model;
 use crate::format::{
-    Axis, Collider, LidarSpec, LinkSpec, MountSpec, ObjectSpec, PathRef, RobiSpec, SceneSpec, WorldSpec,
+    self, Axis, Collider, LidarSpec, LinkSpec, MountSpec, ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec,
+    WorldSpec,
 };
 use crate::object::{Figure, Part, Properties, Resistance, Shape, Solid};
 use crate::pose::{Pose, Pose3};
-use crate::scene::{Segment, Surface, WallId, Walls};
+use crate::scene::{Mesh, MeshIndex, Segment, Surface, WallId, Walls};
 use crate::sensor::{Link, RangeModel, RangeSensor};
 use crate::world::{Block, Space};
 
@@ -59,31 +60,57 @@ pub fn space(scene: &SceneSpec) -> Space {
             blocks.push(Block::new(WallId(first as u32), &centre_line, wall.thickness, wall.height));
         }
     }
-    let fixed = scene.objects.iter().filter(|object| object.kind.is_fixed);
-    let robot = |robi: &RobiSpec| {
-        let top = robi.colliders.iter().map(Collider::top).reduce(f64::max).unwrap_or(f64::INFINITY);
-        Arc::new(Figure::cylinder(0.5 * robi.diameter, top, robi.surface))
-    };
     // A floor of which the world says nothing is smooth: a rough one would be all that a low sonar hears.
-    let floor = if world.surface == Surface::default() { Surface::SMOOTH } else { world.surface };
+    let ground = if world.surface == Surface::default() { Surface::SMOOTH } else { world.surface };
+    let terrain = world.terrain.as_ref().and_then(|terrain| terrain.mesh.as_ref());
+    let terrain_figure = |mesh: &Arc<Mesh>| Figure { solids: vec![Solid::Mesh(index(mesh))], surface: ground };
+    let mut fixed: Vec<_> = terrain.map(|mesh| (Pose::default(), Arc::new(terrain_figure(mesh)))).into_iter().collect();
+    let mut objects = Vec::new();
+    // Objects and robots of one type share their figures; the maps are never walked.
+    let (mut of_types, mut of_robis) = (BTreeMap::new(), BTreeMap::new());
+    for object in &scene.objects {
+        let figure = of_types.entry(Arc::as_ptr(&object.kind)).or_insert_with(|| Arc::new(figure(&object.kind)));
+        if object.kind.is_fixed {
+            fixed.push((object.pose, Arc::clone(figure)));
+        } else {
+            objects.push(Arc::clone(figure));
+        }
+    }
+    let mut robot = |robi: &Arc<RobiSpec>| {
+        let top = robi.colliders.iter().map(Collider::top).reduce(f64::max).unwrap_or(f64::INFINITY);
+        let new = || Arc::new(Figure::cylinder(0.5 * robi.diameter, top, robi.surface));
+        Arc::clone(of_robis.entry(Arc::as_ptr(robi)).or_insert_with(new))
+    };
+    let robots = scene.robots.iter().map(|spec| robot(&spec.robi)).collect();
     Space {
-        floor,
+        floor: terrain.is_none().then_some(ground),
         outlines: Some(WallId(surfaces.len() as u32)),
         walls: surfaces,
         blocks,
-        fixed: fixed.map(|object| (object.pose, figure(object))).collect(),
-        robots: scene.robots.iter().map(|spec| robot(&spec.robi)).collect(),
-        objects: movable(scene).map(figure).collect(),
+        fixed,
+        robots,
+        objects,
     }
 }
 
-/// The shape in space of an object: that of its colliders; without any, that of its footprint.
-pub fn figure(object: &ObjectSpec) -> Arc<Figure> {
-    let colliders = &object.kind.colliders;
-    if colliders.is_empty() {
-        return Figure::endless(&properties(object), object.kind.surface);
-    }
-    Arc::new(Figure { solids: colliders.iter().map(solid).collect(), surface: object.kind.surface })
+/// The shape in space of an object's type: that of its colliders, or of its mesh where that is solid; without any, that of
+/// its footprint.
+pub fn figure(kind: &ObjectType) -> Figure {
+    let solids = match &kind.solid {
+        format::Solid::Mesh(Some(mesh)) => vec![Solid::Mesh(index(mesh))],
+        _ if kind.colliders.is_empty() => {
+            let Part { shape: footprint, object_from_part: body_from_footprint } = no_shape();
+            vec![Solid::Prism { footprint, body_from_footprint, bottom: 0.0, top: f64::INFINITY }]
+        }
+        _ => kind.colliders.iter().map(solid).collect(),
+    };
+    Figure { solids, surface: kind.surface }
+}
+
+/// The faces of a mesh for rays.
+fn index(mesh: &Mesh) -> Arc<MeshIndex> {
+    let corners: Vec<_> = mesh.triangles.iter().map(|triangle| mesh.corners(triangle)).collect();
+    Arc::new(MeshIndex::new(&corners))
 }
 
 /// A collider as a solid.
@@ -121,7 +148,7 @@ pub fn properties(object: &ObjectSpec) -> Arc<Properties> {
     let kind = &object.kind;
     let mut parts: Vec<Part> = kind.colliders.iter().map(part).collect();
     if parts.is_empty() {
-        parts.push(Part { shape: Shape::Disc { radius: 1e-3 }, object_from_part: Pose::default() });
+        parts.push(no_shape());
     }
     Arc::new(Properties {
         mass: kind.mass,
@@ -131,6 +158,11 @@ pub fn properties(object: &ObjectSpec) -> Arc<Properties> {
         restitution: kind.restitution,
         contact_friction: CONTACT_FRICTION,
     })
+}
+
+/// The footprint of an object without a shape.
+fn no_shape() -> Part {
+    Part { shape: Shape::Disc { radius: 1e-3 }, object_from_part: Pose::default() }
 }
 
 /// The footprint of a collider.

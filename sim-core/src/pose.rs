@@ -164,7 +164,8 @@ impl Pose3 {
     pub fn from_angles(position: DVec3, roll: f64, pitch: f64, yaw: f64) -> Self {
         let (sin_roll, cos_roll) = math::sin_cos(roll);
         let (sin_pitch, cos_pitch) = math::sin_cos(pitch);
-        let (sin_yaw, cos_yaw) = math::sin_cos(yaw);
+        // As planar poses take it, to the bit.
+        let DVec2 { x: cos_yaw, y: sin_yaw } = Heading::new(yaw).direction();
         let about_x =
             DMat3::from_cols(DVec3::X, DVec3::new(0.0, cos_roll, sin_roll), DVec3::new(0.0, -sin_roll, cos_roll));
         let about_y =

@@ -9,7 +9,7 @@ use sim_core::{
     RobotId, math,
     object::{Figure, Shape, Solid},
     pose::{Pose, Pose3},
-    scene::{Bounds, Segment, Surface, Walls},
+    scene::{Bounds, MeshIndex, Segment, Surface, Walls},
     sensor::{Beam, Echo, Fan, Link, Mount, Posture, RangeModel, RangeSensor, Reading, Scan, Sonar},
     time::Time,
     world::{Space, World},
@@ -37,12 +37,23 @@ fn room(corner: DVec2, surface: Surface) -> World {
     let middle = corner + 0.5 * ROOM.truncate();
     let figure = Arc::new(Figure { solids: vec![ceiling], surface });
     let space = Space {
-        floor: surface,
+        floor: Some(surface),
         walls: vec![surface; 4],
         fixed: vec![(Pose { position: middle, ..Pose::default() }, figure)],
         ..Space::default()
     };
     world(Walls::new(walls).with_heights(vec![ROOM.z; 4]), space)
+}
+
+/// The same room as a mesh of twelve triangles, in a frame of its own at `corner`.
+fn mesh_room(corner: DVec2, surface: Surface) -> World {
+    let at = |code: usize| ROOM * DVec3::new((code & 1) as f64, (code >> 1 & 1) as f64, (code >> 2) as f64);
+    let faces = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
+    let triangles: Vec<_> =
+        faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).map(|corners| corners.map(at)).collect();
+    let figure = Arc::new(Figure { solids: vec![Solid::Mesh(Arc::new(MeshIndex::new(&triangles)))], surface });
+    let fixed = vec![(Pose { position: corner, ..Pose::default() }, figure)];
+    world(Walls::new(Vec::new()), Space { floor: None, fixed, ..Space::default() })
 }
 
 /// Distance and incidence on the inside of a box from the origin to [`ROOM`].
@@ -64,7 +75,8 @@ fn assert_close(found: Reading, expected: f64, context: &str) {
 #[test]
 fn every_reading_in_a_room_is_the_analytic_one() {
     let mut random = Random::new(31);
-    for corner in [DVec2::ZERO, DVec2::new(1e4, -1e4)] {
+    let corners = [DVec2::ZERO, DVec2::new(1e4, -1e4)];
+    for (corner, room) in corners.into_iter().flat_map(|corner| [room, mesh_room].map(|room| (corner, room))) {
         let world = room(corner, Surface::ROUGH);
         let mut echoes = [0; 3];
         for case in 0..10_000 {
@@ -361,4 +373,40 @@ fn a_scan_from_a_rolled_and_pitched_mount_is_its_rays() {
             None => assert!(expected > 3.0, "{ray}: {expected}"),
         }
     }
+}
+
+#[test]
+fn a_level_psd_sees_meshes_where_they_are() {
+    let world = mesh_room(DVec2::ZERO, Surface::ROUGH);
+    let read = |z: f64, heading: f64, range: f64| {
+        let mount = Pose3 { position: DVec3::new(0.1, 0.0, z), ..Pose3::IDENTITY };
+        let psd = RangeSensor { mount, link: None, model: RangeModel::Psd { range } };
+        let posture = Posture { world_from_robot: Pose::new(1.0, 1.0, heading), ..Posture::default() };
+        psd.read(&world, ME, &posture, Time::ZERO, 0.0).distance
+    };
+    assert!((read(0.5, 0.0, 9.0).unwrap() - 2.9).abs() < 1e-12);
+    assert!((read(0.5, FRAC_PI_2, 9.0).unwrap() - 1.9).abs() < 1e-12);
+    assert_eq!((read(0.5, 0.0, 2.8), read(ROOM.z + 0.1, 0.0, 9.0)), (None, None));
+}
+
+#[test]
+fn a_sonar_hears_the_faces_of_a_mesh_that_its_fan_meets() {
+    // The feet are those of the planes; the fan has to meet a triangle of each.
+    let sonar = Sonar { rays: 256, ..Sonar::srf08() };
+    let mut random = Random::new(34);
+    let (walls, mesh) = (room(DVec2::ZERO, Surface::SMOOTH), mesh_room(DVec2::ZERO, Surface::SMOOTH));
+    let mut heard = 0;
+    for case in 0..1000 {
+        let place = DVec3::new(random.between(0.5, 3.5), random.between(0.5, 2.5), random.between(0.5, 2.0));
+        let pose = Pose3::from_angles(place, 0.0, random.between(-1.0, 1.0), random.between(-PI, PI));
+        let read = |world| RangeModel::Sonar(sonar).read(world, ME, &pose, Time::ZERO, 0.0).distance;
+        match (read(&walls), read(&mesh)) {
+            (Some(exact), Some(found)) => {
+                assert!((found - exact).abs() < 1e-9, "{case}: {found} for {exact}");
+                heard += 1;
+            }
+            (exact, found) => assert_eq!(found, exact, "{case}"),
+        }
+    }
+    assert!(heard > 500, "{heard}");
 }

@@ -1,4 +1,4 @@
-//! Shapes in space, for rays: prisms over footprints, and capsules.
+//! Shapes in space, for rays: prisms over footprints, capsules, and meshes.
 
 use std::sync::Arc;
 
@@ -7,11 +7,11 @@ use glam::{DVec2, DVec3};
 use super::{Properties, Shape};
 use crate::{
     pose::Pose,
-    scene::{Bounds, Surface},
+    scene::{Bounds, MeshIndex, Surface},
 };
 
 /// A part of a body's shape in space, in the body's frame (x forward, y left, z up), in metres.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum Solid {
     /// All that stands between two heights over a footprint: a box, an upright cylinder.
     Prism {
@@ -31,10 +31,12 @@ pub enum Solid {
         /// Distance from the stretch; positive.
         radius: f64,
     },
+    /// The triangles of a mesh, met from either side: a surface, with nothing inside.
+    Mesh(Arc<MeshIndex>),
 }
 
 /// A body's shape in space and its surface.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Figure {
     /// The parts, in the body's frame.
     pub solids: Vec<Solid>,
@@ -73,11 +75,27 @@ impl Figure {
         Arc::new(Self { solids: solids.collect(), surface })
     }
 
-    /// Where a ray of the world first meets a body of this shape at `world_from_body`.
+    /// Where a ray of the world first meets a body of this shape at `world_from_body`; what lies beyond `range` metres may
+    /// be missing.
     ///
     /// `direction` is a unit vector. A ray that starts inside meets it at 0; so does one that starts on it.
-    pub fn cast(&self, world_from_body: &Pose, origin: DVec3, direction: DVec3) -> Option<Met> {
-        self.first_met(world_from_body, origin, direction, Solid::cast)
+    pub fn cast(&self, world_from_body: &Pose, origin: DVec3, direction: DVec3, range: f64) -> Option<Met> {
+        self.first_met(world_from_body, origin, direction, |solid, origin, direction| {
+            solid.cast(origin, direction, range)
+        })
+    }
+
+    /// As [`Figure::cast`] of its meshes alone.
+    pub fn cast_meshes(&self, world_from_body: &Pose, origin: DVec3, direction: DVec3, range: f64) -> Option<Met> {
+        self.first_met(world_from_body, origin, direction, |solid, origin, direction| match solid {
+            Solid::Mesh(mesh) => cast_mesh(mesh, origin, direction, range),
+            _ => None,
+        })
+    }
+
+    /// Whether a part of it is a mesh.
+    pub fn has_mesh(&self) -> bool {
+        self.solids.iter().any(|solid| matches!(solid, Solid::Mesh(_)))
     }
 
     /// As [`Figure::cast`] for prisms that are hollow: a ray that starts inside meets the face where it comes out.
@@ -104,13 +122,14 @@ impl Figure {
         self.solids.iter().map(|solid| solid.bounds(world_from_body)).fold(Bounds::EMPTY, Bounds::union)
     }
 
-    /// Visits the point of each part that is nearest to `point`, both in the world.
+    /// Visits the point of each part but meshes that is nearest to `point`, both in the world.
     pub fn for_each_nearest(&self, world_from_body: &Pose, point: DVec3, mut visit: impl FnMut(DVec3)) {
         let axis = world_from_body.heading.direction();
         let local = into(world_from_body.position, axis, point);
         for solid in &self.solids {
-            let nearest = solid.nearest_point(local);
-            visit((world_from_body.position + axis.rotate(nearest.truncate())).extend(nearest.z));
+            if let Some(nearest) = solid.nearest_point(local) {
+                visit((world_from_body.position + axis.rotate(nearest.truncate())).extend(nearest.z));
+            }
         }
     }
 
@@ -126,13 +145,14 @@ impl Figure {
 
 impl Solid {
     /// Where a ray of the body's frame first meets it.
-    pub fn cast(&self, origin: DVec3, direction: DVec3) -> Option<Met> {
+    fn cast(&self, origin: DVec3, direction: DVec3, range: f64) -> Option<Met> {
         match self {
             Self::Prism { .. } => {
                 let span = self.span(origin, direction).filter(|span| span.leave >= 0.0)?;
                 Some(if span.enter < 0.0 { inside(direction) } else { span.met() })
             }
             Self::Capsule { ends, radius } => cast_capsule(origin, direction, *ends, *radius),
+            Self::Mesh(mesh) => cast_mesh(mesh, origin, direction, range),
         }
     }
 
@@ -166,22 +186,30 @@ impl Solid {
             Self::Capsule { ends, radius } => {
                 Bounds::of_points(ends.map(|end| world_from_body.transform_point(end.truncate()))).grown(*radius)
             }
+            Self::Mesh(mesh) => mesh.bounds().map_or(Bounds::EMPTY, |(low, high)| {
+                let corners = [low, low.with_x(high.x), low.with_y(high.y), high];
+                let bounds =
+                    Bounds::of_points(corners.map(|corner| world_from_body.transform_point(corner.truncate())));
+                // The index decides within rounding.
+                bounds.grown(1e-9)
+            }),
         }
     }
 
-    /// The point of it that is nearest to `point`: that itself, when it lies inside.
-    fn nearest_point(&self, point: DVec3) -> DVec3 {
+    /// The point of it that is nearest to `point`: that itself, when it lies inside; `None` for a mesh.
+    fn nearest_point(&self, point: DVec3) -> Option<DVec3> {
         match self {
             Self::Prism { footprint, body_from_footprint, bottom, top } => {
                 let local = body_from_footprint.inverse_transform_point(point.truncate());
                 let nearest = body_from_footprint.transform_point(footprint.nearest_point(local));
-                nearest.extend(point.z.clamp(*bottom, *top))
+                Some(nearest.extend(point.z.clamp(*bottom, *top)))
             }
             Self::Capsule { ends, radius } => {
                 let core = nearest_on_stretch(point, *ends);
                 let away = point - core;
-                if away.length() <= *radius { point } else { core + away * (*radius / away.length()) }
+                Some(if away.length() <= *radius { point } else { core + away * (*radius / away.length()) })
             }
+            Self::Mesh(_) => None,
         }
     }
 }
@@ -279,6 +307,11 @@ fn chord(offset: DVec3, direction: DVec3, radius: f64) -> Option<(f64, f64)> {
     let aside = (offset - direction * along).length_squared();
     let half_chord = radius * radius - aside;
     (half_chord >= 0.0).then(|| (along, half_chord.sqrt()))
+}
+
+fn cast_mesh(mesh: &MeshIndex, origin: DVec3, direction: DVec3, range: f64) -> Option<Met> {
+    let hit = mesh.cast(origin, direction, range)?;
+    Some(Met { distance: hit.distance, normal: hit.normal, curvature: DVec2::ZERO })
 }
 
 fn cast_capsule(origin: DVec3, direction: DVec3, ends: [DVec3; 2], radius: f64) -> Option<Met> {

@@ -116,7 +116,7 @@ impl RangeSensor {
     /// [`RangeModel::read`].
     ///
     /// A PSD that is level and on the body sees in the plane, as a [`Beam`](super::Beam): walls and bodies are as high as
-    /// it takes.
+    /// it takes. Meshes it sees where they are.
     ///
     /// # Panics
     /// As [`link_pose`].
@@ -125,8 +125,10 @@ impl RangeSensor {
             let forward = posture.world_from_robot.heading.direction();
             let origin = posture.world_from_robot.position + forward.rotate(self.mount.position.truncate());
             let direction = forward.rotate(self.mount.forward().truncate());
-            let hit = world.cast(by, origin, direction, range, at);
-            return Reading::of_distance(hit.map(|hit| hit.distance), noise);
+            let hit = world.cast(by, origin, direction, range, at).map(|hit| hit.distance);
+            let (origin, direction) = (origin.extend(self.mount.position.z), direction.extend(0.0));
+            let mesh = world.sight_mesh(by, origin, direction, hit.unwrap_or(range), at);
+            return Reading::of_distance(mesh.map(|mesh| mesh.distance).or(hit), noise);
         }
         self.model.read(world, by, &self.world_from_sensor(posture), at, noise)
     }

@@ -107,7 +107,7 @@ impl Sonar {
     ///
     /// The nearest echo with enough energy wins. Echoes are looked for where they may be nearest: along the line of sight,
     /// towards the nearest point of everything around (where a mirror must be met, and exact for what faces the sensor),
-    /// and along a fan of rays. There are no second reflections.
+    /// and along a fan of rays; of a mesh, at right angles to the triangles that the fan meets. There are no second reflections.
     ///
     /// The fan is a spiral over the part of the half space from which an echo may be heard. Where all things stand upright
     /// and reach up to a level sensor, and the floor is a perfect mirror, the fan lies in the sensor's level plane, and is
@@ -154,23 +154,21 @@ struct Ear<'a> {
 }
 
 impl Ear<'_> {
-    /// Listens along `direction`, `angle` rad from the line of sight.
-    fn try_angle(&mut self, direction: DVec3, angle: f64) {
+    /// Listens along `direction`, `angle` rad from the line of sight. What is met there, if it may be heard at all.
+    fn try_angle(&mut self, direction: DVec3, angle: f64) -> Option<Sighting> {
         let range = self.sonar.reach(angle).min(self.distance);
         if range < self.sonar.min {
-            return;
+            return None;
         }
-        let Some(sighting) = self.world.sight(self.by, self.world_from_sensor.position, direction, range, self.at)
-        else {
-            return;
-        };
+        let sighting = self.world.sight(self.by, self.world_from_sensor.position, direction, range, self.at)?;
         if sighting.distance < self.sonar.min || sighting.distance == self.distance && self.energy > 0.0 {
-            return;
+            return None;
         }
         let energy = self.sonar.energy(angle, &sighting, incidence(direction, sighting.normal));
         if energy >= self.sonar.threshold {
             (self.distance, self.energy) = (sighting.distance, energy);
         }
+        Some(sighting)
     }
 
     fn try_nearest_points(&mut self) {
@@ -185,7 +183,7 @@ impl Ear<'_> {
             }
         });
         for direction in points {
-            self.try_angle(direction, incidence(direction, forward));
+            self.try_angle(direction, angle_between(direction, forward));
         }
     }
 
@@ -194,7 +192,7 @@ impl Ear<'_> {
         let Pose3 { position, rotation } = *self.world_from_sensor;
         let forward = rotation.x_axis;
         let last = f64::from(self.sonar.rays.max(2) - 1);
-        let is_mirror = self.world.floor_surface().specular == 1.0;
+        let is_mirror = self.world.floor_surface().is_none_or(|floor| floor.specular == 1.0);
         let is_planar = forward.z == 0.0 && is_mirror && self.world.is_upright_at(position.z);
         for ray in 1..self.sonar.rays {
             let ray = f64::from(ray);
@@ -207,9 +205,18 @@ impl Ear<'_> {
                 (aperture * (ray / last).sqrt(), rotation.y_axis * cos + rotation.z_axis * sin)
             };
             let (sin, cos) = math::sin_cos(angle);
-            self.try_angle(forward * cos + aside * sin, angle);
+            let met = self.try_angle(forward * cos + aside * sin, angle);
+            // Of a mesh's triangle, the nearest point is known when a ray has met it.
+            if let Some(met) = met.filter(|_| self.world.has_meshes()) {
+                self.try_angle(-met.normal, angle_between(-met.normal, forward));
+            }
         }
     }
+}
+
+/// Angle between two unit vectors, 0 to pi rad.
+fn angle_between(one: DVec3, other: DVec3) -> f64 {
+    math::atan2(one.cross(other).length(), one.dot(other))
 }
 
 #[cfg(test)]

@@ -97,6 +97,9 @@ impl Ray {
     }
 }
 
+/// A way of meeting a figure at a pose with a ray: origin, direction and range.
+type Cast = fn(&Figure, &Pose, DVec3, DVec3, f64) -> Option<Met>;
+
 impl World {
     /// What a ray from `origin` along the unit vector `direction`, both in the world frame, meets first within `range`
     /// metres, that included, at the instant `at`: a wall up to its height, the floor, a fixed body, the body of another
@@ -112,16 +115,14 @@ impl World {
         let mut ray = Ray::new(origin, direction, range)?;
         self.sight_floor(&mut ray);
         self.sight_walls(&mut ray);
-        self.sight_fixed(&mut ray);
-        self.sight_robots(&mut ray, by, at);
-        self.sight_objects(&mut ray, at);
+        self.sight_bodies(&mut ray, by, at, Figure::cast);
         ray.nearest
     }
 
     fn sight_floor(&self, ray: &mut Ray) {
-        if ray.direction.z < 0.0 {
+        if let Some(surface) = self.stage.space.floor.filter(|_| ray.direction.z < 0.0) {
             let distance = (ray.origin.z / -ray.direction.z).max(0.0);
-            ray.meet(plane(distance, DVec3::Z), Seen::Floor, self.stage.space.floor);
+            ray.meet(plane(distance, DVec3::Z), Seen::Floor, surface);
         }
     }
 
@@ -153,38 +154,36 @@ impl World {
         });
     }
 
-    fn sight_fixed(&self, ray: &mut Ray) {
-        let (origin, trace, reach) = (ray.origin.truncate(), ray.trace, ray.reach());
-        self.stage.fixed.along_ray(origin, trace, reach, |RobotId(number)| {
-            let (pose, figure) = &self.stage.space.fixed[number as usize - 1];
-            if let Some(met) = figure.cast(pose, ray.origin, ray.direction) {
-                ray.meet(met, Seen::Fixed(number - 1), figure.surface);
-            }
-        });
+    /// What a ray meets first of meshes alone: what the plane of walls and footprints does not tell. Nothing is looked for
+    /// in a scene without.
+    pub fn sight_mesh(&self, by: RobotId, origin: DVec3, direction: DVec3, range: f64, at: Time) -> Option<Sighting> {
+        let mut ray = Ray::new(origin, direction, range).filter(|_| self.stage.has_meshes)?;
+        self.sight_bodies(&mut ray, by, at, Figure::cast_meshes);
+        ray.nearest
     }
 
-    fn sight_robots(&self, ray: &mut Ray, by: RobotId, at: Time) {
+    fn sight_bodies(&self, ray: &mut Ray, by: RobotId, at: Time, cast: Cast) {
         let (origin, trace, reach) = (ray.origin.truncate(), ray.trace, ray.reach());
-        let mut look_at = |robot: RobotId| {
-            if robot != by {
-                let (pose, figure) = self.robot_figure(robot, at);
-                if let Some(met) = figure.cast(&pose, ray.origin, ray.direction) {
-                    ray.meet(met, Seen::Robot(robot), figure.surface);
-                }
+        let mut look_at = |thing: Seen, pose: &Pose, figure: &Figure| {
+            if let Some(met) = cast(figure, pose, ray.origin, ray.direction, ray.range) {
+                ray.meet(met, thing, figure.surface);
             }
         };
-        self.resting.along_ray(origin, trace, reach, &mut look_at);
-        self.moving.along_ray(origin, trace, reach, &mut look_at);
-    }
-
-    fn sight_objects(&self, ray: &mut Ray, at: Time) {
-        let Some(objects) = &self.objects else { return };
-        let (origin, trace, reach) = (ray.origin.truncate(), ray.trace, ray.reach());
-        objects.along_ray(origin, trace, reach, |object| {
-            let figure = self.object_figure(object);
-            if let Some(met) = figure.cast(&objects.pose(object, at), ray.origin, ray.direction) {
-                ray.meet(met, Seen::Object(object), figure.surface);
+        self.stage.fixed.along_ray(origin, trace, reach, |RobotId(number)| {
+            let (pose, figure) = &self.stage.space.fixed[number as usize - 1];
+            look_at(Seen::Fixed(number - 1), pose, figure);
+        });
+        let mut look_at_robot = |robot: RobotId| {
+            if robot != by {
+                let (pose, figure) = self.robot_figure(robot, at);
+                look_at(Seen::Robot(robot), &pose, &figure);
             }
+        };
+        self.resting.along_ray(origin, trace, reach, &mut look_at_robot);
+        self.moving.along_ray(origin, trace, reach, &mut look_at_robot);
+        let Some(objects) = &self.objects else { return };
+        objects.along_ray(origin, trace, reach, |object| {
+            look_at(Seen::Object(object), &objects.pose(object, at), &self.object_figure(object));
         });
     }
 
@@ -207,12 +206,17 @@ impl World {
         z >= 0.0 && z <= self.stage.plain_below
     }
 
-    /// What the floor is made of.
-    pub(crate) fn floor_surface(&self) -> Surface {
+    /// Whether there is a mesh among the bodies.
+    pub(crate) fn has_meshes(&self) -> bool {
+        self.stage.has_meshes
+    }
+
+    /// What the floor is made of; `None` where a body is the ground.
+    pub(crate) fn floor_surface(&self) -> Option<Surface> {
         self.stage.space.floor
     }
 
-    /// Visits the point nearest to `point` of the floor, and of each wall and of each part of a body that may come within
+    /// Visits the point nearest to `point` of the floor, and of each wall and of each part of a body, but meshes, that may come within
     /// `reach` metres of it, at the instant `at`, in a fixed order.
     pub(crate) fn for_each_nearest(
         &self,
@@ -223,7 +227,9 @@ impl World {
         mut visit: impl FnMut(DVec3),
     ) {
         let near = Bounds::of_disc(point.truncate(), reach);
-        visit(point.with_z(point.z.min(0.0)));
+        if self.stage.space.floor.is_some() {
+            visit(point.with_z(point.z.min(0.0)));
+        }
         self.walls.for_each_in(near, |wall, segment| {
             if self.stage.is_wall(wall) {
                 let height = self.walls.height(wall);

@@ -11,13 +11,13 @@ use crate::{
     scene::{Bounds, Moving, Segment, Surface, WallId, Walls},
 };
 
-/// What rays in space meet beside walls and bodies as they stand on the floor; by default only the floor, which is smooth.
+/// What rays in space meet beside walls and bodies as they stand on the floor; by default the floor alone, which is smooth.
 ///
 /// Where a list ends, walls are rough and bodies are rough and as high as it takes.
 #[derive(Clone, Debug)]
 pub struct Space {
-    /// The floor, z = 0, without end.
-    pub floor: Surface,
+    /// The floor, z = 0, without end; `None` where one of the fixed bodies is the ground.
+    pub floor: Option<Surface>,
     /// Surfaces of the walls, in the order of their numbers.
     pub walls: Vec<Surface>,
     /// The walls from this number on are outlines of the fixed bodies, for contacts: rays in space meet the bodies.
@@ -35,7 +35,7 @@ pub struct Space {
 impl Default for Space {
     fn default() -> Self {
         Self {
-            floor: Surface::SMOOTH,
+            floor: Some(Surface::SMOOTH),
             walls: Vec::new(),
             outlines: None,
             blocks: Vec::new(),
@@ -47,7 +47,7 @@ impl Default for Space {
 }
 
 /// A wall with a thickness.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Block {
     /// The first of its sides.
     pub wall: WallId,
@@ -82,6 +82,8 @@ pub(super) struct Stage {
     pub blocks: Moving,
     /// Up to this height all walls and bodies are prisms on the floor.
     pub plain_below: f64,
+    /// Whether there is a mesh among the bodies.
+    pub has_meshes: bool,
 }
 
 impl Stage {
@@ -89,10 +91,11 @@ impl Stage {
         let plain_walls = space.outlines.map_or(walls.len(), |first| first.0 as usize) as u32;
         let heights = (0..plain_walls).map(|wall| walls.height(WallId(wall)));
         let figures = space.fixed.iter().map(|(_, figure)| figure).chain(&space.robots).chain(&space.objects);
+        let has_meshes = figures.clone().any(|figure| figure.has_mesh());
         let plain_below = heights.chain(figures.map(|figure| figure.prism_top())).fold(f64::INFINITY, f64::min);
         let fixed = index(space.fixed.iter().map(|(pose, figure)| figure.bounds(pose)));
         let blocks = index(space.blocks.iter().map(|block| block.figure.bounds(&block.world_from_block)));
-        Self { space, fixed, blocks, plain_below }
+        Self { space, fixed, blocks, plain_below, has_meshes }
     }
 
     /// The surface of a wall.
