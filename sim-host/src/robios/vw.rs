@@ -129,7 +129,7 @@ pub fn drive_straight(robot: &mut Robot, world: &World, handle: i32, distance: f
     }
     let event = Event::DriveStraight { distance_m: distance, v_m_per_s: v };
     let drive = Twist::new(distance, 0.0);
-    start(robot, world, handle, drive, distance / v, (Call::VWDriveStraight, event))
+    start(robot, world, handle, drive, seconds(distance, v), (Call::VWDriveStraight, event))
 }
 
 /// `VWDriveTurn`: the sign is that of `angle`; that of the rate is ignored.
@@ -139,7 +139,7 @@ pub fn drive_turn(robot: &mut Robot, world: &World, handle: i32, angle: f32, ome
         robot.hint_at(Mistake::LongTurn);
     }
     let event = Event::DriveTurn { angle_rad: angle, omega_rad_per_s: omega };
-    start(robot, world, handle, Twist::new(0.0, angle), angle / omega, (Call::VWDriveTurn, event))
+    start(robot, world, handle, Twist::new(0.0, angle), seconds(angle, omega), (Call::VWDriveTurn, event))
 }
 
 /// `VWDriveCurve`: forwards or backwards by the sign of `distance`; that of the speed is ignored.
@@ -226,9 +226,14 @@ fn start(
 
 // What follows is in metres, radians and seconds, for both generations.
 
+/// How long a way takes at this rate; no number at an infinite one.
+fn seconds(way: f64, rate: f64) -> f64 {
+    if rate.is_infinite() { f64::NAN } else { way / rate }
+}
+
 /// How long a curve takes; no number for one without length, along which there is no speed.
 pub(super) fn curve_seconds(distance: f64, angle: f64, v: f64) -> f64 {
-    if distance == 0.0 && angle != 0.0 { f64::NAN } else { distance / v }
+    if distance == 0.0 && angle != 0.0 { f64::NAN } else { seconds(distance, v) }
 }
 
 /// Starts a drive of `seconds`, of which the sign does not count: it is that of a speed.
