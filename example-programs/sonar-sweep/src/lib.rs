@@ -1,0 +1,37 @@
+//! Turns a sonar on a servo from the right to the left and prints what it hears: direction, distance, energy of the echo.
+
+use robios_api::prelude::*;
+use robios_api::{ServoAt, ServoPosition, Signal};
+
+robios_api::program!(main);
+
+/// The sonar's number in the robot's companion.
+const SONAR: PsdAt = PsdAt::Other(5);
+/// Steps of the servo between two directions, and how many there are to either side.
+const STEP: i32 = 14;
+const TO_EITHER_SIDE: i32 = 9;
+/// Degrees that a step of the servo turns: 90 in 127 of them.
+const DEGREES: f64 = 90.0 / 127.0;
+/// The sensor measures every 60 ms: one cycle may have begun before the servo turned, the next one has not.
+const TWO_CYCLES: Duration = Duration::from_millis(120);
+
+fn main(robot: &Robot) -> Result {
+    let servo = robot.servo(ServoAt::Servo1)?;
+    let sonar = robot.psd(SONAR)?;
+    for direction in -TO_EITHER_SIDE..=TO_EITHER_SIDE {
+        let steps = STEP * direction;
+        // The middle is two positions wide: 127 and 128.
+        let position = if steps > 0 { 128 + steps } else { 127 + steps };
+        servo.set(ServoPosition(position as u8))?;
+        robot.sleep(TWO_CYCLES);
+        let degrees = DEGREES * f64::from(steps);
+        match (sonar.distance(), sonar.signal()) {
+            (Some(distance), Some(Signal(energy))) => {
+                let distance_mm = distance.as_millimetres().round();
+                writeln!(robot.console(), "{degrees:.1} degrees: {distance_mm} mm, energy {energy:.4}");
+            }
+            _ => writeln!(robot.console(), "{degrees:.1} degrees: no echo"),
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,23 @@
+/* Swings an arm with three range sensors from the floor upwards over a step, and prints what each of them reads.
+   Sensors and sweep are those of France et al. (1999): the laser loses what it meets at more than 45 degrees, the
+   ultrasonic sensor hears the face of the step alone, the reflectance sensor reads too far where it looks aslant. */
+#include "eyebot.h"
+#include <stdio.h>
+
+#define LASER 2         /* numbers of the robot's companion */
+#define ULTRASONIC 3
+#define REFLECTANCE 4
+#define POSITION 12     /* positions of the servo between two readings */
+
+int main(void)
+{
+  int position;
+
+  printf("position laser ultrasonic reflectance signal\n");
+  for (position = 0; position <= 255; position += POSITION) {
+    SERVOSet(2, position);
+    printf("%d %d %d %d %.3f\n", position, PSDGet(LASER), PSDGet(ULTRASONIC), PSDGet(REFLECTANCE),
+           PSDGetSignal(REFLECTANCE));
+  }
+  return 0;
+}
