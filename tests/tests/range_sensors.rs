@@ -5,8 +5,12 @@ use std::process::Command;
 
 use tests::{Scratch, root};
 
-/// Height of the arm's sensors, distance of the step's face, height of the step, in metres.
-const [HEIGHT, FACE, STEP]: [f64; 3] = [0.3, 0.5, 0.2];
+/// Height of the arm's sensors, in metres.
+const HEIGHT: f64 = 0.3;
+/// Distance of the step's face.
+const FACE: f64 = 0.5;
+/// Height of the step.
+const STEP: f64 = 0.2;
 
 fn scene(name: &str) -> String {
     root().join("sims").join(name).to_str().expect("the checkout's path is text").to_owned()
