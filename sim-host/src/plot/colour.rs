@@ -30,6 +30,8 @@ pub const PAPER: RGBColor = RGBColor(255, 255, 255);
 pub const WHEEL: RGBColor = RGBColor(68, 68, 68);
 /// Beams of PSD sensors.
 pub const PSD: RGBColor = RGBColor(86, 180, 233);
+/// Beams of range sensors beside the PSDs.
+pub const RANGE: RGBColor = RGBColor(0, 114, 178);
 /// Beams of infrared switches.
 pub const INFRARED: RGBColor = RGBColor(213, 94, 0);
 /// Bumpers.

@@ -4,13 +4,15 @@ use std::f64::consts::{FRAC_PI_3, PI, TAU};
 
 use glam::DVec2;
 use plotters::style::RGBColor;
+use sim_core::build;
 use sim_core::drive::DriveKind;
-use sim_core::format::{JointSpec, RobiSpec};
+use sim_core::format::{JointSpec, LidarSpec, RobiSpec};
 use sim_core::math;
-use sim_core::pose::Pose;
+use sim_core::pose::{Pose, Pose3};
 use sim_core::scene::{Mesh, Walls};
+use sim_core::sensor::{Posture, RangeModel, RangeSensor};
 
-use super::colour::{BUMPER, CAMERA, INFRARED, INK, LIDAR, PSD, WHEEL};
+use super::colour::{BUMPER, CAMERA, INFRARED, INK, LIDAR, PSD, RANGE, WHEEL};
 use super::drawing::{Drawing, Form, Label, Line, Paint, Shape, Symbol};
 use super::object::{collider_shape, draw_mesh, footprint};
 
@@ -21,6 +23,8 @@ const MARK: f64 = 4.0;
 const FIELD_OF_VIEW: f64 = FRAC_PI_3;
 
 const PSD_LINE: Line = Line::solid(PSD, 1.25);
+const RANGE_LINE: Line = Line::solid(RANGE, 1.25);
+const SONAR_FILL: Paint = Paint::veil(RANGE, 0.12);
 const INFRARED_LINE: Line = Line::solid(INFRARED, 2.0);
 const BUMPER_LINE: Line = Line::solid(BUMPER, 4.0);
 const CAMERA_LINE: Line = Line::solid(CAMERA, 1.0);
@@ -90,10 +94,11 @@ pub fn draw_fittings(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
         let arc = arc(pose, DVec2::ZERO, 0.5 * robi.diameter, bumper.from, bumper.to);
         drawing.push(Shape::outlined(Form::Path(arc), BUMPER_LINE).detail(robi.diameter));
     }
-    let psds = robi.psds.iter().map(|psd| (psd.position, PSD_LINE));
+    let sights = sights(robi);
+    let ranges = sights.iter().map(|sight| (sight.at, if sight.is_psd() { PSD_LINE } else { RANGE_LINE }));
     let infrareds = robi.infrareds.iter().map(|infrared| (infrared.position, INFRARED_LINE));
-    for (position, line) in psds.chain(infrareds) {
-        let dot = Form::Disc { centre: pose.transform_point(position.truncate()), radius: 0.0, least: 2.0 };
+    for (position, line) in ranges.chain(infrareds.map(|(position, line)| (position.truncate(), line))) {
+        let dot = Form::Disc { centre: pose.transform_point(position), radius: 0.0, least: 2.0 };
         drawing.push(Shape::filled(dot, line.paint).detail(robi.diameter));
     }
 }
@@ -110,19 +115,32 @@ pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: 
         let end = origin + direction * reach(origin, direction, range);
         drawing.push(Shape::outlined(Form::Path(vec![origin, end]), line).detail(range));
     };
-    for psd in &robi.psds {
-        beam(psd.position.truncate(), psd.angle, psd.range, PSD_LINE);
+    for sight in sights(robi) {
+        let line = if sight.is_psd() { PSD_LINE } else { RANGE_LINE };
+        beam(sight.at, sight.angle(), sight.reach, line);
+        if let Some(half) = sight.half_angle {
+            draw_cone(drawing, &sight, half, pose, walls);
+        }
     }
+    let mut beam = |position: DVec2, angle: f64, range: f64, line: Line| {
+        let origin = pose.transform_point(position);
+        let direction = pose.heading.turned(angle).direction();
+        let end = origin + direction * reach(origin, direction, range);
+        drawing.push(Shape::outlined(Form::Path(vec![origin, end]), line).detail(range));
+    };
     for infrared in &robi.infrareds {
         beam(infrared.position.truncate(), infrared.angle, infrared.range, INFRARED_LINE);
     }
     let radius = 0.5 * robi.diameter;
-    if robi.lidar.is_some() {
-        // Its place and range are nowhere said: a ring of short rays around the middle.
-        let rays = (0..36).map(|step| TAU * f64::from(step) / 36.0);
-        for angle in rays {
+    if let Some(lidar) = &robi.lidar {
+        // All of its range would hide the others: short rays around its place, over what it scans.
+        let place = pose.transform_point(scanner_place(robi, lidar).position.truncate());
+        let steps = (36.0 * lidar.sweep / TAU).ceil().max(1.0) as u32;
+        let middle = scanner_place(robi, lidar).forward();
+        let first = math::atan2(middle.y, middle.x) - 0.5 * lidar.sweep;
+        for angle in (0..steps).map(|step| first + lidar.sweep * (f64::from(step) + 0.5) / f64::from(steps)) {
             let way = pose.heading.turned(angle).direction();
-            let ray = vec![pose.position + 0.5 * radius * way, pose.position + 0.7 * radius * way];
+            let ray = vec![place + 0.5 * radius * way, place + 0.7 * radius * way];
             drawing.push(Shape::outlined(Form::Path(ray), LIDAR_LINE).detail(0.1 * robi.diameter));
         }
     }
@@ -132,6 +150,12 @@ pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: 
 fn explain_sensors(drawing: &mut Drawing, robi: &RobiSpec) {
     if !robi.psds.is_empty() {
         drawing.explain(Symbol::Beam(PSD_LINE), "PSD, up to its range");
+    }
+    if robi.ranges.iter().any(|range| !matches!(range.model, RangeModel::Sonar(_))) {
+        drawing.explain(Symbol::Beam(RANGE_LINE), "range sensor, as far along the floor as it reaches");
+    }
+    if robi.ranges.iter().any(|range| matches!(range.model, RangeModel::Sonar(_))) {
+        drawing.explain(Symbol::Sector(SONAR_FILL, RANGE_LINE), "sonar, its beam");
     }
     if !robi.infrareds.is_empty() {
         drawing.explain(Symbol::Beam(INFRARED_LINE), "infrared switch, its range");
@@ -145,6 +169,76 @@ fn explain_sensors(drawing: &mut Drawing, robi: &RobiSpec) {
     if robi.lidar.is_some() {
         drawing.explain(Symbol::Line(LIDAR_LINE), "laser scanner");
     }
+}
+
+/// A range sensor from above, its servos in the middle.
+struct Sight<'r> {
+    name: &'r str,
+    /// Its place in the robot's frame.
+    at: DVec2,
+    /// Its line of sight there; not a unit vector where it looks up or down.
+    way: DVec2,
+    /// How far along the floor it reaches.
+    reach: f64,
+    /// Its greatest distance.
+    range: f64,
+    /// Half of the angle of a beam.
+    half_angle: Option<f64>,
+    model: RangeModel,
+}
+
+impl Sight<'_> {
+    fn is_psd(&self) -> bool {
+        matches!(self.model, RangeModel::Psd { .. })
+    }
+
+    fn angle(&self) -> f64 {
+        math::atan2(self.way.y, self.way.x)
+    }
+}
+
+/// The range sensors as a robot holds them whose servos stand in the middle.
+fn sights(robi: &RobiSpec) -> Vec<Sight<'_>> {
+    let names = robi.psds.iter().map(|psd| &psd.name).chain(robi.ranges.iter().map(|range| &range.name));
+    let sensors = build::range_sensors(robi);
+    let sight = |(name, sensor): (_, &RangeSensor)| {
+        let frame = frame_of(robi, sensor);
+        let way = frame.forward().truncate();
+        let (range, half_angle) = match &sensor.model {
+            RangeModel::Psd { range } => (*range, None),
+            RangeModel::Laser(echo) | RangeModel::Ultrasonic(echo) | RangeModel::Reflectance(echo) => (echo.max, None),
+            RangeModel::Sonar(sonar) => (sonar.max, Some(sonar.half_angle)),
+        };
+        let (at, reach) = (frame.position.truncate(), range * way.length());
+        Sight { name, at, way, reach, range, half_angle, model: sensor.model }
+    };
+    names.map(String::as_str).zip(&sensors).map(sight).collect()
+}
+
+/// Where a sensor sits and looks in the robot's frame, the servos in the middle.
+fn frame_of(robi: &RobiSpec, sensor: &RangeSensor) -> Pose3 {
+    let angles: Vec<f64> = robi.all_servos().iter().map(|servo| 0.5 * (servo.swing[0] + servo.swing[1])).collect();
+    let links = build::links(robi);
+    sensor.world_from_sensor(&Posture { links: &links, angles: &angles, ..Posture::default() })
+}
+
+/// Where a laser scanner sits and looks in the robot's frame.
+fn scanner_place(robi: &RobiSpec, lidar: &LidarSpec) -> Pose3 {
+    let (mount, link) = build::scanner_mount(robi, lidar);
+    frame_of(robi, &RangeSensor { mount, link, model: RangeModel::Psd { range: lidar.range } })
+}
+
+/// The cone of a sonar from above, up to its range or the walls.
+fn draw_cone(drawing: &mut Drawing, sight: &Sight<'_>, half: f64, pose: &Pose, walls: &Walls) {
+    const STEPS: u32 = 16;
+    let origin = pose.transform_point(sight.at);
+    let end = |step: u32| {
+        let angle = sight.angle() + half * (2.0 * f64::from(step) / f64::from(STEPS) - 1.0);
+        let direction = pose.heading.turned(angle).direction();
+        origin + direction * walls.cast(origin, direction, sight.reach).map_or(sight.reach, |hit| hit.distance)
+    };
+    let outline = std::iter::once(origin).chain((0..=STEPS).map(end)).collect();
+    drawing.push(Shape::filled(Form::Polygon(outline), SONAR_FILL).detail(sight.reach));
 }
 
 /// The field of view from the camera's place; where a servo pans, the arc of its range as well.
@@ -190,9 +284,9 @@ pub fn label_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
         let beyond = along * along + radius * radius - position.length_squared();
         position + way * (beyond.max(0.0).sqrt() - along).clamp(0.0, range)
     };
-    for psd in &robi.psds {
-        let (position, way) = (psd.position.truncate(), way(psd.angle));
-        label(format!("{}, {} m", psd.name, rounded(psd.range)), edge(position, way, psd.range), way);
+    for sight in sights(robi) {
+        let way = way(sight.angle());
+        label(format!("{}, {} m", sight.name, rounded(sight.range)), edge(sight.at, way, sight.reach), way);
     }
     for infrared in &robi.infrareds {
         let text = format!("{}, {} m", infrared.name, rounded(infrared.range));
@@ -208,7 +302,8 @@ pub fn label_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
         label(text, camera.position.truncate(), DVec2::ZERO);
     }
     if let Some(lidar) = &robi.lidar {
-        label(format!("lidar, {} points", lidar.points), DVec2::ZERO, DVec2::ZERO);
+        let place = scanner_place(robi, lidar).position.truncate();
+        label(format!("lidar, {} points", lidar.points), place, DVec2::ZERO);
     }
 }
 

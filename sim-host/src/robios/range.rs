@@ -10,7 +10,7 @@ use sim_core::drive::Motion;
 use sim_core::format::{LIDAR, LidarSpec, RobiSpec};
 use sim_core::noise::{Events, Profile, RangeErrors, RangeKind};
 use sim_core::pose::Pose3;
-use sim_core::sensor::{Beam, Fan, Link, Mount, Posture, RangeModel, RangeSensor, Reading, Scan};
+use sim_core::sensor::{Fan, Link, Mount, Posture, RangeModel, RangeSensor, Reading, Scan};
 use sim_core::time::Time;
 use sim_core::world::World;
 
@@ -19,7 +19,7 @@ use super::servo::Servos;
 /// The range sensors of a robot and the links that they sit on.
 #[derive(Clone, Debug, Default)]
 pub struct Ranges {
-    sensors: Vec<Sensor>,
+    sensors: Vec<RangeSensor>,
     links: Vec<Link>,
     /// By servo its angles at positions 0 and 255, rad.
     swings: Vec<[f64; 2]>,
@@ -41,15 +41,6 @@ const CYCLE: Time = super::psd::CYCLE;
 
 /// A laser scanner measures when it is told to.
 const SCAN: Time = Time(1);
-
-/// A range sensor of a robot.
-#[derive(Clone, Debug)]
-enum Sensor {
-    /// A PSD on the body that looks along the floor: it sees in the plane, whatever the height of things.
-    Level(Beam),
-    /// Any other.
-    InSpace(RangeSensor),
-}
 
 /// A laser scanner of a robot.
 #[derive(Clone, Debug)]
@@ -74,14 +65,8 @@ pub enum Scanner {
 impl Ranges {
     /// The sensors that a robi describes.
     pub fn new(spec: &RobiSpec) -> Self {
-        let level = spec.psds.iter().map(|psd| {
-            let mount = Mount::new(psd.position.x, psd.position.y, psd.angle);
-            (psd.on.is_none() && psd.pitch == 0.0).then_some(Sensor::Level(Beam { mount, range: psd.range }))
-        });
-        let sensors = build::range_sensors(spec);
-        let sensors = level.chain(std::iter::repeat(None)).zip(sensors);
         Self {
-            sensors: sensors.map(|(level, sensor)| level.unwrap_or(Sensor::InSpace(sensor))).collect(),
+            sensors: build::range_sensors(spec),
             links: build::links(spec),
             swings: spec.all_servos().into_iter().map(|servo| servo.swing).collect(),
             errors: None,
@@ -104,20 +89,12 @@ impl Ranges {
         let world_from_robot = motion.pose(at);
         let event = Events::index(at, CYCLE);
         let errors = self.errors.as_ref().and_then(|errors| errors.sensors.get(index));
-        let (model, exact) = match self.sensors.get(index)? {
-            Sensor::Level(beam) => {
-                let distance = beam.distance(world, motion.id(), &world_from_robot, at);
-                let signal = if distance.is_some() { 1.0 } else { 0.0 };
-                (RangeModel::Psd { range: beam.range }, Reading { distance, signal })
-            }
-            Sensor::InSpace(sensor) => {
-                let angles = self.angles(sensor.link, servos, at);
-                let posture = Posture { world_from_robot, links: &self.links, angles: &angles };
-                let own = errors.map_or(0.0, |(errors, [sigma, mean])| errors.own(event, *sigma, *mean));
-                (sensor.model, sensor.read(world, motion.id(), &posture, at, own))
-            }
-        };
-        Some(errors.map_or(exact, |(errors, _)| errors.reading_of(event, at, &model, exact)))
+        let sensor = self.sensors.get(index)?;
+        let angles = self.angles(sensor.link, servos, at);
+        let posture = Posture { world_from_robot, links: &self.links, angles: &angles };
+        let own = errors.map_or(0.0, |(errors, [sigma, mean])| errors.own(event, *sigma, *mean));
+        let reading = sensor.read(world, motion.id(), &posture, at, own);
+        Some(errors.map_or(reading, |(errors, _)| errors.reading_of(event, at, &sensor.model, reading)))
     }
 
     /// What the rays of the scanner measure at `at`, in metres from left to right; `None` for nothing within range.
