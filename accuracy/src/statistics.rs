@@ -1,0 +1,209 @@
+//! Statistical tests: how probable it is that a sample is as far from what it should be as it is, if it is as it should be.
+//!
+//! Each gives a p-value, uniform on [0, 1] for a sample that is as it should be, and near 0 for one that is not.
+
+use sim_core::math;
+
+/// Share of the standard normal distribution below `z`.
+pub fn normal_cdf(z: f64) -> f64 {
+    0.5 * math::erfc(-z / std::f64::consts::SQRT_2)
+}
+
+/// Probability of a standard normal number at least as far from 0 as `z`, on either side.
+pub fn two_sided(z: f64) -> f64 {
+    math::erfc(z.abs() / std::f64::consts::SQRT_2)
+}
+
+/// Number, mean and central moments of a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moments {
+    /// How many there are.
+    pub count: f64,
+    /// Mean.
+    pub mean: f64,
+    /// Variance, of the sample itself.
+    pub variance: f64,
+    /// Fourth central moment.
+    pub fourth: f64,
+}
+
+impl Moments {
+    /// Those of `sample`; NaN without any.
+    pub fn of(sample: &[f64]) -> Self {
+        let count = sample.len() as f64;
+        let mean = sample.iter().sum::<f64>() / count;
+        let of = |power: i32| sample.iter().map(|x| (x - mean).powi(power)).sum::<f64>() / count;
+        Self { count, mean, variance: of(2), fourth: of(4) }
+    }
+
+    /// p-value of the mean being `mean`, where the variance is `variance`.
+    pub fn mean_is(&self, mean: f64, variance: f64) -> f64 {
+        two_sided((self.mean - mean) / (variance / self.count).sqrt())
+    }
+
+    /// p-value of the variance being `variance`: a variance varies by (m4 - v^2) / n.
+    pub fn variance_is(&self, variance: f64) -> f64 {
+        let spread = ((self.fourth - self.variance * self.variance) / self.count).sqrt();
+        two_sided((self.variance - variance) / spread)
+    }
+}
+
+/// Kolmogorov's and Smirnov's distance: the greatest between the distribution of a sample, which is sorted, and `cdf`.
+pub fn kolmogorov_distance(sample: &mut [f64], cdf: impl Fn(f64) -> f64) -> f64 {
+    sample.sort_by(f64::total_cmp);
+    let count = sample.len() as f64;
+    let steps = sample.iter().enumerate().map(|(index, x)| {
+        let (below, share) = (index as f64 / count, cdf(*x));
+        (share - below).abs().max((below + 1.0 / count - share).abs())
+    });
+    steps.fold(0.0, f64::max)
+}
+
+/// p-value of a sample being of the distribution `cdf`, which is continuous; by Stephens' approximation.
+pub fn kolmogorov(sample: &mut [f64], cdf: impl Fn(f64) -> f64) -> f64 {
+    let distance = kolmogorov_distance(sample, cdf);
+    let root = (sample.len() as f64).sqrt();
+    let lambda = (root + 0.12 + 0.11 / root) * distance;
+    if lambda < 0.2 {
+        return 1.0;
+    }
+    let term = |j: i32| {
+        let sign = if j % 2 == 1 { 2.0 } else { -2.0 };
+        sign * math::exp(-2.0 * f64::from(j * j) * lambda * lambda)
+    };
+    (1..100).map(term).sum::<f64>().clamp(0.0, 1.0)
+}
+
+/// Pearson's chi-squared: p-value of counts whose expectations are `expected`, with the same sum; a class that expects fewer
+/// than 10 goes with the next. By Wilson's and Hilferty's approximation.
+///
+/// # Panics
+/// If there are fewer than two classes left, or not as many counts as expectations.
+pub fn chi_squared(counts: &[f64], expected: &[f64]) -> f64 {
+    assert_eq!(counts.len(), expected.len(), "a count for each expectation");
+    let mut classes: Vec<(f64, f64)> = Vec::new();
+    let mut open = (0.0, 0.0);
+    for (count, expected) in counts.iter().zip(expected) {
+        open = (open.0 + count, open.1 + expected);
+        if open.1 >= 10.0 {
+            classes.push(std::mem::take(&mut open));
+        }
+    }
+    if let Some(last) = classes.last_mut() {
+        *last = (last.0 + open.0, last.1 + open.1);
+    }
+    assert!(classes.len() > 1, "two classes at least");
+    let squares = classes.iter().map(|(count, expected)| (count - expected).powi(2) / expected);
+    let (statistic, freedom) = (squares.sum::<f64>(), classes.len() as f64 - 1.0);
+    let share = 2.0 / (9.0 * freedom);
+    1.0 - normal_cdf(((statistic / freedom).cbrt() - (1.0 - share)) / share.sqrt())
+}
+
+/// Exact: p-value of `count` hits in `trials`, each with `probability`; twice the smaller tail.
+pub fn binomial(count: u64, trials: u64, probability: f64) -> f64 {
+    if probability <= 0.0 || probability >= 1.0 {
+        let certain = if probability <= 0.0 { 0 } else { trials };
+        return f64::from(u8::from(count == certain));
+    }
+    // From the most probable number outwards, as multiples of its probability, until they vanish.
+    let mode = ((trials + 1) as f64 * probability).floor().min(trials as f64) as u64;
+    let odds = probability / (1.0 - probability);
+    let (mut all, mut below, mut above) = (0.0, 0.0, 0.0);
+    let mut add = |k: u64, weight: f64| {
+        all += weight;
+        below += if k <= count { weight } else { 0.0 };
+        above += if k >= count { weight } else { 0.0 };
+    };
+    let (mut k, mut weight) = (mode, 1.0);
+    while weight > 0.0 {
+        add(k, weight);
+        if k == trials {
+            break;
+        }
+        weight *= (trials - k) as f64 / (k + 1) as f64 * odds;
+        k += 1;
+    }
+    (k, weight) = (mode, 1.0);
+    while k > 0 && weight > 0.0 {
+        weight *= k as f64 / ((trials - k + 1) as f64 * odds);
+        k -= 1;
+        add(k, weight);
+    }
+    let tail = if below < above { below } else { above };
+    (2.0 * tail / all).min(1.0)
+}
+
+/// p-value of two samples, pair by pair, being uncorrelated.
+///
+/// # Panics
+/// If they are not of one length.
+pub fn uncorrelated(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len(), "pairs");
+    let (of_a, of_b) = (Moments::of(a), Moments::of(b));
+    let products = a.iter().zip(b).map(|(a, b)| (a - of_a.mean) * (b - of_b.mean));
+    let correlation = products.sum::<f64>() / (of_a.count * (of_a.variance * of_b.variance).sqrt());
+    two_sided(correlation * of_a.count.sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_normal_distribution_is_the_published_one() {
+        for (z, share) in [(0.0, 0.5), (1.0, 0.841_344_746_068_542_9), (-3.0, 0.001_349_898_031_630_094_6)] {
+            assert!((normal_cdf(z) - share).abs() < 1e-15, "{z}");
+        }
+        assert!((two_sided(-1.959_963_984_540_054) - 0.05).abs() < 1e-15);
+    }
+
+    #[test]
+    fn binomial_tails_are_exact() {
+        // 10 throws of a fair coin: at most 2 heads with (1 + 10 + 45) / 1024.
+        assert!((binomial(2, 10, 0.5) - 2.0 * 56.0 / 1024.0).abs() < 1e-15);
+        assert!((binomial(8, 10, 0.5) - 2.0 * 56.0 / 1024.0).abs() < 1e-15);
+        assert_eq!(binomial(5, 10, 0.5), 1.0);
+        assert!((binomial(0, 3, 0.25) - 2.0 * 27.0 / 64.0).abs() < 1e-15);
+        assert_eq!([binomial(0, 9, 0.0), binomial(1, 9, 0.0), binomial(9, 9, 1.0)], [1.0, 0.0, 1.0]);
+        // Far out, where the normal approximation has the right size.
+        let far = binomial(500_000 + 2_500, 1_000_000, 0.5);
+        assert!((far / two_sided(5.0) - 1.0).abs() < 0.02, "{far}");
+    }
+
+    #[test]
+    fn kolmogorov_has_its_published_values() {
+        // A sample in the middles of equal cells is as close as can be; moved by D it is D + 1 / 2n away.
+        let sample =
+            |count: usize, by: f64| (0..count).map(|k| (k as f64 + 0.5) / count as f64 + by).collect::<Vec<_>>();
+        assert_eq!(kolmogorov(&mut sample(1000, 0.0), |x| x), 1.0);
+        // The 5 % point is 1.358 / sqrt(n) for many.
+        let count = 10_000;
+        let by = 1.358 / 100.0 - 0.5 / 10_000.0;
+        assert!((kolmogorov(&mut sample(count, by), |x| x) - 0.05).abs() < 1e-3);
+    }
+
+    #[test]
+    fn chi_squared_has_its_published_values() {
+        // The 5 % points for 1, 9 and 99 degrees of freedom.
+        for (freedom, point) in [(1_usize, 3.841_f64), (9, 16.919), (99, 123.225)] {
+            let classes = freedom + 1;
+            let mut counts = vec![1000.0; classes];
+            let by = (point * 1000.0 / 2.0).sqrt();
+            (counts[0], counts[1]) = (1000.0 + by, 1000.0 - by);
+            let p = chi_squared(&counts, &vec![1000.0; classes]);
+            assert!((p - 0.05).abs() < 0.004, "{freedom}: {p}");
+        }
+    }
+
+    #[test]
+    fn moments_are_those_of_the_definition() {
+        let moments = Moments::of(&[1.0, 2.0, 3.0, 6.0]);
+        assert_eq!((moments.mean, moments.variance, moments.fourth), (3.0, 3.5, (16.0 + 1.0 + 81.0) / 4.0));
+    }
+
+    #[test]
+    fn a_sample_is_correlated_with_itself() {
+        let a: Vec<f64> = (0..100).map(f64::from).collect();
+        assert!(uncorrelated(&a, &a) < 1e-20);
+    }
+}

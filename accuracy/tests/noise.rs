@@ -1,0 +1,369 @@
+//! Whether noise is what it says: mean, variance and distribution of every model and preset, the bits below, independence of
+//! streams; and whether the tests would notice if it were not.
+//!
+//! Seeds are fixed, so each test passes always or never. A p-value below [`LEAST`] fails.
+
+use accuracy::statistics::{Moments, binomial, chi_squared, kolmogorov, normal_cdf, uncorrelated};
+use sim_core::RobotId;
+use sim_core::drive::DriveKind;
+use sim_core::format::Preset;
+use sim_core::math::hypot;
+use sim_core::noise::{Angle, AngleErrors, Events, Image, ImageErrors, Motion, Purpose, Range, RangeErrors, RangeKind};
+use sim_core::time::Time;
+
+/// Some hundred p-values are looked at: by chance the least of them would be below this once in a hundred choices of the seed.
+const LEAST: f64 = 1e-4;
+const MILLION: u64 = 1_000_000;
+const SEED: u64 = 2026;
+const ROBOT: RobotId = RobotId(1);
+/// Limits so wide that nothing is clamped.
+const WIDE: [f64; 2] = [0.0, 100.0];
+
+#[track_caller]
+fn passes(what: &str, p: f64) {
+    assert!(p > LEAST, "{what}: p = {p:e}");
+}
+
+fn events(purpose: Purpose, name: &str) -> Events {
+    Events::new(SEED, ROBOT, purpose, name)
+}
+
+/// The first normal number of each of so many events.
+fn normals(count: u64) -> Vec<f64> {
+    let events = events(Purpose::Range, "PSD_FRONT");
+    (0..count).map(|index| events.at(index).normal()).collect()
+}
+
+/// What is wrong with numbers that should be normal with these: the least p-value of mean, variance and distribution.
+fn normality(sample: &mut [f64], mean: f64, sigma: f64) -> f64 {
+    let moments = Moments::of(sample);
+    let of_mean = moments.mean_is(mean, sigma * sigma);
+    let of_variance = moments.variance_is(sigma * sigma);
+    let of_distribution = kolmogorov(sample, |x| normal_cdf((x - mean) / sigma));
+    of_mean.min(of_variance).min(of_distribution)
+}
+
+#[test]
+fn bits_are_even_and_so_are_their_patterns() {
+    let of_events = events(Purpose::Range, "PSD_FRONT");
+    let mut in_turn = events(Purpose::Signal, "PSD_FRONT").at(0);
+    let mut draw: [Box<dyn FnMut(u64) -> u64>; 2] =
+        [Box::new(|index| of_events.at(index).bits()), Box::new(|_| in_turn.bits())];
+    for (name, draw) in ["of events", "in turn"].into_iter().zip(&mut draw) {
+        let mut ones = [0_u64; 64];
+        let mut bytes = vec![[0.0_f64; 256]; 8];
+        for index in 0..MILLION / 2 {
+            let bits = draw(index);
+            for (place, count) in ones.iter_mut().enumerate() {
+                *count += bits >> place & 1;
+            }
+            for (place, byte) in bits.to_le_bytes().into_iter().enumerate() {
+                bytes[place][usize::from(byte)] += 1.0;
+            }
+        }
+        for (place, count) in ones.into_iter().enumerate() {
+            passes(&format!("bit {place} {name}"), binomial(count, MILLION / 2, 0.5));
+        }
+        let expected = [(MILLION / 2) as f64 / 256.0; 256];
+        for (place, counts) in bytes.iter().enumerate() {
+            passes(&format!("byte {place} {name}"), chi_squared(counts, &expected));
+        }
+    }
+}
+
+#[test]
+fn uniform_numbers_are_uniform() {
+    let events = events(Purpose::Range, "PSD_FRONT");
+    let mut sample: Vec<f64> = (0..MILLION).map(|index| events.at(index).unit()).collect();
+    let moments = Moments::of(&sample);
+    passes("mean", moments.mean_is(0.5, 1.0 / 12.0));
+    passes("variance", moments.variance_is(1.0 / 12.0));
+    passes("distribution", kolmogorov(&mut sample, |x| x));
+}
+
+#[test]
+fn normal_numbers_are_normal() {
+    passes("of events", normality(&mut normals(MILLION), 0.0, 1.0));
+    let mut stream = events(Purpose::Image, "CAMERA").at(3);
+    let mut in_turn: Vec<f64> = (0..MILLION).map(|_| stream.normal()).collect();
+    passes("in turn", normality(&mut in_turn, 0.0, 1.0));
+    let far = in_turn.iter().filter(|z| z.abs() > 4.0).count() as u64;
+    passes("tails", binomial(far, MILLION, 2.0 * normal_cdf(-4.0)));
+}
+
+#[test]
+fn the_tests_would_notice() {
+    let sample = normals(MILLION);
+    let with = |change: &dyn Fn(f64) -> f64| sample.iter().map(|z| change(*z)).collect::<Vec<_>>();
+    let caught = |what: &str, p: f64| assert!(p < LEAST, "{what} is not noticed: p = {p}");
+    caught("a variance of 1 % more", normality(&mut with(&|z| z * 1.01_f64.sqrt()), 0.0, 1.0));
+    caught("a variance of 1 % less", normality(&mut with(&|z| z * 0.99_f64.sqrt()), 0.0, 1.0));
+    caught("a mean of 0.5 % of sigma", normality(&mut with(&|z| z + 0.005), 0.0, 1.0));
+    let uniform = with(&|z| (normal_cdf(z) - 0.5) * 12.0_f64.sqrt());
+    caught("a uniform distribution", kolmogorov(&mut uniform.clone(), normal_cdf));
+    let moments = Moments::of(&uniform);
+    assert!(moments.mean_is(0.0, 1.0).min(moments.variance_is(1.0)) > LEAST, "which has the right mean and variance");
+    // The sum of four uniform numbers has the right mean and variance, and is nearly normal.
+    let sums: Vec<f64> =
+        sample.chunks(4).map(|four| four.iter().map(|z| normal_cdf(*z) - 0.5).sum::<f64>() * 3.0_f64.sqrt()).collect();
+    caught("a sum of four uniform numbers", kolmogorov(&mut sums.clone(), normal_cdf));
+    caught("tails that are cut at 4 sigma", binomial(0, MILLION, 2.0 * normal_cdf(-4.0)));
+    caught("a probability of 0.0105 for 0.01", binomial(10_500, MILLION, 0.01));
+    caught("a bit of 50.25 %", binomial(502_500, MILLION, 0.5));
+    let near: Vec<f64> = sample.windows(2).map(|pair| pair[0] * 0.01 + pair[1]).collect();
+    caught("a correlation of 1 %", uncorrelated(&sample[1..], &near).max(uncorrelated(&sample[..near.len()], &near)));
+    let mut counts = [1000.0; 256];
+    (counts[0], counts[1]) = (1600.0, 400.0);
+    caught("one byte of 256 that comes too often", chi_squared(&counts, &[1000.0; 256]));
+}
+
+#[test]
+fn streams_of_neighbouring_keys_are_uncorrelated() {
+    const PAIRS: u64 = 200_000;
+    let of = |seed, robot, purpose, name: &str, step: u64| -> Vec<f64> {
+        let events = Events::new(seed, RobotId(robot), purpose, name);
+        (0..PAIRS).map(|index| events.at(index + step).normal()).collect()
+    };
+    let base = of(SEED, 1, Purpose::Range, "PSD_FRONT", 0);
+    let others = [
+        ("the next event", of(SEED, 1, Purpose::Range, "PSD_FRONT", 1)),
+        ("the event after the next", of(SEED, 1, Purpose::Range, "PSD_FRONT", 2)),
+        ("an event 2^32 later", of(SEED, 1, Purpose::Range, "PSD_FRONT", 1 << 32)),
+        ("the next seed", of(SEED + 1, 1, Purpose::Range, "PSD_FRONT", 0)),
+        ("the next robot", of(SEED, 2, Purpose::Range, "PSD_FRONT", 0)),
+        ("the next purpose", of(SEED, 1, Purpose::Signal, "PSD_FRONT", 0)),
+        ("another name", of(SEED, 1, Purpose::Range, "PSD_FRONU", 0)),
+    ];
+    for (what, other) in &others {
+        passes(what, uncorrelated(&base, other));
+        // Independence is more: squares neither.
+        let square = |sample: &[f64]| sample.iter().map(|z| z * z).collect::<Vec<_>>();
+        passes(&format!("{what}, squares"), uncorrelated(&square(&base), &square(other)));
+    }
+    let events = events(Purpose::Range, "PSD_FRONT");
+    let in_turn: Vec<(f64, f64)> = (0..PAIRS)
+        .map(|index| {
+            let mut stream = events.at(index);
+            (stream.normal(), stream.normal())
+        })
+        .collect();
+    let (first, second): (Vec<f64>, Vec<f64>) = in_turn.into_iter().unzip();
+    passes("two numbers of one event", uncorrelated(&first, &second));
+}
+
+/// Readings where `exact` is true, drop-outs left out.
+fn readings(errors: &RangeErrors, count: u64, exact: f64) -> Vec<f64> {
+    (0..count).filter_map(|index| errors.reading(index, Time::ZERO, WIDE, Some(exact))).collect()
+}
+
+fn sensor(model: Range) -> RangeErrors {
+    RangeErrors::new(model, SEED, ROBOT, "PSD_FRONT")
+}
+
+#[test]
+fn readings_are_normal_about_the_distance() {
+    for exact in [5.0, 50.0] {
+        let model = Range { sigma: 0.003, sigma_share: 0.001, bias: 0.01, ..Range::default() };
+        let sigma = (model.sigma * model.sigma + (model.sigma_share * exact).powi(2)).sqrt();
+        let mut sample = readings(&sensor(model), MILLION, exact);
+        passes(&format!("at {exact} m"), normality(&mut sample, exact + 0.01, sigma));
+    }
+}
+
+#[test]
+fn steps_have_the_probabilities_of_their_cells() {
+    let model = Range { sigma: 0.02, step: 0.01, ..Range::default() };
+    let sample = readings(&sensor(model), MILLION, 5.003);
+    passes("steps", cells(&sample, 0.01, |x| normal_cdf((x - 5.003) / 0.02)));
+}
+
+/// p-value of a sample of multiples of `step`, of numbers of the distribution `cdf` that were rounded to them.
+fn cells(sample: &[f64], step: f64, cdf: impl Fn(f64) -> f64) -> f64 {
+    let place = |x: f64| (x / step).round() as i64;
+    let [low, high] =
+        [sample.iter().copied().fold(f64::INFINITY, f64::min), sample.iter().copied().fold(0.0, f64::max)];
+    let (low, high) = (place(low), place(high));
+    let mut counts = vec![0.0; (high - low + 1) as usize];
+    for x in sample {
+        assert!((x - place(*x) as f64 * step).abs() < 1e-9, "{x} is no multiple of {step}");
+        counts[(place(*x) - low) as usize] += 1.0;
+    }
+    let edge = |place: i64| (place as f64 - 0.5) * step;
+    let share = |place: i64| {
+        let below = if place == low { 0.0 } else { cdf(edge(place)) };
+        let above = if place == high { 1.0 } else { cdf(edge(place + 1)) };
+        (above - below) * sample.len() as f64
+    };
+    chi_squared(&counts, &(low..=high).map(share).collect::<Vec<_>>())
+}
+
+#[test]
+fn outliers_and_drop_outs_come_as_often_as_they_say() {
+    let model = Range { outlier: 0.01, dropout: 0.003, ..Range::default() };
+    let errors = sensor(model);
+    let (mut none, mut strays) = (0, Vec::new());
+    for index in 0..MILLION {
+        match errors.reading(index, Time::ZERO, WIDE, Some(5.0)) {
+            None => none += 1,
+            Some(5.0) => {}
+            Some(stray) => strays.push(stray),
+        }
+    }
+    passes("drop-outs", binomial(none, MILLION, 0.003));
+    passes("outliers", binomial(strays.len() as u64, MILLION - none, 0.01));
+    passes("where they are", kolmogorov(&mut strays, |x| x / 100.0));
+}
+
+#[test]
+fn the_bias_of_the_making_is_normal_between_sensors() {
+    let model = Range { bias: 0.01, bias_sigma: 0.005, ..Range::default() };
+    let offset = |name: u64| {
+        let errors = RangeErrors::new(model, SEED, RobotId(1 + (name % 100) as u32), &format!("S{}", name / 100));
+        errors.reading(0, Time::ZERO, WIDE, Some(5.0)).expect("a distance") - 5.0
+    };
+    let mut sample: Vec<f64> = (0..MILLION / 5).map(offset).collect();
+    passes("bias", normality(&mut sample, 0.01, 0.005));
+}
+
+#[test]
+fn the_noise_of_the_sensor_itself_is_that_of_the_paper() {
+    let errors = sensor(Range { device: 1.0, ..Range::default() });
+    let mut sample: Vec<f64> = (0..MILLION).map(|index| errors.own(index, 0.01, 0.002)).collect();
+    passes("N = sigma G + m", normality(&mut sample, 0.002, 0.01));
+    let half = sensor(Range { device: 0.5, ..Range::default() });
+    assert_eq!(half.own(7, 0.01, 0.002), 0.5 * errors.own(7, 0.01, 0.002));
+}
+
+#[test]
+fn a_drift_moves_the_mean_alone() {
+    let errors = sensor(Range { sigma: 0.01, drift: 0.1, drift_time: 30.0, ..Range::default() });
+    let at = Time::from_millis(45_000);
+    let sample = (0..MILLION / 5).filter_map(|index| errors.reading(index, at, WIDE, Some(5.0)));
+    passes(
+        "at 1.5 time constants",
+        normality(&mut sample.collect::<Vec<_>>(), 5.0 + 0.1 * 0.223_130_160_148_429_83, 0.01),
+    );
+}
+
+#[test]
+fn every_kind_of_every_preset_reads_as_it_says() {
+    const EXACT: f64 = 5.0;
+    for preset in Preset::ALL {
+        let profile = preset.spec().profile();
+        for kind in RangeKind::ALL {
+            let what = format!("{} of {}", kind.name(), preset.name());
+            let model = profile.range(kind, "");
+            let errors = sensor(model);
+            if preset == Preset::None {
+                assert_eq!((model, errors.reading(3, Time::ZERO, WIDE, Some(EXACT))), (Range::default(), Some(EXACT)));
+                continue;
+            }
+            // The run has just begun: all of the drift. What the sensor is by its making shows where nothing else does.
+            let made = sensor(Range { bias_sigma: model.bias_sigma, ..Range::default() });
+            let offset = made.reading(0, Time::ZERO, WIDE, Some(0.5)).expect("a distance") - 0.5;
+            let (mean, sigma) =
+                (EXACT + model.bias + offset + model.drift, hypot(model.sigma, model.sigma_share * EXACT));
+            let sample = readings(&errors, MILLION, EXACT);
+            let count = sample.len() as u64;
+            passes(&format!("{what}: drop-outs"), binomial(MILLION - count, MILLION, model.dropout));
+            if model.device > 0.0 {
+                let mut own: Vec<f64> = (0..MILLION / 10).map(|index| errors.own(index, 0.01, 0.0)).collect();
+                passes(&format!("{what}: noise of its own"), normality(&mut own, 0.0, 0.01 * model.device));
+            }
+            if sigma == 0.0 {
+                let reading = if model.step > 0.0 { (mean / model.step).round() * model.step } else { mean };
+                let mut strays: Vec<f64> = sample.into_iter().filter(|read| (read - reading).abs() > 1e-12).collect();
+                passes(&format!("{what}: outliers"), binomial(strays.len() as u64, count, model.outlier));
+                if !strays.is_empty() {
+                    // Their steps are a thousandth of the range at most.
+                    let moments = Moments::of(&strays);
+                    passes(&format!("{what}: mean of outliers"), moments.mean_is(50.0, 1e4 / 12.0));
+                    passes(&format!("{what}: where outliers are"), kolmogorov(&mut strays, |x| x / 100.0));
+                }
+                continue;
+            }
+            let cdf = |x: f64| (1.0 - model.outlier) * normal_cdf((x - mean) / sigma) + model.outlier * x / 100.0;
+            // Rounding adds a twelfth of a step's square to the variance, where it is no coarser than the noise.
+            let strays = model.outlier * (50.0 - mean);
+            let variance = (1.0 - model.outlier) * (sigma * sigma + strays.powi(2))
+                + model.outlier * (100.0 * 100.0 / 12.0 + (50.0 - mean - strays).powi(2));
+            let moments = Moments::of(&sample);
+            if sigma > model.step {
+                let rounding = model.step * model.step / 12.0;
+                passes(&format!("{what}: mean"), moments.mean_is(mean + strays, variance + rounding));
+                passes(&format!("{what}: variance"), moments.variance_is(variance + rounding));
+            }
+            let of_distribution =
+                if model.step > 0.0 { cells(&sample, model.step, cdf) } else { kolmogorov(&mut sample.clone(), cdf) };
+            passes(&format!("{what}: distribution"), of_distribution);
+        }
+    }
+}
+
+#[test]
+fn compasses_of_every_preset_read_as_they_say() {
+    for preset in Preset::ALL.into_iter().skip(1) {
+        let model = preset.spec().profile().compass;
+        let smooth = Angle { step: 0.0, bias_sigma: 0.0, ..model };
+        let errors = AngleErrors::new(smooth, SEED, ROBOT, "COMPASS");
+        let mut sample: Vec<f64> = (0..MILLION).map(|index| errors.reading(index, 1.0)).collect();
+        passes(preset.name(), normality(&mut sample, 1.0 + model.bias, model.sigma));
+        let stepped = AngleErrors::new(Angle { bias_sigma: 0.0, ..model }, SEED, ROBOT, "COMPASS");
+        let sample: Vec<f64> = (0..MILLION / 10).map(|index| stepped.reading(index, 1.0)).collect();
+        passes(preset.name(), cells(&sample, model.step, |x| normal_cdf((x - 1.0 - model.bias) / model.sigma)));
+    }
+}
+
+#[test]
+fn images_of_every_preset_are_as_they_say() {
+    const GREY: u8 = 128;
+    let of_presets = Preset::ALL.into_iter().skip(1).map(|preset| preset.spec().profile().camera);
+    let all = Image { sigma: 10.0, salt_and_pepper: 0.02, salt: 0.3, hundreds_and_thousands: 0.03 };
+    for model in of_presets.chain([all]) {
+        let frame = |model: Image| -> Vec<[u8; 3]> {
+            let errors = ImageErrors::new(model, SEED, ROBOT, "CAMERA");
+            let mut pixels = vec![[GREY; 3]; 340_000];
+            for (row, pixels) in (0..).zip(pixels.chunks_mut(1000)) {
+                errors.apply(5, row, pixels);
+            }
+            pixels
+        };
+        let count = 340_000;
+        let levels: Vec<f64> = frame(Image { sigma: model.sigma, ..Image::default() })
+            .as_flattened()
+            .iter()
+            .map(|level| f64::from(*level))
+            .collect();
+        let cdf = |x: f64| normal_cdf((x - f64::from(GREY)) / model.sigma);
+        passes("levels", cells(&levels, 1.0, cdf));
+        let moments = Moments::of(&levels);
+        let variance = model.sigma * model.sigma + 1.0 / 12.0;
+        passes("mean", moments.mean_is(GREY.into(), variance));
+        passes("variance", moments.variance_is(variance));
+        let pixels = frame(Image { sigma: 0.0, hundreds_and_thousands: 0.0, ..model });
+        let hits = |colour: [u8; 3]| pixels.iter().filter(|pixel| **pixel == colour).count() as u64;
+        let (salt, pepper) = (hits([255; 3]), hits([0; 3]));
+        passes("salt and pepper", binomial(salt + pepper, count, model.salt_and_pepper));
+        passes("salt", binomial(salt, salt + pepper, model.salt));
+        let pixels = frame(Image { sigma: 0.0, salt_and_pepper: 0.0, ..model });
+        let coloured: Vec<[u8; 3]> = pixels.into_iter().filter(|pixel| *pixel != [GREY; 3]).collect();
+        passes("hundreds and thousands", binomial(coloured.len() as u64, count, model.hundreds_and_thousands));
+        if coloured.len() > 1000 {
+            for channel in 0..3 {
+                let mut counts = [0.0; 256];
+                coloured.iter().for_each(|pixel| counts[usize::from(pixel[channel])] += 1.0);
+                passes("colours", chi_squared(&counts, &[coloured.len() as f64 / 256.0; 256]));
+            }
+        }
+    }
+}
+
+#[test]
+fn wheels_of_every_preset_are_as_they_say() {
+    for preset in Preset::ALL.into_iter().skip(1) {
+        let motion: Motion = preset.spec().profile().motion;
+        let of = |robot| motion.imperfection(DriveKind::Omni, SEED, RobotId(robot)).diameters;
+        let mut sample: Vec<f64> = (1..=250_000).flat_map(of).collect();
+        passes(preset.name(), normality(&mut sample, motion.left, motion.diameter_sigma));
+    }
+}
