@@ -95,7 +95,7 @@ pub fn draw_fittings(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
         drawing.push(Shape::outlined(Form::Path(arc), BUMPER_LINE).detail(robi.diameter));
     }
     let sights = sights(robi);
-    let ranges = sights.iter().map(|sight| (sight.at, if sight.is_psd() { PSD_LINE } else { RANGE_LINE }));
+    let ranges = sights.iter().map(|sight| (sight.at, sight.line()));
     let infrareds = robi.infrareds.iter().map(|infrared| (infrared.position, INFRARED_LINE));
     for (position, line) in ranges.chain(infrareds.map(|(position, line)| (position.truncate(), line))) {
         let dot = Form::Disc { centre: pose.transform_point(position), radius: 0.0, least: 2.0 };
@@ -109,18 +109,9 @@ pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: 
     let reach = |origin: DVec2, direction: DVec2, range: f64| {
         walls.cast(origin, direction, range).map_or(range, |hit| hit.distance)
     };
-    let mut beam = |position: DVec2, angle: f64, range: f64, line: Line| {
-        let origin = pose.transform_point(position);
-        let direction = pose.heading.turned(angle).direction();
-        let end = origin + direction * reach(origin, direction, range);
-        drawing.push(Shape::outlined(Form::Path(vec![origin, end]), line).detail(range));
-    };
-    for sight in sights(robi) {
-        let line = if sight.is_psd() { PSD_LINE } else { RANGE_LINE };
-        beam(sight.at, sight.angle(), sight.reach, line);
-        if let Some(half) = sight.half_angle {
-            draw_cone(drawing, &sight, half, pose, walls);
-        }
+    let sights = sights(robi);
+    for (sight, half) in sights.iter().filter_map(|sight| Some((sight, sight.half_angle?))) {
+        draw_cone(drawing, sight, half, pose, walls);
     }
     let mut beam = |position: DVec2, angle: f64, range: f64, line: Line| {
         let origin = pose.transform_point(position);
@@ -128,6 +119,9 @@ pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: 
         let end = origin + direction * reach(origin, direction, range);
         drawing.push(Shape::outlined(Form::Path(vec![origin, end]), line).detail(range));
     };
+    for sight in &sights {
+        beam(sight.at, sight.angle(), sight.reach, sight.line());
+    }
     for infrared in &robi.infrareds {
         beam(infrared.position.truncate(), infrared.angle, infrared.range, INFRARED_LINE);
     }
@@ -152,7 +146,7 @@ fn explain_sensors(drawing: &mut Drawing, robi: &RobiSpec) {
         drawing.explain(Symbol::Beam(PSD_LINE), "PSD, up to its range");
     }
     if robi.ranges.iter().any(|range| !matches!(range.model, RangeModel::Sonar(_))) {
-        drawing.explain(Symbol::Beam(RANGE_LINE), "range sensor, as far along the floor as it reaches");
+        drawing.explain(Symbol::Beam(RANGE_LINE), "range sensor, line of sight");
     }
     if robi.ranges.iter().any(|range| matches!(range.model, RangeModel::Sonar(_))) {
         drawing.explain(Symbol::Sector(SONAR_FILL, RANGE_LINE), "sonar, its beam");
@@ -188,8 +182,8 @@ struct Sight<'r> {
 }
 
 impl Sight<'_> {
-    fn is_psd(&self) -> bool {
-        matches!(self.model, RangeModel::Psd { .. })
+    fn line(&self) -> Line {
+        if matches!(self.model, RangeModel::Psd { .. }) { PSD_LINE } else { RANGE_LINE }
     }
 
     fn angle(&self) -> f64 {
