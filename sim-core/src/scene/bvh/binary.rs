@@ -94,11 +94,11 @@ impl Binary {
         let mut best = Best::default();
         // By the number of parts.
         let mut costs = [f32::INFINITY; WIDTH + 1];
-        for parts in 2..=WIDTH {
+        for (parts, least) in costs.iter_mut().enumerate().skip(2) {
             for share in 1..parts {
                 let cost = self.forks[left].best.costs[share - 1] + self.forks[left + 1].best.costs[parts - share - 1];
-                if cost < costs[parts] {
-                    costs[parts] = cost;
+                if cost < *least {
+                    *least = cost;
                     best.left[parts - 2] = share;
                 }
             }
@@ -106,12 +106,12 @@ impl Binary {
         let inner = area + costs[WIDTH];
         best.is_block = fork.range.len() <= WIDTH && block <= inner;
         best.costs[0] = if best.is_block { block } else { inner };
-        for parts in 2..WIDTH {
+        for (parts, &cost) in costs.iter().enumerate().take(WIDTH).skip(2) {
             let fewer = best.costs[parts - 2];
-            if fewer <= costs[parts] {
+            if fewer <= cost {
                 best.left[parts - 2] = 0;
             }
-            best.costs[parts - 1] = fewer.min(costs[parts]);
+            best.costs[parts - 1] = fewer.min(cost);
         }
         best
     }

@@ -85,8 +85,7 @@ impl Builder<'_> {
 
     fn block(&mut self, mut places: Vec<usize>) -> (Child, Box3) {
         places.sort_unstable();
-        let mut block =
-            Block { corners: [[[0.0; WIDTH]; 3]; 3], triangles: [u32::MAX; WIDTH], count: places.len() as u32 };
+        let mut block = Block { corners: [[[f32::NAN; WIDTH]; 3]; 3], triangles: [u32::MAX; WIDTH] };
         for (lane, &place) in places.iter().enumerate() {
             block.triangles[lane] = self.numbers[place];
             for (number, corner) in self.corners[place].iter().enumerate() {

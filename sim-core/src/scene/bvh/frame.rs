@@ -44,7 +44,8 @@ impl Frame {
     }
 
     /// Where the ray meets the bounds: its own origin, if that is within. `None` if it passes by or ends before.
-    pub fn enter(&self, origin: DVec3, direction: DVec3, range: f64) -> Option<Entry> {
+    /// `reciprocal` is that of the direction.
+    pub fn enter(&self, origin: DVec3, direction: DVec3, reciprocal: DVec3, range: f64) -> Option<Entry> {
         let offset = origin - self.centre;
         let half = (self.high - self.centre).max(self.centre - self.low);
         // The second term exceeds the rounding of what follows.
@@ -52,13 +53,15 @@ impl Frame {
         if offset.abs().cmple(reach).all() {
             return Some(Entry { distance: 0.0, origin });
         }
-        let (to_low, to_high) = ((-reach - offset) / direction, (reach - offset) / direction);
-        // Where a component of the direction is 0: infinite, or NaN on the border, which `f64::min` and `f64::max` ignore.
-        let mut near = 0.0_f64;
-        let mut far = range;
+        let (to_low, to_high) = ((-reach - offset) * reciprocal, (reach - offset) * reciprocal);
+        let (mut near, mut far) = (0.0_f64, range);
         for axis in 0..3 {
-            near = near.max(to_low[axis].min(to_high[axis]));
-            far = far.min(to_low[axis].max(to_high[axis]));
+            if reciprocal[axis].is_finite() {
+                near = near.max(to_low[axis].min(to_high[axis]));
+                far = far.min(to_low[axis].max(to_high[axis]));
+            } else if offset[axis].abs() > reach[axis] {
+                return None;
+            }
         }
         (near <= far)
             .then(|| Entry { distance: near, origin: self.centre + (offset + near * direction).clamp(-reach, reach) })

@@ -13,6 +13,8 @@ mod ray;
 mod tests;
 mod walk;
 
+use std::collections::HashMap;
+
 use fearless_simd::Level;
 use glam::DVec3;
 
@@ -52,7 +54,7 @@ pub struct MeshHit {
 /// "Efficient incoherent ray traversal on GPUs through compressed wide BVHs", 2017, section 3, for the wide tree.
 #[derive(Clone, Debug)]
 pub struct MeshIndex {
-    triangles: Vec<[DVec3; 3]>,
+    mesh: Corners,
     frame: Option<Frame>,
     tree: Tree,
     level: Level,
@@ -72,22 +74,25 @@ impl MeshIndex {
         let met: Vec<u32> = (0..).zip(triangles).filter(|(_, corners)| has_area(corners)).map(|(at, _)| at).collect();
         let frame = Frame::around(met.iter().flat_map(|&at| triangles[at as usize]));
         let tree = frame.map_or_else(Tree::default, |frame| build::tree(triangles, &met, &frame));
-        Self { triangles: triangles.to_vec(), frame, tree, level }
+        Self { mesh: Corners::of(triangles), frame, tree, level }
     }
 
     /// Number of triangles, those that no ray can meet included.
     pub fn len(&self) -> usize {
-        self.triangles.len()
+        self.mesh.triangles.len()
     }
 
     /// Whether there is no triangle.
     pub fn is_empty(&self) -> bool {
-        self.triangles.is_empty()
+        self.mesh.triangles.is_empty()
     }
 
-    /// All triangles in the order of their numbers.
-    pub fn triangles(&self) -> &[[DVec3; 3]] {
-        &self.triangles
+    /// The corners of a triangle, in metres.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    pub fn triangle(&self, number: u32) -> [DVec3; 3] {
+        self.mesh.of_triangle(number)
     }
 
     /// Lowest and highest corner of the box around all triangles that can be met; `None` without any.
@@ -103,12 +108,43 @@ impl MeshIndex {
     pub fn cast(&self, origin: DVec3, direction: DVec3, range: f64) -> Option<MeshHit> {
         let is_ray = is_usable(origin) && (direction.length_squared() - 1.0).abs() <= 2e-6 && range >= 0.0;
         let frame = self.frame.as_ref().filter(|_| is_ray)?;
-        let entry = frame.enter(origin, direction, range)?;
-        let mut ray = Ray::new(&entry, direction, range - entry.distance, frame);
-        walk::nearest(self.level, &self.tree, &self.triangles, frame, &mut ray);
+        let reciprocal = direction.recip();
+        let entry = frame.enter(origin, direction, reciprocal, range)?;
+        let mut ray = Ray::new(&entry, direction, reciprocal, range - entry.distance, frame);
+        walk::nearest(self.level, &self.tree, &self.mesh, frame, &mut ray);
         let (distance, triangle) = ray.nearest()?;
         let distance = (entry.distance + distance).min(range);
-        Some(MeshHit { distance, triangle, normal: normal(&self.triangles[triangle as usize], direction) })
+        Some(MeshHit { distance, triangle, normal: normal(&self.triangle(triangle), direction) })
+    }
+}
+
+/// A mesh with each corner once: small, so that more of it stays in the cache.
+#[derive(Clone, Debug)]
+struct Corners {
+    /// Those that differ in a bit, in the order in which triangles first name them.
+    points: Vec<DVec3>,
+    /// Places of the corners of each triangle.
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Corners {
+    fn of(triangles: &[[DVec3; 3]]) -> Self {
+        let mut points = Vec::new();
+        let mut places: HashMap<[u64; 3], u32> = HashMap::with_capacity(triangles.len());
+        let mut place = |point: DVec3| {
+            *places.entry(point.to_array().map(f64::to_bits)).or_insert_with(|| {
+                points.push(point);
+                points.len() as u32 - 1
+            })
+        };
+        let triangles = triangles.iter().map(|corners| corners.map(&mut place)).collect();
+        Self { points, triangles }
+    }
+
+    #[inline(always)]
+    fn of_triangle(&self, number: u32) -> [DVec3; 3] {
+        let [a, b, c] = self.triangles[number as usize];
+        [self.points[a as usize], self.points[b as usize], self.points[c as usize]]
     }
 }
 
@@ -131,8 +167,14 @@ fn area_vector([a, b, c]: &[DVec3; 3]) -> DVec3 {
 }
 
 fn normal(corners: &[DVec3; 3], direction: DVec3) -> DVec3 {
-    let area = area_vector(corners);
-    // Scaled first: squares of a sliver's area would underflow.
-    let unit = (area / area.abs().max_element()).normalize_or_zero();
+    let [a, b, c] = *corners;
+    let mut area = (b - a).cross(c - a);
+    let mut square = area.length_squared();
+    if !(1e-200..1e200).contains(&square) {
+        let scaled = area_vector(corners);
+        area = scaled / scaled.abs().max_element();
+        square = area.length_squared();
+    }
+    let unit = area / square.sqrt();
     if unit.dot(direction) > 0.0 { -unit } else { unit }
 }

@@ -10,7 +10,7 @@ pub(super) const WIDTH: usize = 8;
 /// A box is entered at (bound - origin) / direction on each axis. Rounding moves it, as a place on that axis, by at most
 /// 1 unit (the bound) + 1 (the origin) + 2.1 (the reciprocal) + 4.2 (two products, or one, and the difference, of at most
 /// 2.1): 8.3 units. Hits are off by 4 units at most (see `ray`), and so are origins that are taken as on a surface. The rest
-/// is for the directions that are taken as [`STEEPEST`](super::walk::STEEPEST), and for `f64`.
+/// is for reciprocals that are taken as [`STEEPEST`](super::walk::STEEPEST), and for `f64`.
 pub(super) const PADDING: f32 = 24.0 / (1 << 24) as f32;
 
 /// The tree over a mesh's triangles.
@@ -57,12 +57,10 @@ impl Child {
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Block {
-    /// By axis and corner.
+    /// By axis and corner; NaN, which no ray meets, where there are fewer than eight.
     pub corners: [[[f32; WIDTH]; 3]; 3],
     /// Numbers of the triangles.
     pub triangles: [u32; WIDTH],
-    /// How many there are.
-    pub count: u32,
 }
 
 /// A box in the tree's coordinates.

@@ -8,6 +8,8 @@ use super::frame::{Entry, Frame};
 pub(super) struct Ray {
     pub origin: DVec3,
     pub direction: DVec3,
+    /// Of the direction; infinite where that is 0.
+    pub reciprocal: DVec3,
     /// The axis that it runs along most is the last.
     axes: [usize; 3],
     /// Metres on the first two axes for a metre on the last.
@@ -48,8 +50,16 @@ struct Corner {
     z: f64,
 }
 
+impl Corner {
+    /// Greatest distance from the ray on an axis.
+    #[inline(always)]
+    fn spread(&self) -> f64 {
+        self.x.abs().max(self.y.abs())
+    }
+}
+
 impl Ray {
-    pub fn new(entry: &Entry, direction: DVec3, range: f64, frame: &Frame) -> Self {
+    pub fn new(entry: &Entry, direction: DVec3, reciprocal: DVec3, range: f64, frame: &Frame) -> Self {
         let [x, y, z] = direction.abs().to_array();
         let last = if x > y && x > z {
             0
@@ -59,14 +69,15 @@ impl Ray {
             2
         };
         let axes = [(last + 1) % 3, (last + 2) % 3, last];
-        let [first, second, last] = axes.map(|axis| direction[axis]);
+        let stretch = reciprocal[last];
         let extent = frame.low.abs().max(frame.high.abs()).max(entry.origin.abs()).max_element();
         Self {
             origin: entry.origin,
             direction,
+            reciprocal,
             axes,
-            shear: [first / last, second / last],
-            stretch: 1.0 / last,
+            shear: [direction[axes[0]] * stretch, direction[axes[1]] * stretch],
+            stretch,
             touch: (4.0 * f64::EPSILON * extent).min(FINEST / frame.scale),
             behind: BEHIND / frame.scale,
             distance: range,
@@ -95,7 +106,7 @@ impl Ray {
     }
 
     /// Takes a triangle into account.
-    #[inline]
+    #[inline(always)]
     pub fn test(&mut self, corners: &[DVec3; 3], triangle: u32) {
         if let Some(distance) = self.meets(corners)
             && (distance < self.distance || distance == self.distance && triangle < self.triangle)
@@ -106,9 +117,9 @@ impl Ray {
     }
 
     /// Metres to where the ray, endless ahead, meets a triangle.
-    #[inline]
+    #[inline(always)]
     pub fn meets(&self, corners: &[DVec3; 3]) -> Option<f64> {
-        let [a, b, c] = corners.map(|corner| self.seen(corner));
+        let [a, b, c] = [self.seen(corners[0]), self.seen(corners[1]), self.seen(corners[2])];
         // The sign of a difference of two products is never wrong: rounding keeps the products in order. And the products
         // of an edge are the same for both triangles that share it.
         let u = c.x * b.y - c.y * b.x;
@@ -118,7 +129,7 @@ impl Ray {
             return None;
         }
         let area = u + v + w;
-        let spread = [a, b, c].iter().fold(0.0_f64, |spread, corner| spread.max(corner.x.abs()).max(corner.y.abs()));
+        let spread = a.spread().max(b.spread()).max(c.spread());
         let ahead = self.stretch * ((u * a.z + v * b.z + w * c.z) / area);
         let distance =
             if area.abs() <= SLIVER * spread * spread { self.through_sliver([a, b, c], spread, ahead)? } else { ahead };
@@ -128,7 +139,7 @@ impl Ray {
     #[inline(always)]
     fn seen(&self, corner: DVec3) -> Corner {
         let offset = (corner - self.origin).to_array();
-        let [x, y, z] = self.axes.map(|axis| offset[axis]);
+        let [x, y, z] = [offset[self.axes[0]], offset[self.axes[1]], offset[self.axes[2]]];
         Corner { x: x - self.shear[0] * z, y: y - self.shear[1] * z, z }
     }
 

@@ -1,16 +1,15 @@
 //! The way of a ray through the tree, eight boxes and eight triangles at a time.
 
-use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch, f32x8};
-use glam::DVec3;
-
+use super::Corners;
 use super::frame::Frame;
 use super::node::{Block, Child, Node, Tree, WIDTH};
 use super::ray::Ray;
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch, f32x8};
 
-/// Components of a direction are taken as at least this large: no reciprocal is infinite, and over the whole mesh a ray is
+/// Reciprocals of a direction's components are taken as at most this: none is infinite, and over the whole mesh a ray is
 /// moved aside by less than 2^-38.
-pub(super) const STEEPEST: f64 = 1.0 / (1_u64 << 40) as f64;
+pub(super) const STEEPEST: f64 = (1_u64 << 40) as f64;
 
 /// Places for children that wait: 7 for each level.
 pub(super) const WAITING: usize = 7 * super::build::DEPTH + 1;
@@ -19,19 +18,17 @@ pub(super) const WAITING: usize = 7 * super::build::DEPTH + 1;
 const FARTHEST: f64 = 8.0;
 
 /// Tries `ray` on every triangle that it could meet before the nearest one.
-pub(super) fn nearest(level: Level, tree: &Tree, triangles: &[[DVec3; 3]], frame: &Frame, ray: &mut Ray) {
+pub(super) fn nearest(level: Level, tree: &Tree, mesh: &Corners, frame: &Frame, ray: &mut Ray) {
     if let Some(root) = tree.root {
-        dispatch!(level, simd => walk(simd, tree, root, triangles, frame, ray));
+        dispatch!(level, simd => walk(simd, tree, root, mesh, frame, ray));
     }
 }
 
 /// A ray in the tree's coordinates.
 struct Probe<S: Simd> {
-    /// Reciprocal of the direction, and that times the origin, by axis.
-    reciprocal: [f32x8<S>; 3],
-    moved: [f32x8<S>; 3],
-    /// By axis, the side of boxes (low 0, high 1) at which it enters.
-    near: [usize; 3],
+    x: Slab<S>,
+    y: Slab<S>,
+    z: Slab<S>,
     /// As [`Ray`] has them.
     axes: [usize; 3],
     /// By sheared axis.
@@ -39,39 +36,81 @@ struct Probe<S: Simd> {
     shear: [f32x8<S>; 2],
 }
 
+/// A ray on one axis.
+struct Slab<S: Simd> {
+    /// Reciprocal of the direction, and that times the origin.
+    reciprocal: f32x8<S>,
+    moved: f32x8<S>,
+    /// The side of boxes (low 0, high 1) at which it enters.
+    near: usize,
+}
+
+// What has to do with vectors is written without closures: only functions that are inlined always are compiled for the
+// processor that is dispatched to.
+impl<S: Simd> Slab<S> {
+    #[inline(always)]
+    fn new(simd: S, origin: f32, reciprocal: f64) -> Self {
+        let reciprocal = reciprocal.clamp(-STEEPEST, STEEPEST) as f32;
+        Self {
+            reciprocal: f32x8::splat(simd, reciprocal),
+            moved: f32x8::splat(simd, reciprocal * origin),
+            near: usize::from(reciprocal < 0.0),
+        }
+    }
+
+    /// Distances to the planes at which the ray enters boxes.
+    #[inline(always)]
+    fn enter(&self, simd: S, planes: &[[f32; WIDTH]; 2]) -> f32x8<S> {
+        f32x8::simd_from(simd, planes[self.near & 1]).mul_sub(self.reciprocal, self.moved)
+    }
+
+    #[inline(always)]
+    fn leave(&self, simd: S, planes: &[[f32; WIDTH]; 2]) -> f32x8<S> {
+        f32x8::simd_from(simd, planes[(self.near & 1) ^ 1]).mul_sub(self.reciprocal, self.moved)
+    }
+}
+
 impl<S: Simd> Probe<S> {
     #[inline(always)]
     fn new(simd: S, ray: &Ray, frame: &Frame) -> Self {
-        let origin = frame.tree_from_mesh(ray.origin).as_vec3().to_array();
-        let reciprocal = ray
-            .direction
-            .to_array()
-            .map(|part| (1.0 / if part.abs() < STEEPEST { STEEPEST.copysign(part) } else { part }) as f32);
-        let axes = ray.axes();
+        let origin = frame.tree_from_mesh(ray.origin).as_vec3();
+        let ([first, second, last], [shear_first, shear_second]) = (ray.axes(), ray.shear());
         Self {
-            reciprocal: reciprocal.map(|part| f32x8::splat(simd, part)),
-            moved: [0, 1, 2].map(|axis| f32x8::splat(simd, reciprocal[axis] * origin[axis])),
-            near: reciprocal.map(|part| usize::from(part < 0.0)),
-            axes,
-            origin: axes.map(|axis| f32x8::splat(simd, origin[axis])),
-            shear: ray.shear().map(|part| f32x8::splat(simd, part as f32)),
+            x: Slab::new(simd, origin.x, ray.reciprocal.x),
+            y: Slab::new(simd, origin.y, ray.reciprocal.y),
+            z: Slab::new(simd, origin.z, ray.reciprocal.z),
+            axes: [first, second, last],
+            origin: [
+                f32x8::splat(simd, origin[first]),
+                f32x8::splat(simd, origin[second]),
+                f32x8::splat(simd, origin[last]),
+            ],
+            shear: [f32x8::splat(simd, shear_first as f32), f32x8::splat(simd, shear_second as f32)],
         }
     }
 
     /// Where the ray enters the boxes of a node, and of which boxes that is no farther than `farthest`.
     #[inline(always)]
     fn boxes(&self, simd: S, node: &Node, farthest: f32) -> ([f32; WIDTH], u32) {
-        let enter = |axis: usize| {
-            let plane = f32x8::simd_from(simd, node.planes[axis][self.near[axis]]);
-            plane.mul_sub(self.reciprocal[axis], self.moved[axis])
-        };
-        let leave = |axis: usize| {
-            let plane = f32x8::simd_from(simd, node.planes[axis][1 - self.near[axis]]);
-            plane.mul_sub(self.reciprocal[axis], self.moved[axis])
-        };
-        let near = enter(0).max(enter(1)).max(enter(2).max(f32x8::splat(simd, 0.0)));
-        let far = leave(0).min(leave(1)).min(leave(2).min(f32x8::splat(simd, farthest)));
+        let [x, y, z] = &node.planes;
+        let near =
+            self.x.enter(simd, x).max(self.y.enter(simd, y)).max(self.z.enter(simd, z).max(f32x8::splat(simd, 0.0)));
+        let far = self
+            .x
+            .leave(simd, x)
+            .min(self.y.leave(simd, y))
+            .min(self.z.leave(simd, z).min(f32x8::splat(simd, farthest)));
         (near.into(), near.simd_le(far).to_bitmask() as u32)
+    }
+
+    /// Corners of a block's triangles as the ray sees them: sheared, so that it runs through 0.
+    #[inline(always)]
+    fn seen(&self, simd: S, block: &Block, corner: usize) -> (f32x8<S>, f32x8<S>) {
+        let [first, second, last] = self.axes;
+        let ahead = f32x8::simd_from(simd, block.corners[last][corner]) - self.origin[2];
+        let x = f32x8::simd_from(simd, block.corners[first][corner]) - self.origin[0] - self.shear[0] * ahead;
+        let y = f32x8::simd_from(simd, block.corners[second][corner]) - self.origin[1] - self.shear[1] * ahead;
+        (x, y)
     }
 
     /// Which triangles of a block the ray's line might meet.
@@ -81,22 +120,18 @@ impl<S: Simd> Probe<S> {
     /// another 2 (17 u)^2 where m is about as small as u. Taken are 128 u (m + 2^-18).
     #[inline(always)]
     fn triangles(&self, simd: S, block: &Block) -> u32 {
-        let [x, y, z] = self.axes.map(|axis| &block.corners[axis]);
-        let seen = [0, 1, 2].map(|corner| {
-            let ahead = f32x8::simd_from(simd, z[corner]) - self.origin[2];
-            let x = f32x8::simd_from(simd, x[corner]) - self.origin[0] - self.shear[0] * ahead;
-            let y = f32x8::simd_from(simd, y[corner]) - self.origin[1] - self.shear[1] * ahead;
-            (x, y)
-        });
-        let [(ax, ay), (bx, by), (cx, cy)] = seen;
+        let (ax, ay) = self.seen(simd, block, 0);
+        let (bx, by) = self.seen(simd, block, 1);
+        let (cx, cy) = self.seen(simd, block, 2);
         let u = cx * by - cy * bx;
         let v = ax * cy - ay * cx;
         let w = bx * ay - by * ax;
         let spread = ax.abs().max(ay.abs()).max(bx.abs().max(by.abs())).max(cx.abs().max(cy.abs()));
         let slack = (spread + f32x8::splat(simd, 1.0 / (1 << 18) as f32)) * f32x8::splat(simd, 1.0 / (1 << 17) as f32);
+        // False where a corner is NaN.
         let is_left = u.min(v).min(w).simd_ge(-slack);
         let is_right = u.max(v).max(w).simd_le(slack);
-        (is_left | is_right).to_bitmask() as u32 & ((1 << block.count) - 1)
+        (is_left | is_right).to_bitmask() as u32
     }
 }
 
@@ -107,7 +142,7 @@ fn bound(distance: f64, frame: &Frame) -> f32 {
 }
 
 #[inline(always)]
-fn walk<S: Simd>(simd: S, tree: &Tree, root: Child, triangles: &[[DVec3; 3]], frame: &Frame, ray: &mut Ray) {
+fn walk<S: Simd>(simd: S, tree: &Tree, root: Child, mesh: &Corners, frame: &Frame, ray: &mut Ray) {
     let probe = Probe::new(simd, ray, frame);
     let mut farthest = bound(ray.distance(), frame);
     // Children with the distance of their boxes, which as bits are in the order of numbers: not negative.
@@ -120,7 +155,7 @@ fn walk<S: Simd>(simd: S, tree: &Tree, root: Child, triangles: &[[DVec3; 3]], fr
             let mut met = probe.triangles(simd, block);
             while met != 0 {
                 let number = block.triangles[met.trailing_zeros() as usize % WIDTH];
-                ray.test(&triangles[number as usize], number);
+                ray.test(&mesh.of_triangle(number), number);
                 met &= met - 1;
             }
             farthest = bound(ray.distance(), frame);
