@@ -2,6 +2,8 @@
 
 Needs the wheels embreex and numpy. Walls are extruded to 1 m, two triangles each; rays run at half that height. Embree
 computes in 32-bit floats; rays are handed over in batches, cast one at a time by Embree's single-ray query.
+
+The bench `terrain` runs it as `embree_rays.py --mesh FOLDER REPEATS CHUNK`.
 """
 
 import sys
@@ -58,7 +60,34 @@ def measure(scene, name, rays):
     )
 
 
+def mesh(folder, repeats, chunk):
+    """Casts rays.f64 (origin, direction, range) at triangles.f64, writes distances.f64, prints seconds."""
+    triangles = np.fromfile(folder / "triangles.f64", "<f8").reshape(-1, 3, 3)
+    rays = np.fromfile(folder / "rays.f64", "<f8").reshape(-1, 7).astype(np.float32)
+    scene = EmbreeScene()
+    _mesh = TriangleMesh(scene, triangles.astype(np.float32))
+    origin, direction = np.ascontiguousarray(rays[:, 0:3]), np.ascontiguousarray(rays[:, 3:6])
+    distance = np.full(len(rays), np.inf)
+    seconds = 0.0
+    for first in range(0, len(rays), chunk):
+        part = slice(first, first + chunk)
+        least = np.inf
+        for _ in range(repeats):
+            reach = rays[part, 6].copy()
+            start = time.perf_counter()
+            found = scene.run(origin[part], direction[part], dists=reach, query="DISTANCE")
+            least = min(least, time.perf_counter() - start)
+        seconds += least
+        distance[part] = found
+    distance[distance >= rays[:, 6]] = np.inf
+    distance.astype("<f8").tofile(folder / "distances.f64")
+    print(seconds)
+
+
 def main():
+    if len(sys.argv) == 5 and sys.argv[1] == "--mesh":
+        mesh(Path(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4]))
+        return
     if len(sys.argv) != 2:
         sys.exit(__doc__)
     folder = Path(sys.argv[1])

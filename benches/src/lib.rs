@@ -1,6 +1,8 @@
 //! Scenes shared by the benches.
 #![forbid(unsafe_code)]
 
+pub mod terrain;
+
 use accuracy::world::{self, Random};
 use glam::DVec2;
 use sim_core::math;
