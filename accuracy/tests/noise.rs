@@ -3,13 +3,17 @@
 //!
 //! Seeds are fixed, so each test passes always or never. A p-value below [`LEAST`] fails.
 
+use std::sync::Arc;
+
 use accuracy::statistics::{Moments, binomial, chi_squared, kolmogorov, normal_cdf, uncorrelated};
 use sim_core::RobotId;
-use sim_core::drive::DriveKind;
+use sim_core::drive::{self, Command, DriveKind, Imperfection, Model, TwistNoise};
 use sim_core::format::Preset;
-use sim_core::math::hypot;
+use sim_core::math::{hypot, sin};
 use sim_core::noise::{Angle, AngleErrors, Events, Image, ImageErrors, Motion, Purpose, Range, RangeErrors, RangeKind};
-use sim_core::time::Time;
+use sim_core::pose::{Pose, Twist};
+use sim_core::scene::Walls;
+use sim_core::time::{TICK, Time};
 
 /// Some hundred p-values are looked at: by chance the least of them would be below this once in a hundred choices of the seed.
 const LEAST: f64 = 1e-4;
@@ -164,7 +168,7 @@ fn sensor(model: Range) -> RangeErrors {
 fn readings_are_normal_about_the_distance() {
     for exact in [5.0, 50.0] {
         let model = Range { sigma: 0.003, sigma_share: 0.001, bias: 0.01, ..Range::default() };
-        let sigma = (model.sigma * model.sigma + (model.sigma_share * exact).powi(2)).sqrt();
+        let sigma = hypot(model.sigma, model.sigma_share * exact);
         let mut sample = readings(&sensor(model), MILLION, exact);
         passes(&format!("at {exact} m"), normality(&mut sample, exact + 0.01, sigma));
     }
@@ -221,7 +225,7 @@ fn the_bias_of_the_making_is_normal_between_sensors() {
         let errors = RangeErrors::new(model, SEED, RobotId(1 + (name % 100) as u32), &format!("S{}", name / 100));
         errors.reading(0, Time::ZERO, WIDE, Some(5.0)).expect("a distance") - 5.0
     };
-    let mut sample: Vec<f64> = (0..MILLION / 5).map(offset).collect();
+    let mut sample: Vec<f64> = (0..MILLION).map(offset).collect();
     passes("bias", normality(&mut sample, 0.01, 0.005));
 }
 
@@ -238,7 +242,7 @@ fn the_noise_of_the_sensor_itself_is_that_of_the_paper() {
 fn a_drift_moves_the_mean_alone() {
     let errors = sensor(Range { sigma: 0.01, drift: 0.1, drift_time: 30.0, ..Range::default() });
     let at = Time::from_millis(45_000);
-    let sample = (0..MILLION / 5).filter_map(|index| errors.reading(index, at, WIDE, Some(5.0)));
+    let sample = (0..MILLION).filter_map(|index| errors.reading(index, at, WIDE, Some(5.0)));
     passes(
         "at 1.5 time constants",
         normality(&mut sample.collect::<Vec<_>>(), 5.0 + 0.1 * 0.223_130_160_148_429_83, 0.01),
@@ -267,7 +271,7 @@ fn every_kind_of_every_preset_reads_as_it_says() {
             let count = sample.len() as u64;
             passes(&format!("{what}: drop-outs"), binomial(MILLION - count, MILLION, model.dropout));
             if model.device > 0.0 {
-                let mut own: Vec<f64> = (0..MILLION / 10).map(|index| errors.own(index, 0.01, 0.0)).collect();
+                let mut own: Vec<f64> = (0..MILLION).map(|index| errors.own(index, 0.01, 0.0)).collect();
                 passes(&format!("{what}: noise of its own"), normality(&mut own, 0.0, 0.01 * model.device));
             }
             if sigma == 0.0 {
@@ -309,9 +313,17 @@ fn compasses_of_every_preset_read_as_they_say() {
         let mut sample: Vec<f64> = (0..MILLION).map(|index| errors.reading(index, 1.0)).collect();
         passes(preset.name(), normality(&mut sample, 1.0 + model.bias, model.sigma));
         let stepped = AngleErrors::new(Angle { bias_sigma: 0.0, ..model }, SEED, ROBOT, "COMPASS");
-        let sample: Vec<f64> = (0..MILLION / 10).map(|index| stepped.reading(index, 1.0)).collect();
+        let sample: Vec<f64> = (0..MILLION).map(|index| stepped.reading(index, 1.0)).collect();
         passes(preset.name(), cells(&sample, model.step, |x| normal_cdf((x - 1.0 - model.bias) / model.sigma)));
     }
+}
+
+#[test]
+fn the_bias_of_the_making_is_normal_between_compasses() {
+    let model = Angle { bias: 0.02, bias_sigma: 0.05, ..Angle::default() };
+    let offset = |robot| AngleErrors::new(model, SEED, RobotId(robot), "COMPASS").reading(0, 1.0) - 1.0;
+    let mut sample: Vec<f64> = (1..=1_000_000).map(offset).collect();
+    passes("bias", normality(&mut sample, 0.02, 0.05));
 }
 
 #[test]
@@ -319,16 +331,16 @@ fn images_of_every_preset_are_as_they_say() {
     const GREY: u8 = 128;
     let of_presets = Preset::ALL.into_iter().skip(1).map(|preset| preset.spec().profile().camera);
     let all = Image { sigma: 10.0, salt_and_pepper: 0.02, salt: 0.3, hundreds_and_thousands: 0.03 };
+    let count = 1_000_000;
     for model in of_presets.chain([all]) {
         let frame = |model: Image| -> Vec<[u8; 3]> {
             let errors = ImageErrors::new(model, SEED, ROBOT, "CAMERA");
-            let mut pixels = vec![[GREY; 3]; 340_000];
+            let mut pixels = vec![[GREY; 3]; count];
             for (row, pixels) in (0..).zip(pixels.chunks_mut(1000)) {
                 errors.apply(5, row, pixels);
             }
             pixels
         };
-        let count = 340_000;
         let levels: Vec<f64> = frame(Image { sigma: model.sigma, ..Image::default() })
             .as_flattened()
             .iter()
@@ -343,11 +355,11 @@ fn images_of_every_preset_are_as_they_say() {
         let pixels = frame(Image { sigma: 0.0, hundreds_and_thousands: 0.0, ..model });
         let hits = |colour: [u8; 3]| pixels.iter().filter(|pixel| **pixel == colour).count() as u64;
         let (salt, pepper) = (hits([255; 3]), hits([0; 3]));
-        passes("salt and pepper", binomial(salt + pepper, count, model.salt_and_pepper));
+        passes("salt and pepper", binomial(salt + pepper, MILLION, model.salt_and_pepper));
         passes("salt", binomial(salt, salt + pepper, model.salt));
         let pixels = frame(Image { sigma: 0.0, salt_and_pepper: 0.0, ..model });
         let coloured: Vec<[u8; 3]> = pixels.into_iter().filter(|pixel| *pixel != [GREY; 3]).collect();
-        passes("hundreds and thousands", binomial(coloured.len() as u64, count, model.hundreds_and_thousands));
+        passes("hundreds and thousands", binomial(coloured.len() as u64, MILLION, model.hundreds_and_thousands));
         if coloured.len() > 1000 {
             for channel in 0..3 {
                 let mut counts = [0.0; 256];
@@ -365,5 +377,128 @@ fn wheels_of_every_preset_are_as_they_say() {
         let of = |robot| motion.imperfection(DriveKind::Omni, SEED, RobotId(robot)).diameters;
         let mut sample: Vec<f64> = (1..=250_000).flat_map(of).collect();
         passes(preset.name(), normality(&mut sample, motion.left, motion.diameter_sigma));
+    }
+}
+
+/// What robots are told on their way of 1e6 ticks.
+const ORDER: Twist = Twist { vx: 0.2, vy: 0.0, omega: 1.0 };
+const TRACK: f64 = 0.1;
+
+/// True and believed twists of each tick of 100 robots that follow `order` for 10,000 ticks.
+fn ticks(kind: DriveKind, order: Twist, imperfection: Imperfection) -> [Vec<Twist>; 2] {
+    let model = Model {
+        kind,
+        wheel_diameter: 0.05,
+        max_wheel_rate: 1e3,
+        ticks_per_turn: 540.0,
+        track: TRACK,
+        wheelbase: TRACK,
+        axis_offset: 0.0,
+        max_speed: 2.0,
+        max_turn: 10.0,
+        body_radius: 0.08,
+        wheel_lag: 0.0,
+        max_steering: 1.0,
+        mass: 1.0,
+        traction: 0.6,
+    };
+    let (model, walls) = (Arc::new(model), Arc::new(Walls::new(vec![])));
+    let [mut truth, mut belief] = [Vec::new(), Vec::new()];
+    for robot in 1..=100 {
+        let motion = drive::Motion::new(RobotId(robot), Arc::clone(&model), Arc::clone(&walls), Pose::default());
+        let mut motion = motion.with_imperfection(SEED, imperfection).expect("a sound imperfection");
+        motion.command(Time::ZERO, Command::Twist(order), &[]).expect("a sound command");
+        let mut before = motion.pose(Time::ZERO);
+        for tick in 0..10_000 {
+            belief.push(motion.speed(Time(tick * TICK.0)));
+            let after = motion.pose(Time((tick + 1) * TICK.0));
+            truth.push(twist_between(before, after));
+            before = after;
+        }
+    }
+    [truth, belief]
+}
+
+/// The constant twist that leads from one pose to another in a tick.
+fn twist_between(before: Pose, after: Pose) -> Twist {
+    let angle = after.heading.radians() - before.heading.radians();
+    let half = 0.5 * angle;
+    // The chord of an arc, seen from the middle of its headings.
+    let stretch = if half == 0.0 { 1.0 } else { half / sin(half) };
+    let way = before.heading.turned(half).direction();
+    let chord = after.position - before.position;
+    Twist { vx: chord.dot(way) * stretch, vy: way.perp_dot(chord) * stretch, omega: angle }.scaled(1.0 / TICK.seconds())
+}
+
+/// Checks that twists are normal about `mean` with the deviations of `noise`, and that their components are independent.
+fn check_twists(what: &str, twists: &[Twist], mean: Twist, noise: TwistNoise) {
+    let of = |part: fn(&Twist) -> f64| twists.iter().map(part).collect::<Vec<_>>();
+    let speed = |x: f64| hypot(noise.speed, noise.speed_share * x);
+    let turning = hypot(noise.turn, noise.turn_share * mean.omega);
+    let (ahead, aside, turn) = (of(|twist| twist.vx), of(|twist| twist.vy), of(|twist| twist.omega));
+    for (part, sample, mean, sigma) in
+        [("speed", &ahead, mean.vx, speed(mean.vx)), ("turning speed", &turn, mean.omega, turning)]
+    {
+        if sigma > 0.0 {
+            passes(&format!("{what}: {part} of two ticks"), uncorrelated(&sample[1..], &sample[..sample.len() - 1]));
+            passes(&format!("{what}: {part}"), normality(&mut sample.clone(), mean, sigma));
+        } else {
+            assert!(sample.iter().all(|x| (x - mean).abs() < 1e-9), "{what}: {part}");
+        }
+    }
+    if speed(mean.vx) > 0.0 && turning > 0.0 {
+        passes(&format!("{what}: speed and turning speed"), uncorrelated(&ahead, &turn));
+    }
+    if mean.vy != 0.0 {
+        passes(&format!("{what}: speed aside"), normality(&mut aside.clone(), mean.vy, speed(mean.vy)));
+    } else {
+        assert!(aside.iter().all(|speed| speed.abs() < 1e-9), "{what}: nothing moves it aside");
+    }
+}
+
+#[test]
+fn drives_and_odometry_of_every_preset_err_as_they_say() {
+    for preset in Preset::ALL {
+        let Motion { command, odometry, .. } = preset.spec().profile().motion;
+        let [truth, belief] =
+            ticks(DriveKind::Differential, ORDER, Imperfection { command, odometry, ..Imperfection::default() });
+        check_twists(&format!("command of {}", preset.name()), &truth, ORDER, command);
+        check_twists(&format!("odometry of {}", preset.name()), &belief, ORDER, odometry);
+        let (ways, beliefs): (Vec<f64>, Vec<f64>) =
+            truth.iter().zip(&belief).map(|(truth, belief)| (truth.vx, belief.vx)).unzip();
+        if odometry != TwistNoise::default() {
+            passes("command and odometry", uncorrelated(&ways, &beliefs));
+        }
+    }
+}
+
+#[test]
+fn twists_of_an_omni_drive_err_along_all_axes() {
+    let command = TwistNoise { speed: 0.02, speed_share: 0.05, turn: 0.1, turn_share: 0.05 };
+    let odometry = TwistNoise { speed: 0.01, speed_share: 0.2, turn: 0.3, turn_share: 0.0 };
+    let order = Twist { vy: -0.3, ..ORDER };
+    let [truth, belief] = ticks(DriveKind::Omni, order, Imperfection { command, odometry, ..Imperfection::default() });
+    check_twists("command", &truth, order, command);
+    check_twists("odometry", &belief, order, odometry);
+}
+
+#[test]
+fn wheels_of_every_preset_slip_as_they_say() {
+    for preset in Preset::ALL {
+        let Motion { slip, slip_sigma, .. } = preset.spec().profile().motion;
+        if slip_sigma == 0.0 {
+            assert_eq!(slip, 0.0, "{}", preset.name());
+            continue;
+        }
+        let imperfection = Imperfection { slip, slip_deviation: slip_sigma, ..Imperfection::default() };
+        let [truth, belief] = ticks(DriveKind::Differential, ORDER, imperfection);
+        assert!(belief.iter().all(|twist| *twist == belief[0]), "encoders count the wheels");
+        let [mut left, mut right] = [-0.5 * TRACK, 0.5 * TRACK].map(|y| {
+            let of = |twist: &Twist| twist.vx + y * twist.omega;
+            truth.iter().map(|twist| 1.0 - of(twist) / of(&ORDER)).collect::<Vec<_>>()
+        });
+        passes("left and right", uncorrelated(&left, &right));
+        passes(&format!("left wheel of {}", preset.name()), normality(&mut left, slip, slip_sigma));
+        passes(&format!("right wheel of {}", preset.name()), normality(&mut right, slip, slip_sigma));
     }
 }

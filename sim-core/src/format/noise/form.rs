@@ -15,7 +15,7 @@ pub(crate) enum NoiseForm {
     /// `none`, `mild`, `real`, `harsh`, or a file.
     Name(String),
     /// In place.
-    Profile(ProfileForm),
+    Profile(Box<ProfileForm>),
 }
 
 /// A noise profile in place: a preset, and what is different from it.

@@ -21,7 +21,7 @@ pub(super) fn noise_form(noise: &NoiseRef) -> NoiseForm {
     match noise {
         NoiseRef::Preset(preset) => NoiseForm::Name(preset.name().to_owned()),
         NoiseRef::File(path) => NoiseForm::Name(path.text.clone()),
-        NoiseRef::Profile(spec) => NoiseForm::Profile(profile_form(spec)),
+        NoiseRef::Profile(spec) => NoiseForm::Profile(profile_form(spec).into()),
     }
 }
 
