@@ -54,14 +54,14 @@ pub fn space(scene: &SceneSpec) -> Space {
     for wall in &world.walls {
         let first = surfaces.len();
         let sides = if wall.thickness > 0.0 { 4 } else { 1 };
-        surfaces.resize(first + sides, wall.surface.unwrap_or(world.surface));
+        surfaces.resize(first + sides, wall.surface.or(world.surface).unwrap_or_default());
         if wall.thickness > 0.0 {
             let centre_line = Segment { a: wall.from, b: wall.to };
             blocks.push(Block::new(WallId(first as u32), &centre_line, wall.thickness, wall.height));
         }
     }
     // A floor of which the world says nothing is smooth: a rough one would be all that a low sonar hears.
-    let ground = if world.surface == Surface::default() { Surface::SMOOTH } else { world.surface };
+    let ground = world.surface.unwrap_or(Surface::SMOOTH);
     let terrain = world.terrain.as_ref().and_then(|terrain| terrain.mesh.as_ref());
     let terrain_figure = |mesh: &Arc<Mesh>| Figure { solids: vec![Solid::Mesh(index(mesh))], surface: ground };
     let mut fixed: Vec<_> = terrain.map(|mesh| (Pose::default(), Arc::new(terrain_figure(mesh)))).into_iter().collect();

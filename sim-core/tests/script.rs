@@ -164,7 +164,9 @@ proptest! {
                 }
                 // Refused commands are part of the script.
                 let _ = motions[0].command(at, *command, &[]);
-                states.push((motions[0].state(at), motions[0].drive_end(), motions[0].contacts(at)));
+                // An end more than 1,000 s ahead may be an instant to ask again, which is not part of the motion.
+                let end = motions[0].drive_end().filter(|end| *end < at + Time::from_millis(1_000_000));
+                states.push((motions[0].state(at), end, motions[0].contacts(at)));
             }
             states
         };

@@ -293,8 +293,8 @@ pub struct WorldSpec {
     pub floor: DVec2,
     /// Image stretched over the whole floor.
     pub texture: Option<PathRef>,
-    /// How the floor reflects, and walls that do not say.
-    pub surface: Surface,
+    /// How the floor reflects, and walls that do not say; else the floor is smooth and walls are rough.
+    pub surface: Option<Surface>,
     /// A mesh that range sensors see as the ground; robots drive on the plane z = 0 all the same.
     pub terrain: Option<TerrainSpec>,
     /// Side of a maze's cells, in metres; `None` for a `.wld`.

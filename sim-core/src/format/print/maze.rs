@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::number::written_mm;
-use crate::format::spec::{DEFAULT_CELL, Surface, WorldSpec};
+use crate::format::spec::{DEFAULT_CELL, WorldSpec};
 use crate::format::{read_maze, same};
 
 /// Cells that a drawing may have.
@@ -58,7 +58,7 @@ pub fn print_maze(world: &WorldSpec) -> Result<String, String> {
 /// What a maze file has no place for, of a world that is a maze.
 pub(in crate::format) fn beside_maze(world: &WorldSpec) -> Vec<String> {
     let texture = world.texture.as_ref().map(|texture| format!("the texture `{}`", texture.text));
-    let surface = (world.surface != Surface::default()).then(|| "the surface of floor and walls".to_owned());
+    let surface = world.surface.map(|_| "the surface of floor and walls".to_owned());
     let terrain = world.terrain.as_ref().map(|_| "the terrain".to_owned());
     [texture, surface, terrain].into_iter().flatten().collect()
 }

@@ -130,7 +130,7 @@ fn world_of(sim: &SimSpec) -> WorldForm {
 /// The world in place: drawn where it is a maze that a drawing gives back, else by its walls.
 pub(super) fn world_form(world: &WorldSpec) -> WorldForm {
     let texture = world.texture.as_ref().map(|texture| texture.text.clone());
-    let surface = sensor::surface_form(world.surface);
+    let surface = world.surface.map(sensor::explicit_surface);
     let terrain = world.terrain.as_ref().map(sensor::terrain_form);
     if let Some(maze) = super::print_maze(world).ok().filter(|maze| is_drawing(world, maze)) {
         return WorldForm { maze: Some(maze), texture, surface, terrain, ..WorldForm::default() };

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::Printed;
 use super::number::{heading, written, written_mm};
 use super::sim::quoted;
-use crate::format::spec::{DEFAULT_WALL_HEIGHT, Surface, WallSpec, WorldSpec};
+use crate::format::spec::{DEFAULT_WALL_HEIGHT, WallSpec, WorldSpec};
 
 /// The text of a world file. All walls stand in the frame of the world; there are no `push` lines.
 pub fn print_world(world: &WorldSpec) -> Printed {
@@ -27,7 +27,7 @@ pub fn print_world(world: &WorldSpec) -> Printed {
     let said = [
         (world.cell.is_some(), "the size of the maze's cells".to_owned()),
         (letters > 0, format!("the letters of {letters} starts")),
-        (world.surface != Surface::default(), "the surface of floor and walls".to_owned()),
+        (world.surface.is_some(), "the surface of floor and walls".to_owned()),
         (world.walls.iter().any(|wall| wall.surface.is_some()), "the surfaces of single walls".to_owned()),
         (world.terrain.is_some(), "the terrain".to_owned()),
         (!world.objects.is_empty(), format!("{} objects", world.objects.len())),

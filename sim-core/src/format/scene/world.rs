@@ -44,7 +44,7 @@ impl Reader<'_> {
         let mut world = if section.has("maze") { self.maze(&mut section, sim) } else { self.walls(&mut section, sim) };
         world.texture = self.reference(&mut section, "texture");
         if let Some(surface) = self.section(&mut section, "surface") {
-            world.surface = self.surface(surface);
+            world.surface = Some(self.surface(surface));
         }
         world.terrain = self.terrain(&mut section);
         for start in self.sections(&mut section, "start") {
