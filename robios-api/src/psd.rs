@@ -185,7 +185,7 @@ impl Robot {
         let mut distances_mm = vec![0_i32; MAX_POINTS];
         let room = ByteRoom { data: distances_mm.as_mut_ptr().cast(), len: distances_mm.len() };
         let points: i32 = robios!(self, LIDARScan(room));
-        let points = usize::try_from(points).map_err(|_| Error::Unavailable(Device::Lidar))?;
+        let points = usize::try_from(points).ok().ok_or(Error::Unavailable(Device::Lidar))?;
         distances_mm.truncate(points);
         let distance = |mm: i32| (mm != PSD_OUT_OF_RANGE).then(|| Length::millimetres(mm.into()));
         Ok(distances_mm.into_iter().map(distance).collect())

@@ -52,6 +52,9 @@ const STEP_HEIGHT: f64 = 0.25;
 ///
 /// Source: France et al. 1999, section 6.3 (three sensors, the range of incidences); measures of robot, gait and step: our
 /// choice.
+///
+/// # Panics
+/// Never: each ray falls onto floor or step.
 pub fn walk(period: f64) -> Vec<Sample> {
     let world = stairs();
     let at_knee = Pose3 { position: DVec3::new(0.0, 0.0, 0.45), ..Pose3::IDENTITY };
@@ -68,8 +71,7 @@ pub fn walk(period: f64) -> Vec<Sample> {
             let reading = sensor.read(&world, ROBOT, &posture, Time::ZERO, 0.0);
             reading.distance.expect("these sensors always read a distance")
         };
-        let ray =
-            RangeSensor { mount, link: Some(0), model: RangeModel::Psd { range: 9.0 } }.world_from_sensor(&posture);
+        let ray = posture.world_from(&mount, Some(0));
         let met =
             world.sight(ROBOT, ray.position, ray.forward(), 9.0, Time::ZERO).expect("the ray falls onto something");
         Sample {

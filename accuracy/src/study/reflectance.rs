@@ -21,9 +21,11 @@ const EXPONENTS: [i32; 9] = [3, 1, -1, -3, -5, -7, -9, -12, -16];
 /// Signals at each setting: from that one to ten times it.
 const SIGNALS: usize = 1_000;
 
+/// The distance of a signal (1/m) and a greatest distance, both distances in m.
+type Root = fn(f64, f64) -> f64;
+
 fn run(effort: Effort) -> Outcome {
-    let methods: [(&str, fn(f64, f64) -> f64); 2] =
-        [("stable root", recovered_distance), ("printed root", printed_root)];
+    let methods: [(&str, Root); 2] = [("stable root", recovered_distance), ("printed root", printed_root)];
     let mut rows = Vec::new();
     let mut series = Vec::new();
     for (method, root) in methods {

@@ -99,17 +99,27 @@ impl RangeModel {
     }
 }
 
+impl Posture<'_> {
+    /// Pose of what sits at `mount` on a link, by its place in the list, or on the body.
+    ///
+    /// # Panics
+    /// As [`link_pose`].
+    pub fn world_from(&self, mount: &Pose3, link: Option<usize>) -> Pose3 {
+        let world_from_robot = Pose3::from_planar(&self.world_from_robot, 0.0);
+        match link {
+            Some(link) => world_from_robot.then(&link_pose(self.links, self.angles, link)).then(mount),
+            None => world_from_robot.then(mount),
+        }
+    }
+}
+
 impl RangeSensor {
     /// Pose of the sensor of a robot in this posture.
     ///
     /// # Panics
     /// As [`link_pose`].
     pub fn world_from_sensor(&self, posture: &Posture) -> Pose3 {
-        let world_from_robot = Pose3::from_planar(&posture.world_from_robot, 0.0);
-        match self.link {
-            Some(link) => world_from_robot.then(&link_pose(posture.links, posture.angles, link)).then(&self.mount),
-            None => world_from_robot.then(&self.mount),
-        }
+        posture.world_from(&self.mount, self.link)
     }
 
     /// What the sensor of robot `by` in this posture reads at the instant `at`, with the paper's `noise` N: see

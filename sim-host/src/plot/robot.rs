@@ -196,7 +196,7 @@ fn sights(robi: &RobiSpec) -> Vec<Sight<'_>> {
     let names = robi.psds.iter().map(|psd| &psd.name).chain(robi.ranges.iter().map(|range| &range.name));
     let sensors = build::range_sensors(robi);
     let sight = |(name, sensor): (_, &RangeSensor)| {
-        let frame = frame_of(robi, sensor);
+        let frame = frame_of(robi, &sensor.mount, sensor.link);
         let way = frame.forward().truncate();
         let (range, half_angle) = match &sensor.model {
             RangeModel::Psd { range } => (*range, None),
@@ -209,17 +209,17 @@ fn sights(robi: &RobiSpec) -> Vec<Sight<'_>> {
     names.map(String::as_str).zip(&sensors).map(sight).collect()
 }
 
-/// Where a sensor sits and looks in the robot's frame, the servos in the middle.
-fn frame_of(robi: &RobiSpec, sensor: &RangeSensor) -> Pose3 {
+/// Where what sits at `mount` on a link, or on the body, is in the robot's frame, the servos in the middle.
+fn frame_of(robi: &RobiSpec, mount: &Pose3, link: Option<usize>) -> Pose3 {
     let angles: Vec<f64> = robi.all_servos().iter().map(|servo| 0.5 * (servo.swing[0] + servo.swing[1])).collect();
     let links = build::links(robi);
-    sensor.world_from_sensor(&Posture { links: &links, angles: &angles, ..Posture::default() })
+    Posture { links: &links, angles: &angles, ..Posture::default() }.world_from(mount, link)
 }
 
 /// Where a laser scanner sits and looks in the robot's frame.
 fn scanner_place(robi: &RobiSpec, lidar: &LidarSpec) -> Pose3 {
     let (mount, link) = build::scanner_mount(robi, lidar);
-    frame_of(robi, &RangeSensor { mount, link, model: RangeModel::Psd { range: lidar.range } })
+    frame_of(robi, &mount, link)
 }
 
 /// The cone of a sonar from above, up to its range or the walls.

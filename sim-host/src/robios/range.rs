@@ -3,14 +3,13 @@
 //! PSDs come first, then the sensors of the other kinds: to programs all are of the kind PSD. [`Ranges::read`] is the one place
 //! where the world becomes a reading; [`super::psd`] and [`super::psd7`] give it to programs.
 
-use glam::DVec3;
 use sim_core::RobotId;
 use sim_core::build;
 use sim_core::drive::Motion;
 use sim_core::format::{LIDAR, LidarSpec, RobiSpec};
 use sim_core::noise::{Events, Profile, RangeErrors, RangeKind};
 use sim_core::pose::Pose3;
-use sim_core::sensor::{Fan, Link, Mount, Posture, RangeModel, RangeSensor, Reading, Scan};
+use sim_core::sensor::{Fan, Link, Mount, Posture, RangeSensor, Reading, Scan};
 use sim_core::time::Time;
 use sim_core::world::World;
 
@@ -55,10 +54,6 @@ pub enum Scanner {
         mount: Pose3,
         /// The link, `None` for the body.
         link: Option<usize>,
-        /// Its rays in its own frame.
-        rays: Vec<DVec3>,
-        /// How far it sees along a ray, m.
-        range: f64,
     },
 }
 
@@ -108,7 +103,7 @@ impl Ranges {
     ) -> Vec<Option<f64>> {
         let exact = self.exact_scan(scanner, servos, motion, world, at);
         let Some(errors) = &self.errors else { return exact };
-        let mut erring = errors.lidar.scan(Events::index(at, SCAN), at, [0.0, scanner.range()]);
+        let mut erring = errors.lidar.scan(Events::index(at, SCAN), at, [0.0, scanner.fan().range()]);
         exact.into_iter().map(|point| erring.point(point)).collect()
     }
 
@@ -123,16 +118,10 @@ impl Ranges {
         let world_from_robot = motion.pose(at);
         match scanner {
             Scanner::Level(scan) => scan.distances(world, motion.id(), &world_from_robot, at),
-            Scanner::InSpace { mount, link, rays, range, .. } => {
+            Scanner::InSpace { scan, mount, link } => {
                 let angles = self.angles(*link, servos, at);
                 let posture = Posture { world_from_robot, links: &self.links, angles: &angles };
-                let sensor = RangeSensor { mount: *mount, link: *link, model: RangeModel::Psd { range: *range } };
-                let world_from_scanner = sensor.world_from_sensor(&posture);
-                let along = |ray: &DVec3| {
-                    let direction = world_from_scanner.rotation * *ray;
-                    world.sight(motion.id(), world_from_scanner.position, direction, *range, at)
-                };
-                rays.iter().map(|ray| along(ray).map(|sighting| sighting.distance)).collect()
+                scan.distances_from(world, motion.id(), &posture.world_from(mount, *link), at)
             }
         }
     }
@@ -155,18 +144,8 @@ impl Scanner {
             return Self::Level(Scan::new(Mount::new(position.x, position.y, mount.yaw), fan));
         }
         let scan = Scan::new(Mount::default(), Fan { sweep, points, tilt, height: position.z, range });
-        let (pose, link) = build::scanner_mount(spec, lidar);
-        let ray = |ray| Pose3::from_angles(DVec3::ZERO, 0.0, tilt, scan.bearing(ray)).forward();
-        let rays = (0..points).map(ray).collect();
-        Self::InSpace { scan, mount: pose, link, rays, range }
-    }
-
-    /// How far it sees along a ray, m.
-    fn range(&self) -> f64 {
-        match self {
-            Self::Level(scan) => scan.range(),
-            Self::InSpace { range, .. } => *range,
-        }
+        let (mount, link) = build::scanner_mount(spec, lidar);
+        Self::InSpace { scan, mount, link }
     }
 
     /// Its fan: how many rays, and where each looks.
