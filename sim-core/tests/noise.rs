@@ -163,7 +163,11 @@ fn each_mistake_has_its_place_and_what_is_expected() {
     assert_eq!(diagnostics[0].expected, "one of none, mild, real, harsh");
     assert_eq!(diagnostics[1].expected, "a number in mm from 0 to 1000000");
     assert_eq!(said("[psd]\ndevice = 1\n")[0].code, Code::TomlKey, "a PSD has no noise of its own");
-    assert_eq!(said("[psd\n")[0].code, Code::TomlSyntax);
+    let codes = |text| said(text).iter().map(|d| (d.code, d.span.line, d.span.column)).collect::<Vec<_>>();
+    assert_eq!(codes("[psd\n"), [(Code::TomlSyntax, 1, 5)]);
+    assert_eq!(codes(""), [(Code::NoiseEmpty, 1, 1)]);
+    assert_eq!(codes("# none\n"), [(Code::NoiseEmpty, 1, 1)]);
+    assert_eq!(codes("base = \"none\"\n"), []);
 }
 
 #[test]

@@ -8,6 +8,7 @@ mod drive;
 mod figure;
 pub mod france;
 mod moving_target;
+mod noise;
 mod range_sensors;
 mod reflectance;
 mod stopwatch;
@@ -83,5 +84,12 @@ pub struct Study {
 }
 
 /// All studies, in the order of the report.
-pub const STUDIES: &[Study] =
-    &[drive::DRIVE, drive::ODOMETRY, contact::STUDY, range_sensors::STUDY, reflectance::STUDY, moving_target::STUDY];
+pub const STUDIES: &[Study] = &[
+    drive::DRIVE,
+    drive::ODOMETRY,
+    contact::STUDY,
+    range_sensors::STUDY,
+    reflectance::STUDY,
+    moving_target::STUDY,
+    noise::STUDY,
+];

@@ -86,6 +86,7 @@ codes! {
     MeshSize = "mesh-size": "a mesh or material file that is too large",
     MeshSolid = "mesh-solid": "range sensors are to see a mesh that cannot be read",
     MtlLine = "mtl-line": "a line of a material file that cannot be read",
+    NoiseEmpty = "noise-empty": "a noise profile in which nothing is written",
     NoiseSensor = "noise-sensor": "a noise profile names a sensor that no robot has",
     NumberInvalid = "number-invalid": "a word where a number is expected",
     NumberRange = "number-range": "a number out of its range, infinite or NaN",

@@ -99,6 +99,11 @@ impl Sink {
         Self { file: file.to_owned(), diagnostics: Vec::new(), left_out: 0, last_left_out: None }
     }
 
+    /// True as long as there is nothing to say.
+    pub(super) fn is_empty(&self) -> bool {
+        self.diagnostics.is_empty()
+    }
+
     /// Adds a diagnostic and hands it out, so that a suggestion can be added.
     pub(super) fn report(
         &mut self,

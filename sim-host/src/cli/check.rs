@@ -25,8 +25,8 @@ const EXIT_MISTAKES: u8 = 2;
 /// Arguments of `eyesim check`.
 #[derive(Args)]
 pub struct CheckArgs {
-    /// Files to check: .sim and .scene.toml (with all that they name), .robi (with its .toml), .wld, .maz, .esObj; of a
-    /// folder all such files
+    /// Files to check: .sim and .scene.toml (with all that they name), .robi (with its .toml), .wld, .maz, .esObj, .noise.toml;
+    /// of a folder all such files
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// How the diagnostics are printed

@@ -38,9 +38,13 @@ pub fn is_noise(path: &str, text: &str) -> bool {
 
 /// Reads a noise profile.
 ///
-/// Unknown keys are warned about; a value of the wrong type or out of range is an error.
+/// Unknown keys are warned about, and so is an empty profile; a value of the wrong type or out of range is an error.
 pub fn read_noise(file: &str, text: &str) -> (NoiseSpec, Vec<Diagnostic>) {
     let (mut reader, root) = Reader::parse(file, text);
+    if root.is_empty() && reader.sink.is_empty() {
+        let span = reader.span(0..0);
+        reader.warn_of_empty(span);
+    }
     let mut spec = reader.noise(Section::root(&root));
     file.clone_into(&mut spec.file);
     (spec, reader.sink.finish())
@@ -88,7 +92,11 @@ impl Reader<'_> {
     /// `noise = "mild"`, `noise = "FILE.toml"` or a profile in place; that is of the file `file`.
     pub(super) fn noise_ref(&mut self, section: &mut Section<'_, '_>, file: &str) -> Option<NoiseRef> {
         if section.get("noise").is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_))) {
-            let mut spec = self.section(section, "noise").map(|section| self.noise(section))?;
+            let part = self.section(section, "noise")?;
+            if part.table.is_empty() {
+                self.warn_of_empty(part.span);
+            }
+            let mut spec = self.noise(part);
             file.clone_into(&mut spec.file);
             return Some(NoiseRef::Profile(spec.into()));
         }
@@ -110,6 +118,11 @@ impl Reader<'_> {
             self.sink.error(Code::TomlChoice, span, message, expected).suggestion = suggestion;
         }
         preset
+    }
+
+    fn warn_of_empty(&mut self, span: super::Span) {
+        let expected = "`base = \"none\"` or another preset, or sections such as `[psd]`";
+        self.sink.warn(Code::NoiseEmpty, span, "the noise profile is empty: there are no errors", expected);
     }
 
     /// A whole profile.

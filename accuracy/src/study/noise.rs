@@ -1,0 +1,136 @@
+//! `noise`: how near to their distribution random numbers come as more of them are drawn, and what one costs.
+//!
+//! The error is Kolmogorov's and Smirnov's distance between the sample and its distribution. Of numbers that are drawn from it
+//! the distance falls with the root of their count, about 0.87 / sqrt(n); where it stops falling, the distribution is another one.
+//! Normal numbers by the inverse of their distribution function, as the simulator draws them, stand beside those of Box and
+//! Muller (1958) and the sum of twelve uniform numbers, which is only nearly normal.
+
+use std::f64::consts::PI;
+
+use sim_core::RobotId;
+use sim_core::math::{cos, ln};
+use sim_core::noise::{Events, Purpose, Range, RangeErrors, Stream};
+use sim_core::time::Time;
+
+use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};
+use crate::statistics::{kolmogorov_distance, normal_cdf};
+
+pub const STUDY: Study =
+    Study { name: "noise", title: "Random numbers: distance from their distribution, and what one costs", run };
+
+/// Sizes of the samples; each begins the next one.
+const COUNTS: [usize; 5] = [100, 1_000, 10_000, 100_000, 1_000_000];
+const SEED: u64 = 42;
+
+/// What the setting of a row is called.
+const SETTINGS: [&str; COUNTS.len()] = ["1e2 numbers", "1e3 numbers", "1e4 numbers", "1e5 numbers", "1e6 numbers"];
+
+/// A way to draw numbers: its name, what it should give, and so many of them.
+struct Method {
+    name: &'static str,
+    cdf: fn(f64) -> f64,
+    draw: fn(usize) -> Vec<f64>,
+}
+
+const METHODS: [Method; 6] = [
+    Method { name: "uniform", cdf: |x| x.clamp(0.0, 1.0), draw: |count| in_turn(count, Stream::unit) },
+    Method { name: "normal by the quantile", cdf: normal_cdf, draw: |count| in_turn(count, Stream::normal) },
+    Method { name: "normal, an event each", cdf: normal_cdf, draw: of_events },
+    Method { name: "reading of a sensor", cdf: |x| normal_cdf((x - DISTANCE) / SIGMA), draw: readings },
+    Method { name: "normal of Box and Muller", cdf: normal_cdf, draw: |count| in_turn(count, box_muller) },
+    Method { name: "sum of twelve uniform", cdf: normal_cdf, draw: |count| in_turn(count, sum_of_twelve) },
+];
+
+/// What the sensor sees, and the deviation of its readings, m.
+const DISTANCE: f64 = 2.0;
+const SIGMA: f64 = 0.01;
+
+fn run(effort: Effort) -> Outcome {
+    let most = COUNTS[COUNTS.len() - 1];
+    let mut rows = Vec::new();
+    let mut series = Vec::new();
+    for Method { name, cdf, draw } in METHODS {
+        let sample = draw(most);
+        let time_ns = nanoseconds(effort.of(100), 10_000, || draw(10_000));
+        let mut points = Vec::new();
+        for (count, setting) in COUNTS.into_iter().zip(SETTINGS) {
+            let error = kolmogorov_distance(&mut sample[..count].to_vec(), cdf);
+            points.push((count as f64, error));
+            rows.push(Row {
+                study: STUDY.name,
+                method: name.to_owned(),
+                setting: setting.to_owned(),
+                error,
+                unit: "of probability",
+                time_ns,
+                per: "number",
+            });
+        }
+        series.push(Series { name: name.to_owned(), mark: Mark::LineAndDots, points });
+    }
+    let bound = COUNTS.map(|count| (count as f64, 1.358 / (count as f64).sqrt()));
+    series.push(Series { name: "exceeded by one in twenty".to_owned(), mark: Mark::Line, points: bound.to_vec() });
+    let figure = Figure {
+        name: "noise-distance".to_owned(),
+        title: "Distance of a sample from its distribution".to_owned(),
+        x_label: "numbers in the sample".to_owned(),
+        y_label: "greatest difference of probability".to_owned(),
+        x_scale: Scale::Logarithmic,
+        y_scale: Scale::Logarithmic,
+        series,
+    };
+    Outcome { rows, figures: vec![figure] }
+}
+
+fn events() -> Events {
+    Events::new(SEED, RobotId(1), Purpose::Range, "PSD_FRONT")
+}
+
+/// Numbers of one stream, one after the other.
+fn in_turn(count: usize, mut next: impl FnMut(&mut Stream) -> f64) -> Vec<f64> {
+    let mut stream = events().at(0);
+    (0..count).map(|_| next(&mut stream)).collect()
+}
+
+/// The first number of each of so many events.
+fn of_events(count: usize) -> Vec<f64> {
+    let events = events();
+    (0..count as u64).map(|index| events.at(index).normal()).collect()
+}
+
+/// Readings of a PSD with Gaussian noise.
+fn readings(count: usize) -> Vec<f64> {
+    let errors = RangeErrors::new(Range { sigma: SIGMA, ..Range::default() }, SEED, RobotId(1), "PSD_FRONT");
+    let read = |index| errors.reading(index, Time::ZERO, [0.0, 4.0], Some(DISTANCE));
+    (0..count as u64).filter_map(read).collect()
+}
+
+/// One of the two numbers that come of two uniform ones.
+fn box_muller(stream: &mut Stream) -> f64 {
+    let (radius, angle) = (1.0 - stream.unit(), stream.unit());
+    (-2.0 * ln(radius)).sqrt() * cos(2.0 * PI * angle)
+}
+
+/// Of mean 0 and variance 1, never beyond 6.
+fn sum_of_twelve(stream: &mut Stream) -> f64 {
+    (0..12).map(|_| stream.unit()).sum::<f64>() - 6.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_but_the_sum_of_twelve_come_as_near_as_they_should() {
+        let rows = run(Effort::Quick).rows;
+        assert_eq!(rows.len(), METHODS.len() * COUNTS.len());
+        let last =
+            |method: &str| rows.iter().rfind(|row| row.method == method).unwrap_or_else(|| panic!("`{method}`")).error;
+        for Method { name, .. } in &METHODS[..5] {
+            // Above 1.63 / sqrt(n) lies one in a hundred.
+            assert!(last(name) < 1.63e-3, "{name}: {}", last(name));
+        }
+        // Its own distance is 0.0023.
+        assert!(last("sum of twelve uniform") > 1.8e-3);
+    }
+}

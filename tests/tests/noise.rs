@@ -1,0 +1,294 @@
+//! Noise as programs meet it: what a device reads is its own affair, and profiles that are wrong are refused with the place.
+
+use serde_json::Value;
+use tests::Scratch;
+
+/// Reads two PSDs, a sonar, the compass and the scanner while it drives a circle whose noise it feels.
+///
+/// By its arguments: how often it reads each of them in a cycle, and whether from the last to the first. The values of a
+/// cycle are printed after all have been read, in an order of their own.
+const LOOK: &str = r#"#include "eyebot.h"
+#include <stdio.h>
+#include <stdlib.h>
+
+int main(int argc, char *argv[])
+{
+  int often = argc > 1 ? atoi(argv[1]) : 1;
+  int is_backwards = argc > 2;
+  int read[4], cycle, time, i;
+  PSDHandle front = PSDInit(PSD_FRONT), left = PSDInit(PSD_LEFT), sonar = PSDInit(40);
+  VWHandle vw = VWInit(VW_DRIVE, 1);
+
+  COMPASSInit(COMPASS);
+  COMPASSStart(TRUE);
+  PSDStart(front | left | sonar, TRUE);
+  VWSetSpeed(vw, 0.15, 0.5);
+  for (cycle = 1; cycle <= 40; cycle++) {
+    /* Into the middle of a cycle of 300 ms, in which all of them hold what they measured. */
+    OSWait(30 * cycle - OSGetCount());
+    for (time = 0; time < often; time++)
+      for (i = 0; i < 4; i++) {
+        int which = is_backwards ? 3 - i : i;
+        read[which] = which == 0 ? PSDGet(front) : which == 1 ? PSDGet(left) : which == 2 ? PSDGet(sonar) : COMPASSGet();
+      }
+    printf("%d: %d %d %d %d\n", cycle, read[0], read[1], read[2], read[3]);
+  }
+  VWSetSpeed(vw, 0, 0);
+  return 0;
+}
+"#;
+
+/// Drives two legs and prints each scan and where it believes to be.
+const SCAN: &str = r#"#include "eyebot.h"
+#include <stdio.h>
+
+int main(void)
+{
+  int scan[16], leg, i, x, y, phi;
+  for (leg = 0; leg < 2; leg++) {
+    VWStraight(300, 150);
+    while (!VWDone()) {
+      LIDARGet(scan);
+      VWGetPosition(&x, &y, &phi);
+      printf("at %d %d %d:", x, y, phi);
+      for (i = 0; i < 16; i++)
+        printf(" %d", scan[i]);
+      printf("; %d\n", PSDGet(PSD_FRONT));
+      OSWait(100);
+    }
+    VWTurn(90, 45);
+    VWWait();
+  }
+  return 0;
+}
+"#;
+
+/// Two chambers of 2 m x 3 m, so that who is in the one is not seen from the other.
+const ROOM: &str = "floor 4000 3000\n0 0 4000 0\n4000 0 4000 3000\n4000 3000 0 3000\n0 3000 0 0\n2000 0 2000 3000\n";
+
+const BODY: &str = "diameter 180\nspeed 600\nturn 300\naxis 0\nwheel 54 3600 1100 90\n\
+                    drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
+const PSDS: &str = "psd PSD_FRONT -200 60 0 30 0\npsd PSD_LEFT -201 0 60 30 90\n";
+const COMPANION: &str = "[psd]\nrange_mm = 3500\n[compass]\nnorth_deg = 90\n[[sonar]]\nname = \"SONAR\"\nid = 40\nz_mm = 100\n\
+                         [lidar]\npoints = 16\nrange_mm = 4000\n";
+
+/// A scene with robot 1 of the type `first` in the left chamber and robot 2 of the same devices in the right one.
+fn scene(noise: &str, arguments: &str, more: &str) -> String {
+    format!(
+        "[world]\nfile = \"room.wld\"\n[scene]\nnoise = {noise}\nuntil_s = 13\n\
+         [[robot]]\ntype = \"first.robi\"\nprogram = \"look.c\"\napi = 6\narguments = [{arguments}]\n\
+         x_mm = 1000\ny_mm = 1200\nheading_deg = 10\n\
+         [[robot]]\ntype = \"second.robi\"\nprogram = \"scan.c\"\napi = 7\nx_mm = 2700\ny_mm = 1100\n{more}"
+    )
+}
+
+fn write(scratch: &Scratch) {
+    scratch.write("room.wld", ROOM);
+    for name in ["first", "second"] {
+        scratch.write(&format!("{name}.robi"), &format!("name {name}\n{PSDS}{BODY}"));
+        scratch.write(&format!("{name}.toml"), COMPANION);
+    }
+    scratch.write("look.c", LOOK);
+    scratch.write("scan.c", SCAN);
+    scratch.write("a.scene.toml", &scene("\"harsh\"", "", ""));
+}
+
+/// What the trace of a run says of each robot, from robot 1 on.
+fn run(scratch: &Scratch, args: &[&str]) -> Vec<Vec<String>> {
+    let args = [&["--trace", "t.jsonl"], args].concat();
+    let report = scratch.report("a.scene.toml", &args, 0);
+    let mut lines = vec![Vec::new(); report["robots"].as_array().expect("robots").len()];
+    for event in scratch.trace("t.jsonl") {
+        if let Some(robot) = event["robot"].as_u64() {
+            lines[robot as usize - 1].push(event.to_string());
+        }
+    }
+    lines
+}
+
+/// What the programs printed.
+fn printed(lines: &[String]) -> Vec<String> {
+    let event = |line: &String| serde_json::from_str::<Value>(line).expect("a line of a trace");
+    let texts = lines.iter().map(event).filter(|event| event["event"] == "stdout");
+    texts.map(|event| event["text"].as_str().expect("a text").to_owned()).collect()
+}
+
+#[test]
+fn readings_err_only_where_a_profile_says_so() {
+    let scratch = Scratch::new();
+    write(&scratch);
+    let harsh = run(&scratch, &[]);
+    assert_eq!(printed(&harsh[0]).len(), 40, "{:#?}", harsh[0]);
+    assert!(printed(&harsh[1]).len() > 20, "{:#?}", harsh[1]);
+    let other_seed = run(&scratch, &["--seed", "1"]);
+    let exact = run(&scratch, &["--noise", "none"]);
+    for robot in 0..2 {
+        assert_ne!(harsh[robot], other_seed[robot]);
+        assert_ne!(harsh[robot], exact[robot]);
+        assert_ne!(printed(&harsh[robot]), printed(&exact[robot]));
+    }
+    assert_eq!(run(&scratch, &["--noise", "none", "--seed", "1"]), exact, "nothing is drawn");
+    scratch.write("a.scene.toml", &scene("\"none\"", "", ""));
+    assert_eq!(run(&scratch, &[]), exact);
+    scratch.write("a.scene.toml", &scene("\"none\"", "", "").replace("noise = \"none\"\n", ""));
+    assert_eq!(run(&scratch, &[]), exact, "off by default");
+    assert_eq!(run(&scratch, &["--noise", "harsh"]), harsh, "the command line goes first");
+}
+
+#[test]
+fn another_sensor_changes_no_reading_of_any_other() {
+    let scratch = Scratch::new();
+    write(&scratch);
+    let before = run(&scratch, &[]);
+    for (robi, companion) in [
+        // Before the others and behind them, of every kind.
+        (format!("name first\npsd PSD_RIGHT -202 0 -60 30 -90\n{PSDS}{BODY}"), COMPANION.to_owned()),
+        (format!("name first\n{PSDS}psd PSD_BACK -203 -60 0 30 180\n{BODY}"), COMPANION.to_owned()),
+        (
+            format!("name first\n{PSDS}{BODY}"),
+            COMPANION.replace("[[sonar]]", "[[sonar]]\nname = \"OTHER\"\nid = 39\nz_mm = 50\n[[sonar]]")
+                + "[[laser]]\nname = \"LASER\"\nid = 41\n[[ultrasonic]]\nname = \"ULTRA\"\nid = 42\n\
+                   [[reflectance]]\nname = \"REFLECTANCE\"\nid = 43\n[[bumper]]\nname = \"BUMP\"\nfrom_deg = 0\nto_deg = 9\n",
+        ),
+    ] {
+        scratch.write("first.robi", &robi);
+        scratch.write("first.toml", &companion);
+        let after = run(&scratch, &[]);
+        assert_eq!(after[0], before[0], "{robi}{companion}");
+        assert_eq!(after[1], before[1], "{robi}{companion}");
+    }
+}
+
+#[test]
+fn another_robot_changes_no_reading_of_the_others() {
+    let scratch = Scratch::new();
+    write(&scratch);
+    let before = run(&scratch, &[]);
+    // Walled in, where nobody sees it.
+    scratch.write("room.wld", &format!("{ROOM}2000 2500 2500 2500\n2500 2500 2500 3000\n"));
+    let walled = run(&scratch, &[]);
+    let third = "[[robot]]\ntype = \"first.robi\"\nprogram = \"look.c\"\napi = 6\nx_mm = 2250\ny_mm = 2750\n";
+    scratch.write("a.scene.toml", &scene("\"harsh\"", "", third));
+    let after = run(&scratch, &[]);
+    assert_eq!(before[0], walled[0]);
+    assert_eq!(after[..2], walled[..]);
+    assert_ne!(printed(&after[2]), printed(&after[0]), "it has errors of its own");
+}
+
+#[test]
+fn a_profile_of_one_sensor_changes_that_one_alone() {
+    let scratch = Scratch::new();
+    write(&scratch);
+    let before = run(&scratch, &[]);
+    let own = "{ base = \"harsh\", sensor = { PSD_LEFT = { sigma_mm = 200 } } }";
+    scratch
+        .write("a.scene.toml", &scene("\"harsh\"", "", "").replacen("api = 6", &format!("api = 6\nnoise = {own}"), 1));
+    let after = run(&scratch, &[]);
+    assert_eq!(after[1], before[1], "robot 2 keeps the scene's");
+    let changed: Vec<Value> = before[0]
+        .iter()
+        .zip(&after[0])
+        .filter(|(before, after)| before != after)
+        .map(|(before, _)| serde_json::from_str(before).expect("a line of a trace"))
+        .filter(|event: &Value| event["event"] != "stdout")
+        .collect();
+    assert!(changed.len() > 20 && changed.iter().all(|event| event["device"] == "PSD_LEFT"), "{changed:#?}");
+}
+
+#[test]
+fn how_often_and_in_what_order_sensors_are_read_changes_no_reading() {
+    let scratch = Scratch::new();
+    write(&scratch);
+    let once = printed(&run(&scratch, &[])[0]);
+    for arguments in ["\"3\"", "\"1\", \"backwards\"", "\"7\", \"backwards\""] {
+        scratch.write("a.scene.toml", &scene("\"harsh\"", arguments, ""));
+        assert_eq!(printed(&run(&scratch, &[])[0]), once, "arguments {arguments}");
+    }
+}
+
+#[test]
+fn threads_and_slots_and_repetition_change_nothing() {
+    let scratch = Scratch::new();
+    write(&scratch);
+    let third = "[[robot]]\ntype = \"first.robi\"\nprogram = \"look.c\"\napi = 6\ncount = 6\nlayout = { \
+                 kind = \"random\", from_mm = [2300, 300], to_mm = [3700, 2700] }\n";
+    let crowded = scene("\"harsh\"", "", third);
+    scratch.write("a.scene.toml", &crowded);
+    let first = run(&scratch, &["--threads", "1"]);
+    for threads in ["1", "2", "8", "8", "64"] {
+        assert_eq!(run(&scratch, &["--threads", threads]), first, "{threads} threads");
+    }
+    // Alone with the walls, the length of a slot changes nothing either; poses are recorded at its end.
+    scratch.write("a.scene.toml", &scene("\"harsh\"", "", ""));
+    let of = |slot| run(&scratch, &["--slot", slot]).iter().map(|lines| printed(lines)).collect::<Vec<_>>();
+    let printed = of("50");
+    for slot in ["1", "7", "1000"] {
+        assert_eq!(of(slot), printed, "slots of {slot} ms");
+    }
+}
+
+#[test]
+fn profiles_that_are_wrong_are_refused_with_the_place_and_what_is_expected() {
+    let scratch = Scratch::new();
+    write(&scratch);
+    for (profile, place, expected) in [
+        ("[psd]\nsigma_mm = -3\n", "2:12: error[number-range]", "a number in mm from 0 to 1000000"),
+        ("[compass]\n\nsigma_deg = nan\n", "3:13: error[number-range]", "a number in degrees from 0 to 360"),
+        ("[drive]\nv_sigma_mm_s = inf\n", "2:16: error[number-range]", "a number in mm/s from 0 to 100000"),
+        ("base = \"real\"\n[sonar]\noutlier = 1.5\n", "3:11: error[number-range]", "a number from 0 to 1"),
+        ("[drive]\nslip_percent = 150\n", "2:16: error[number-range]", "a number in percent from -100 to 100"),
+        ("[drive]\nleft_percent = -60\n", "2:16: error[number-range]", "a number in percent from -50 to 100"),
+        ("[psd]\nsigma_mm = \"much\"\n", "2:12: error[toml-type]", "a number in mm"),
+        ("psd = 3\n", "1:7: error[toml-type]", "a table"),
+        ("base = \"raal\"\n", "1:8: error[toml-choice]", "one of none, mild, real, harsh"),
+        ("[psd\n", "1:5: error[toml-syntax]", "TOML"),
+    ] {
+        scratch.write("wrong.noise.toml", profile);
+        let ran = scratch.eyesim(&["run", "a.scene.toml", "--noise", "wrong.noise.toml"]);
+        assert_eq!((ran.code, ran.stdout.as_str()), (Some(2), ""), "{profile}: {ran:#?}");
+        assert!(ran.stderr.contains(&format!("wrong.noise.toml:{place}")), "{profile}: {ran:#?}");
+        let checked = scratch.eyesim(&["check", "--format", "json", "wrong.noise.toml"]);
+        let said: Value = serde_json::from_str(&checked.stdout).expect("JSON");
+        let said = said[0]["expected"].as_str().expect("what is expected");
+        assert!(said.starts_with(expected), "{profile}: {said}");
+    }
+}
+
+#[test]
+fn what_a_profile_says_in_vain_is_a_warning() {
+    let scratch = Scratch::new();
+    write(&scratch);
+    for (profile, said) in [
+        ("[psd]\nsgima_mm = 3\n", "2:1: warning[toml-key]: unknown key `sgima_mm` in `psd`"),
+        ("[pds]\nsigma_mm = 3\n", "1:2: warning[toml-key]: unknown key `pds`"),
+        ("[psd]\ndevice = 1\n", "2:1: warning[toml-key]: unknown key `device` in `psd`"),
+        ("", "1:1: warning[noise-empty]"),
+        ("[sensor.PSD_FORNT]\nsigma_mm = 3\n", "2:1: warning[noise-sensor]"),
+    ] {
+        scratch.write("vain.toml", profile);
+        let ran = scratch.eyesim(&["run", "a.scene.toml", "--noise", "vain.toml", "--until", "0.1"]);
+        assert_eq!(ran.code, Some(0), "{profile}: {ran:#?}");
+        assert!(ran.stderr.contains(&format!("vain.toml:{said}")), "{profile}: {ran:#?}");
+        let strict = scratch.eyesim(&["run", "a.scene.toml", "--noise", "vain.toml", "--strict"]);
+        assert_eq!(strict.code, Some(2), "{profile}: {strict:#?}");
+    }
+}
+
+#[test]
+fn a_profile_that_is_nowhere_or_none_is_refused() {
+    let scratch = Scratch::new();
+    write(&scratch);
+    for (noise, said) in [
+        ("nowhere.toml", "nowhere.toml: error[file-missing]: no such file"),
+        ("raal", "--noise: `raal` is no noise profile: expected one of none, mild, real, harsh, or a file NAME.toml"),
+        ("room.wld", "room.wld:1:7: error[toml-syntax]"),
+    ] {
+        let ran = scratch.eyesim(&["run", "a.scene.toml", "--noise", noise]);
+        assert_eq!(ran.code, Some(2), "{noise}: {ran:#?}");
+        assert!(ran.stderr.contains(said), "{noise}: {ran:#?}");
+    }
+    scratch.write("a.scene.toml", &scene("\"nowhere.toml\"", "", ""));
+    let ran = scratch.eyesim(&["run", "a.scene.toml"]);
+    assert_eq!(ran.code, Some(2), "{ran:#?}");
+    assert!(ran.stderr.contains("a.scene.toml:4:9: error[file-missing]"), "{ran:#?}");
+}
