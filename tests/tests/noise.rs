@@ -24,8 +24,8 @@ int main(int argc, char *argv[])
   PSDStart(front | left | sonar, TRUE);
   VWSetSpeed(vw, 0.15, 0.5);
   for (cycle = 1; cycle <= 40; cycle++) {
-    /* Into the middle of a cycle of 300 ms, in which all of them hold what they measured. */
-    OSWait(30 * cycle - OSGetCount());
+    /* Into the middle of a cycle of the PSDs, away from the ends of the compass's. */
+    OSWait(30 * cycle + 3 - OSGetCount());
     for (time = 0; time < often; time++)
       for (i = 0; i < 4; i++) {
         int which = is_backwards ? 3 - i : i;
