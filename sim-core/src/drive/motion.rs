@@ -496,6 +496,25 @@ impl Motion {
         impacts
     }
 
+    /// Ends the present slot at `end`, with nothing in it that [`Motion::commit`] would have to see to.
+    pub(crate) fn pass(&mut self, end: Time) {
+        self.committed = end;
+    }
+
+    /// True when the present slot has had no input.
+    pub(crate) fn is_uncommanded(&self) -> bool {
+        self.journal.is_empty()
+    }
+
+    /// Until when, as far as has been looked, the piece of the plan that holds at `from` goes on: no wall, mark or tick ends
+    /// it by then. `from` itself where that is not known.
+    pub(crate) fn steady_until(&mut self, from: Time) -> Time {
+        let index = self.index_at(from);
+        let stage = &self.stages[index];
+        let is_last = index + 1 == self.stages.len();
+        if is_last && stage.piece.start <= from { stage.steady_until(&self.vehicle).max(from) } else { from }
+    }
+
     /// How the robot goes at `at`, for the movable objects in its way.
     pub(crate) fn thrust(&mut self, at: Time) -> Thrust {
         let model = Arc::clone(&self.vehicle.model);

@@ -208,7 +208,7 @@ impl Stage {
     /// errors have any.
     pub fn next(&mut self, vehicle: &Vehicle, walls: &Walls, limit: Time) -> Option<Self> {
         let model = &*vehicle.model;
-        if self.steady || model.wheel_lag == 0.0 && vehicle.errors.is_none() {
+        if self.has_no_ticks(vehicle) {
             return None;
         }
         let tick = self.next_tick();
@@ -225,6 +225,21 @@ impl Stage {
             return self.next_after_contact(vehicle, walls, limit);
         }
         Some(self.at_tick(vehicle, tick))
+    }
+
+    /// No tick opens another stage after this one.
+    fn has_no_ticks(&self, vehicle: &Vehicle) -> bool {
+        self.steady || vehicle.model.wheel_lag == 0.0 && vehicle.errors.is_none()
+    }
+
+    /// The last microsecond before which it is known that no wall, mark or tick ends this stage: its start, if that is not
+    /// known.
+    pub fn steady_until(&self, vehicle: &Vehicle) -> Time {
+        if !self.has_no_ticks(vehicle) {
+            return self.piece.start;
+        }
+        let known = self.explored.min(self.piece.after).max(0.0);
+        self.piece.start.saturating_add(Time::from_seconds_ceil(known)) - Time(1)
     }
 
     /// The stage that the first tick opens after errors have brought the body to a wall, if one does not after `limit`: none

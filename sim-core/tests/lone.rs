@@ -1,0 +1,105 @@
+//! A robot alone in the world, whose slots are mostly passed over: all is as beside another one far away, to the bit.
+
+use std::sync::Arc;
+
+use accuracy::{course::model, world::Random};
+use glam::DVec2;
+use sim_core::{
+    RobotId,
+    drive::{Command, Gains, Imperfection, Model, Motion, TwistNoise},
+    pose::{Pose, Twist},
+    scene::{Segment, Walls},
+    time::Time,
+    world::World,
+};
+
+const LONE: RobotId = RobotId(1);
+const OTHER: RobotId = RobotId(2);
+
+struct Scene {
+    world: World,
+    motions: Vec<Motion>,
+}
+
+impl Scene {
+    fn new(kind: Kind, slot: Time, poses: &[Pose]) -> Self {
+        let corner = |x: f64, y: f64| DVec2::new(x, y);
+        let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+        let walls = Arc::new(Walls::new((0..4).map(|i| Segment::new(corners[i], corners[(i + 1) % 4])).collect()));
+        let wheel_lag = if kind == Kind::Lagging { 0.05 } else { 0.0 };
+        let model = Arc::new(Model { wheel_lag, ..model() });
+        let noise = TwistNoise { speed: 0.05, turn: 0.05, ..TwistNoise::default() };
+        let erring = Imperfection { command: noise, ..Imperfection::default() };
+        let imperfection = if kind == Kind::Erring { erring } else { Imperfection::default() };
+        let mut motions: Vec<Motion> = (0..)
+            .zip(poses)
+            .map(|(index, pose)| {
+                let motion = Motion::new(RobotId::from_index(index), Arc::clone(&model), Arc::clone(&walls), *pose);
+                motion.with_imperfection(7, imperfection).expect("sound errors")
+            })
+            .collect();
+        Self { world: World::new(walls, slot, &mut motions), motions }
+    }
+
+    /// Ends a slot; everything that can be known of the robot after it.
+    fn advance(&mut self, ray: DVec2) -> String {
+        let mut active: Vec<_> = self.motions.iter_mut().filter(|motion| motion.is_active()).collect();
+        let contacts = self.world.advance(&mut active);
+        let now = self.world.slot_start();
+        let motion = &mut self.motions[0];
+        let before = (now - Time(90_000)).max(Time::ZERO);
+        let public = [before, now, self.world.slot_end() - Time(1)].map(|at| self.world.robot_pose(LONE, at));
+        let seen = self.world.cast(OTHER, DVec2::ZERO, ray, 5.0, now);
+        let truth = (motion.state(now), motion.speed(now), motion.is_active(), motion.is_stalled(now));
+        let history = (motion.contacts(now), motion.impacts(before, now), motion.drive_end());
+        format!("{contacts:?} {public:?} {seen:?} {truth:?} {history:?}")
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Perfect,
+    Lagging,
+    Erring,
+}
+
+#[test]
+fn a_lone_robot_is_as_one_that_is_not_alone() {
+    let far = Pose::new(1_000.0, 0.0, 0.0);
+    for (seed, kind) in [Kind::Perfect, Kind::Lagging, Kind::Erring].into_iter().enumerate() {
+        let mut contacts = 0;
+        for slot in [317, 10_000, 50_000, 730_000] {
+            let mut random = Random::new(seed as u64);
+            let [mut alone, mut beside] =
+                [&[Pose::default()][..], &[Pose::default(), far]].map(|poses| Scene::new(kind, Time(slot), poses));
+            let count = (30_000_000 / slot).min(20_000);
+            for index in 0..count {
+                let at = alone.world.slot_start() + Time(random.below(slot as usize) as i64);
+                let [v, omega] = [random.between(-1.0, 1.0), random.between(-1.0, 1.0)];
+                // A command about every 0.4 s.
+                let is_command = random.chance((slot as f64 / 0.4e6).min(0.9));
+                let choice = if is_command { random.below(14) } else { usize::MAX };
+                for Scene { motions, .. } in [&mut alone, &mut beside] {
+                    let motion = &mut motions[0];
+                    match choice {
+                        0..4 => _ = motion.command(at, Command::Twist(Twist::new(v, omega)), &[]),
+                        4..10 => {
+                            let displacement = Twist::new(v, omega);
+                            _ = motion.command(at, Command::Drive { displacement, duration: 1.0 + v.abs() }, &[]);
+                        }
+                        10 => _ = motion.place(at, Pose::new(0.5 * v, 0.5 * omega, omega)),
+                        11 => _ = motion.set_odometry(at, Pose::new(v, v, omega)),
+                        12 => _ = motion.start_control(at, Gains { vv: 7.0, tv: 0.3, vw: 7.0, tw: 0.1 }),
+                        13 => motion.stop_control(at),
+                        _ => {}
+                    }
+                }
+                let (sin, cos) = sim_core::math::sin_cos(index as f64);
+                let [one, other] = [&mut alone, &mut beside].map(|scene| scene.advance(DVec2::new(cos, sin)));
+                contacts += alone.motions[0].contacts(alone.world.slot_start());
+                assert_eq!(one, other, "{kind:?}, slot {index} of {slot} us");
+            }
+        }
+        assert!(contacts > 0, "{kind:?} meets no wall");
+    }
+}
