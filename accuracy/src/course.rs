@@ -114,8 +114,12 @@ impl End {
     }
 }
 
+/// Between two questions for the pose at least.
+const LEAST_ASKED: Time = Time(100);
+
 /// The course as the core drives it in slots of this length: a program that gives the next drive when the one before has ended, in a
-/// world without walls. The true pose after the last drive; the robot is asked for it at the end of each slot too.
+/// world without walls. The true pose after the last drive; on the way the robot is asked for it after each slot, with slots below
+/// 100 us after each 100 us.
 ///
 /// # Panics
 /// If a drive of the course is not finite.
@@ -123,14 +127,17 @@ pub fn core(course: &Course, slot: Time) -> Pose {
     let walls = Arc::new(Walls::new(Vec::new()));
     let mut motion = Motion::new(RobotId(1), Arc::new(model()), Arc::clone(&walls), Pose::default());
     let mut world = World::new(walls, slot, [&mut motion]);
-    let mut now = Time::ZERO;
+    let (mut now, mut asked) = (Time::ZERO, Time::ZERO);
     for drive in &course.0 {
         let command = Command::Drive { displacement: drive.displacement, duration: f64::from(drive.seconds) };
         motion.command(now, command, &[]).expect("a drive within the limits");
         now = motion.drive_end().expect("nothing is in the way");
         while world.slot_end() <= now {
             world.advance(&mut [&mut motion]);
-            motion.pose(world.slot_start());
+            if world.slot_start() - asked >= LEAST_ASKED {
+                asked = world.slot_start();
+                motion.pose(asked);
+            }
         }
     }
     motion.pose(now)

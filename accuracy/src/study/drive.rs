@@ -19,29 +19,32 @@ pub const ODOMETRY: Study = Study {
 };
 
 /// Lengths of slots and steps, us; each divides a second.
-const SLOTS: [i64; 8] = [100, 1_000, 5_000, 10_000, 50_000, 100_000, 200_000, 1_000_000];
+const SLOTS: [i64; 10] = [1, 10, 100, 1_000, 5_000, 10_000, 50_000, 100_000, 200_000, 1_000_000];
 
-fn drive(_: Effort) -> Outcome {
-    let course = Course::ten_minutes();
+fn drive(effort: Effort) -> Outcome {
+    let rows = drives(&Course::ten_minutes(), effort);
+    let mut series: Vec<Series> = Vec::new();
+    for rows in rows.chunk_by(|one, next| one.method == next.method) {
+        series.push(curve(&rows[0].method, SLOTS.iter().map(|slot| *slot as f64 / 1e6).zip(rows)));
+    }
+    Outcome { rows, figures: vec![against_length("drive-slot", DRIVE.title, "slot or step, s", series)] }
+}
+
+/// Each method on the course, at each slot.
+fn drives(course: &Course, effort: Effort) -> Vec<Row> {
     let end = course.end();
-    let mut rows = Vec::new();
-    let mut series = Vec::new();
     let methods: [(&str, Method); 3] = [
         ("closed-form", |course, slot| course::core(course, slot)),
         ("Euler", |course, slot| course::euler(course, slot.seconds())),
         ("Runge-Kutta", |course, slot| course::runge_kutta(course, slot.seconds())),
     ];
-    for (method, run) in methods {
-        let measured = SLOTS.map(|slot| {
-            let mut pose = Pose::default();
-            let repeats = if slot < 1_000 { 1 } else { 3 };
-            let time_ns = nanoseconds(repeats, 1, || pose = run(&course, Time(slot)));
-            row(DRIVE, method, &duration(slot), end.distance(&pose), time_ns, &course)
-        });
-        series.push(curve(method, SLOTS.iter().map(|slot| *slot as f64 / 1e6).zip(measured.iter())));
-        rows.extend(measured);
-    }
-    Outcome { rows, figures: vec![against_length("drive-slot", DRIVE.title, "slot or step, s", series)] }
+    let measure = |(method, run): (&str, Method), slot: i64| {
+        let mut pose = Pose::default();
+        let repeats = if slot < 1_000 { 1 } else { effort.of(30) };
+        let time_ns = nanoseconds(repeats, 1, || pose = run(course, Time(slot)));
+        row(DRIVE, method, &duration(slot), end.distance(&pose), time_ns, course)
+    };
+    methods.iter().flat_map(|method| SLOTS.map(|slot| measure(*method, slot))).collect()
 }
 
 fn odometry(_: Effort) -> Outcome {
@@ -55,7 +58,7 @@ fn odometry(_: Effort) -> Outcome {
         ("1,000 ticks a turn", Some(1_000.0)),
         ("100 ticks a turn", Some(100.0)),
     ] {
-        let periods = &SLOTS[1..];
+        let periods = &SLOTS[3..];
         let measured: Vec<Row> =
             periods.iter().map(|period| odometry_row(&course, &end, method, *period, ticks)).collect();
         series.push(curve(method, periods.iter().map(|period| *period as f64 / 1e6).zip(&measured)));
@@ -117,6 +120,21 @@ mod tests {
     #[test]
     fn lengths_have_the_unit_that_suits_them() {
         assert_eq!([1, 5_000, 1_000_000].map(duration), ["1 us", "5 ms", "1 s"]);
+    }
+
+    #[test]
+    fn the_closed_form_is_off_by_one_and_the_same_at_every_slot_and_euler_by_more_the_longer() {
+        // The second drive is a curve.
+        let course = Course(Course::ten_minutes().0[1..].to_vec()).first(2);
+        let rows = drives(&course, Effort::Quick);
+        let errors = |method: &str| -> Vec<f64> {
+            rows.iter().filter(|row| row.method == method).map(|row| row.error).collect()
+        };
+        let ours = errors("closed-form");
+        assert_eq!(ours.len(), SLOTS.len());
+        assert!(ours.iter().all(|error| *error == ours[0] && *error < 1e-9), "{ours:?}");
+        let euler = errors("Euler");
+        assert!(euler.is_sorted() && euler[0] > 1e-9 && euler[9] > 0.1 * euler[8], "{euler:?}");
     }
 
     #[test]

@@ -48,7 +48,7 @@ const STEP_HEIGHT: f64 = 0.25;
 ///
 /// The shin hangs from the knee, 0.45 m above the floor, and swings about it; the sensor sits 0.15 m down the shin and
 /// looks ahead. The shin swings so that the ray meets the floor under 33 to 78 degrees, as in the paper, while the robot
-/// comes near a step. There is no Noise.
+/// comes near a step. There is no noise.
 ///
 /// Source: France et al. 1999, section 6.3 (three sensors, the range of incidences); measures of robot, gait and step: our
 /// choice.

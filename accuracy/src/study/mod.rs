@@ -11,6 +11,7 @@ mod moving_target;
 mod noise;
 mod range_sensors;
 mod reflectance;
+mod sonar;
 mod stopwatch;
 
 use serde::Serialize;
@@ -84,11 +85,13 @@ pub struct Study {
 }
 
 /// All studies, in the order of the report.
+#[rustfmt::skip]
 pub const STUDIES: &[Study] = &[
     drive::DRIVE,
     drive::ODOMETRY,
     contact::STUDY,
     range_sensors::STUDY,
+    sonar::STUDY,
     reflectance::STUDY,
     moving_target::STUDY,
     noise::STUDY,

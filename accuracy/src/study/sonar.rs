@@ -1,0 +1,266 @@
+//! `sonar`: what a sonar reads against the number of its rays.
+//!
+//! Rough walls without end that slant away are heard where their echo falls below the threshold: a root of one equation. In
+//! rooms of rough and smooth walls the truth is brute force: tens of thousands of rays, and the nearest point of each wall, by
+//! other formulas than the core's. Beside it a sensor of the same beam that asks its rays alone.
+
+use std::f64::consts::{FRAC_PI_2, LN_2};
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+use sim_core::math;
+use sim_core::pose::Pose3;
+use sim_core::scene::{Segment, Surface, Walls};
+use sim_core::sensor::{Sonar, incidence};
+use sim_core::time::Time;
+use sim_core::world::{Space, World};
+use sim_core::{RobotId, sensor::RangeModel};
+
+use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};
+use crate::oracle::nearest_wall;
+use crate::world::{Random, room_with_boxes};
+
+pub const STUDY: Study =
+    Study { name: "sonar", title: "Reading of a sonar with a beam, against the number of its rays", run };
+
+/// Numbers of rays.
+const RAYS: [u32; 8] = [4, 16, 64, 256, 1_024, 4_096, 16_384, 65_536];
+/// Rays with which the truth about a room is found; each stands for a ten thousandth of a radian.
+const TRUE_RAYS: u32 = 30_000;
+/// Half of the angle over which they are spread, rad: nothing is heard from farther aside.
+const TRUE_ASIDE: f64 = 1.5;
+/// The sensor's height above the floor, m: a pitched one hears nothing of it.
+const HEIGHT: f64 = 40.0;
+const ME: RobotId = RobotId(1);
+
+fn run(effort: Effort) -> Outcome {
+    let count = effort.of(300);
+    let level = slanting_walls(count, 0.0);
+    let pitched = slanting_walls(count, 0.5);
+    let rooms = rooms(count);
+    let methods: [(&str, &[Case], Method); 4] = [
+        ("level, slanting wall", &level, listen),
+        ("pitched, slanting wall", &pitched, listen),
+        ("level, room", &rooms, listen),
+        ("rays alone, room", &rooms, rays_alone),
+    ];
+    let mut rows = Vec::new();
+    let mut series = Vec::new();
+    for (method, cases, read) in methods {
+        let measured: Vec<Row> = RAYS.iter().map(|rays| row(method, cases, *rays, read)).collect();
+        let points = RAYS.iter().zip(&measured).map(|(rays, row)| (f64::from(*rays), row.error)).collect();
+        series.push(Series { name: method.to_owned(), mark: Mark::LineAndDots, points });
+        rows.extend(measured);
+    }
+    let figure = Figure {
+        name: "sonar-rays".to_owned(),
+        title: "Mean error of a sonar's reading".to_owned(),
+        x_label: "rays".to_owned(),
+        y_label: "error, m".to_owned(),
+        x_scale: Scale::Logarithmic,
+        y_scale: Scale::Logarithmic,
+        series,
+    };
+    Outcome { rows, figures: vec![figure] }
+}
+
+type Method = fn(&Case, &Sonar) -> Option<f64>;
+
+/// The mean error over the cases, and the time of a reading. No reading counts as one of the greatest distance.
+fn row(method: &str, cases: &[Case], rays: u32, read: Method) -> Row {
+    let sonar = Sonar { rays, ..Sonar::srf08() };
+    let off = |case: &Case| (read(case, &sonar).unwrap_or(sonar.max) - case.truth.unwrap_or(sonar.max)).abs();
+    let repeats = if rays < 1_000 { 3 } else { 1 };
+    let mut error = 0.0;
+    let time_ns = nanoseconds(repeats, cases.len(), || {
+        error = cases.iter().map(off).sum::<f64>() / cases.len() as f64;
+    });
+    Row {
+        study: STUDY.name,
+        method: method.to_owned(),
+        setting: format!("{rays} rays"),
+        error,
+        unit: "m",
+        time_ns,
+        per: "reading",
+    }
+}
+
+/// A sensor before walls, and what it should read.
+struct Case {
+    world: Arc<World>,
+    world_from_sensor: Pose3,
+    truth: Option<f64>,
+}
+
+fn listen(case: &Case, sonar: &Sonar) -> Option<f64> {
+    RangeModel::Sonar(*sonar).read(&case.world, ME, &case.world_from_sensor, Time::ZERO, 0.0).distance
+}
+
+/// The nearest echo along rays spread evenly over the plane before a level sensor.
+fn rays_alone(case: &Case, sonar: &Sonar) -> Option<f64> {
+    let Pose3 { position, rotation } = case.world_from_sensor;
+    let mut nearest = None;
+    for ray in 0..sonar.rays {
+        let angle = angle_of(ray, sonar.rays);
+        let (sin, cos) = math::sin_cos(angle);
+        let direction = rotation.x_axis * cos + rotation.y_axis * sin;
+        let Some(met) = case.world.sight(ME, position, direction, nearest.unwrap_or(sonar.max), Time::ZERO) else {
+            continue;
+        };
+        let energy = sonar.energy(angle.abs(), &met, incidence(direction, met.normal));
+        if met.distance >= sonar.min && energy >= sonar.threshold {
+            nearest = Some(met.distance);
+        }
+    }
+    nearest
+}
+
+/// Angle of a ray of `rays` from the line of sight, rad.
+fn angle_of(ray: u32, rays: u32) -> f64 {
+    TRUE_ASIDE * ((f64::from(ray) + 0.5) / f64::from(rays) * 2.0 - 1.0)
+}
+
+/// Sensors pitched up or down by up to `pitch` rad before a rough wall, 0.3 to 4 m ahead and turned by up to 80 degrees.
+fn slanting_walls(count: usize, pitch: f64) -> Vec<Case> {
+    let mut random = Random::new(8);
+    let draw = || {
+        let (ahead, turn) = (random.between(0.3, 4.0), random.between(-1.4, 1.4));
+        let pitch = random.between(-pitch, pitch);
+        let (sin, cos) = math::sin_cos(turn);
+        let (middle, along) = (DVec2::new(ahead, 0.0), DVec2::new(-sin, cos) * 100.0);
+        let walls = Walls::new(vec![Segment::new(middle - along, middle + along)]);
+        // The wall's foot, and the angle between it and the line of sight.
+        let foot = ahead * cos;
+        let across = cos * math::cos(pitch);
+        let aside = math::atan2((1.0 - across * across).sqrt(), across);
+        Case {
+            world: Arc::new(world(walls, vec![Surface::ROUGH])),
+            world_from_sensor: Pose3::from_angles(DVec3::new(0.0, 0.0, HEIGHT), 0.0, pitch, 0.0),
+            truth: nearest_audible(foot, aside),
+        }
+    };
+    std::iter::repeat_with(draw).take(count).collect()
+}
+
+/// The nearest audible distance of a rough plane whose nearest point is `foot` metres away, `aside` rad off the line of sight.
+///
+/// A point of the plane under the incidence alpha is foot / cos(alpha) away, and at best aside - alpha off the line of sight: the
+/// least audible alpha is sought from 0 on, and found by bisection.
+fn nearest_audible(foot: f64, aside: f64) -> Option<f64> {
+    let sonar = Sonar::srf08();
+    let distance = |alpha: f64| foot / math::cos(alpha);
+    let is_heard = |alpha: f64| energy(aside - alpha, distance(alpha), math::cos(alpha)) >= sonar.threshold;
+    let steps = 10_000;
+    let alphas = (0..=steps).map(|step| aside * f64::from(step) / f64::from(steps));
+    let first = alphas.clone().position(is_heard)?;
+    let alphas: Vec<f64> = alphas.collect();
+    let mut heard = alphas[first];
+    if first > 0 {
+        let mut unheard = alphas[first - 1];
+        for _ in 0..100 {
+            let middle = 0.5 * (heard + unheard);
+            *(if is_heard(middle) { &mut heard } else { &mut unheard }) = middle;
+        }
+    }
+    Some(distance(heard)).filter(|distance| *distance <= sonar.max)
+}
+
+/// Energy of an echo from `distance` m, `angle` rad off the line of sight, of a surface that returns the share `returned`.
+fn energy(angle: f64, distance: f64, returned: f64) -> f64 {
+    let halves = angle / Sonar::srf08().half_angle;
+    let out_and_back = math::exp(-4.0 * LN_2 * halves * halves);
+    if angle.abs() > FRAC_PI_2 { 0.0 } else { out_and_back * returned / (distance * distance) }
+}
+
+/// Sensors in rooms of 6 m with 12 boxes, every other wall a mirror of 80 %.
+fn rooms(count: usize) -> Vec<Case> {
+    let mut random = Random::new(9);
+    let smooth = Surface { reflectivity: 0.9, specular: 0.8 };
+    let mut cases = Vec::new();
+    for seed in 0.. {
+        let segments = room_with_boxes(seed, DVec2::ZERO, 6.0, 12);
+        let surfaces: Vec<Surface> =
+            (0..segments.len()).map(|wall| if wall % 2 == 0 { smooth } else { Surface::ROUGH }).collect();
+        let world = Arc::new(world(Walls::new(segments.clone()), surfaces.clone()));
+        for _ in 0..10 {
+            if cases.len() == count {
+                return cases;
+            }
+            let origin = DVec2::new(random.between(0.1, 5.9), random.between(0.1, 5.9));
+            let forward = random.direction();
+            let yaw = math::atan2(forward.y, forward.x);
+            cases.push(Case {
+                world: Arc::clone(&world),
+                world_from_sensor: Pose3::from_angles(origin.extend(HEIGHT), 0.0, 0.0, yaw),
+                truth: heard_in_room(&segments, &surfaces, origin, forward),
+            });
+        }
+    }
+    cases
+}
+
+/// What is heard in a room of upright walls: brute force.
+fn heard_in_room(segments: &[Segment], surfaces: &[Surface], origin: DVec2, forward: DVec2) -> Option<f64> {
+    let sonar = Sonar::srf08();
+    let mut nearest: Option<f64> = None;
+    let mut hear = |distance: f64, wall: usize, direction: DVec2, is_foot: bool| {
+        let along = segments[wall].b - segments[wall].a;
+        let cos = (direction.perp_dot(along) / along.length()).abs();
+        let Surface { reflectivity, specular } = surfaces[wall];
+        let returned = reflectivity * ((1.0 - specular) * cos + if is_foot { specular } else { 0.0 });
+        let angle = math::atan2(forward.perp_dot(direction), forward.dot(direction));
+        if distance >= sonar.min && energy(angle, distance, returned) >= sonar.threshold {
+            nearest = Some(nearest.map_or(distance, |nearest| nearest.min(distance)));
+        }
+    };
+    for ray in 0..TRUE_RAYS {
+        let (sin, cos) = math::sin_cos(angle_of(ray, TRUE_RAYS));
+        let direction = forward.rotate(DVec2::new(cos, sin));
+        if let Some((distance, wall)) = nearest_wall(segments, origin, direction, sonar.max, 0.0) {
+            hear(distance, wall, direction, false);
+        }
+    }
+    for (wall, segment) in segments.iter().enumerate() {
+        let along = segment.b - segment.a;
+        let share = (origin - segment.a).dot(along) / along.length_squared();
+        let point = segment.a + share.clamp(0.0, 1.0) * along;
+        let (distance, direction) = ((point - origin).length(), (point - origin).normalize_or_zero());
+        // A nanometre for walls that meet at the point.
+        let first = nearest_wall(segments, origin, direction, sonar.max, 0.0);
+        if distance <= sonar.max && first.is_none_or(|(first, _)| first > distance - 1e-9) {
+            hear(distance, wall, direction, (0.0..=1.0).contains(&share));
+        }
+    }
+    nearest
+}
+
+/// A world of walls and nothing else.
+fn world(walls: Walls, surfaces: Vec<Surface>) -> World {
+    let space = Space { floor: None, walls: surfaces, ..Space::default() };
+    World::new(Arc::new(walls), Time::from_millis(50), std::iter::empty()).with_space(space)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_rays_come_to_the_truth() {
+        // In the plane the error falls with 1/rays, in space with 1/sqrt(rays).
+        for (pitch, limits) in [(0.0, [(64, 0.1), (4_096, 2e-3)]), (0.5, [(64, 0.3), (4_096, 0.03)])] {
+            let cases = slanting_walls(60, pitch);
+            for (rays, limit) in limits {
+                let row = row("", &cases, rays, listen);
+                assert!(row.error > 0.0 && row.error < limit, "{} m off with {rays} rays, pitched {pitch}", row.error);
+            }
+        }
+    }
+
+    #[test]
+    fn the_truth_about_a_room_is_what_many_rays_hear() {
+        let rooms = rooms(4);
+        let [ours, alone] = [listen as Method, rays_alone].map(|read| row("", &rooms, 4_096, read).error);
+        assert!(ours < 1e-3 && alone > ours, "{ours} and {alone} m");
+    }
+}
