@@ -60,9 +60,6 @@ fn run(effort: Effort) -> Outcome {
     Outcome { rows, figures: vec![figure] }
 }
 
-/// From a signal and the sensor's greatest distance, m, to a distance.
-type Root = fn(f64, f64) -> f64;
-
 /// 10 to the power of `exponent`.
 fn power_of_ten(exponent: i32) -> f64 {
     let power = (0..exponent.abs()).fold(1.0, |power, _| power * 10.0);
