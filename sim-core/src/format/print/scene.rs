@@ -359,15 +359,8 @@ fn infrared_form(infrared: &InfraredSpec) -> InfraredForm {
 
 fn lidar_form(lidar: &LidarSpec) -> LidarForm {
     let usual = LidarSpec::new(lidar.span);
-    let sensor::Pose { on, x_mm, y_mm, z_mm, roll_deg, pitch_deg, yaw_deg } = sensor::pose(&lidar.mount, &usual.mount);
     LidarForm {
-        on,
-        x_mm,
-        y_mm,
-        z_mm,
-        roll_deg,
-        pitch_deg,
-        yaw_deg,
+        mount: sensor::mount_form(&lidar.mount, &usual.mount),
         range_mm: unless(lidar.range, usual.range).map(mm),
         points: Some(lidar.points),
         tilt_deg: unless(degrees(lidar.tilt), 0.0),

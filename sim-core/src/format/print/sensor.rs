@@ -6,25 +6,13 @@ use super::number::{degrees, mm};
 use super::scene::{place, unless};
 use crate::format::scene::form::AxisForm;
 use crate::format::scene::sensor_form::{
-    EchoForm, LinkForm, PlacedTerrainForm, SideLobesForm, SonarForm, SurfaceForm, TerrainForm,
+    EchoForm, LinkForm, MountForm, PlacedTerrainForm, SideLobesForm, SonarForm, SurfaceForm, TerrainForm,
 };
 use crate::format::spec::{Axis, DEFAULT_TERRAIN_SCALE, LinkSpec, MountSpec, RangeSpec, Surface, TerrainSpec};
 use crate::sensor::{Echo, PAPER_SIGMA, RangeModel, Sonar};
 
-/// The keys of a pose in space.
-#[derive(Default)]
-pub(super) struct Pose {
-    pub(super) on: Option<String>,
-    pub(super) x_mm: Option<f64>,
-    pub(super) y_mm: Option<f64>,
-    pub(super) z_mm: Option<f64>,
-    pub(super) roll_deg: Option<f64>,
-    pub(super) pitch_deg: Option<f64>,
-    pub(super) yaw_deg: Option<f64>,
-}
-
 /// The keys of `mount` but for what is as in `usual`.
-pub(super) fn pose(mount: &MountSpec, usual: &MountSpec) -> Pose {
+pub(super) fn mount_form(mount: &MountSpec, usual: &MountSpec) -> MountForm {
     let [x_mm, y_mm, z_mm] = [
         unless(mount.position.x, usual.position.x),
         unless(mount.position.y, usual.position.y),
@@ -33,7 +21,7 @@ pub(super) fn pose(mount: &MountSpec, usual: &MountSpec) -> Pose {
     .map(|place| place.map(mm));
     let [roll_deg, pitch_deg, yaw_deg] =
         [mount.roll, mount.pitch, mount.yaw].map(|angle| unless(angle, 0.0).map(degrees));
-    Pose { on: mount.on.as_ref().map(|on| on.text.clone()), x_mm, y_mm, z_mm, roll_deg, pitch_deg, yaw_deg }
+    MountForm { on: mount.on.as_ref().map(|on| on.text.clone()), x_mm, y_mm, z_mm, roll_deg, pitch_deg, yaw_deg }
 }
 
 /// A surface that is left out where it is the usual one.
@@ -73,16 +61,9 @@ pub(super) fn axis_form(axis: Axis) -> AxisForm {
 }
 
 pub(super) fn link_form(link: &LinkSpec) -> LinkForm {
-    let Pose { on, x_mm, y_mm, z_mm, roll_deg, pitch_deg, yaw_deg } = pose(&link.mount, &MountSpec::default());
     LinkForm {
         name: link.name.clone(),
-        on,
-        x_mm,
-        y_mm,
-        z_mm,
-        roll_deg,
-        pitch_deg,
-        yaw_deg,
+        mount: mount_form(&link.mount, &MountSpec::default()),
         axis: link.turn.as_ref().and_then(|turn| unless(turn.axis, Axis::Z)).map(axis_form),
         servo: link.turn.as_ref().map(|turn| turn.servo.text.clone()),
     }
@@ -98,17 +79,10 @@ pub(super) fn echo_forms(
 }
 
 fn echo_form(range: &RangeSpec, echo: &Echo, usual: &Echo) -> EchoForm {
-    let Pose { on, x_mm, y_mm, z_mm, roll_deg, pitch_deg, yaw_deg } = pose(&range.mount, &MountSpec::default());
     EchoForm {
         name: range.name.clone(),
         id: range.id,
-        on,
-        x_mm,
-        y_mm,
-        z_mm,
-        roll_deg,
-        pitch_deg,
-        yaw_deg,
+        mount: mount_form(&range.mount, &MountSpec::default()),
         min_mm: unless(echo.min, usual.min).map(mm),
         max_mm: unless(echo.max, usual.max).map(mm),
         incidence_deg: unless(echo.incidence, usual.incidence).map(degrees),
@@ -121,18 +95,11 @@ fn echo_form(range: &RangeSpec, echo: &Echo, usual: &Echo) -> EchoForm {
 pub(super) fn sonar_form(range: &RangeSpec) -> Option<SonarForm> {
     let RangeModel::Sonar(sonar) = &range.model else { return None };
     let usual = Sonar::srf08();
-    let Pose { on, x_mm, y_mm, z_mm, roll_deg, pitch_deg, yaw_deg } = pose(&range.mount, &MountSpec::default());
     Some(SonarForm {
         name: range.name.clone(),
         id: range.id,
         preset: None,
-        on,
-        x_mm,
-        y_mm,
-        z_mm,
-        roll_deg,
-        pitch_deg,
-        yaw_deg,
+        mount: mount_form(&range.mount, &MountSpec::default()),
         min_mm: unless(sonar.min, usual.min).map(mm),
         max_mm: unless(sonar.max, usual.max).map(mm),
         half_angle_deg: unless(sonar.half_angle, usual.half_angle).map(degrees),

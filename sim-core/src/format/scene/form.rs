@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::sensor_form::{EchoForm, LinkForm, SolidForm, SonarForm, SurfaceForm, TerrainForm};
+use super::sensor_form::{EchoForm, LinkForm, MountForm, SolidForm, SonarForm, SurfaceForm, TerrainForm};
 use crate::format::noise::form::NoiseForm;
 
 /// A number; a whole one is written without a point.
@@ -668,27 +668,8 @@ pub(crate) struct JointForm {
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LidarForm {
-    /// The link that it sits on; `body` if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) on: Option<String>,
-    /// Place forward in mm; 0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) x_mm: Option<Number>,
-    /// Place to the left in mm; 0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) y_mm: Option<Number>,
-    /// Height in mm; 100 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) z_mm: Option<Number>,
-    /// Turn about x, the left side upwards, in degrees; the first of the three turns; 0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) roll_deg: Option<Number>,
-    /// Turn upwards in degrees, the second; 0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) pitch_deg: Option<Number>,
-    /// Turn to the left in degrees, the third; 0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) yaw_deg: Option<Number>,
+    #[serde(flatten)]
+    pub(crate) mount: MountForm,
     /// Greatest distance along a ray in mm; 9999 if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) range_mm: Option<Number>,

@@ -57,12 +57,9 @@ pub(crate) enum SolidForm {
     Mesh,
 }
 
-/// A rigid part on the body or on another link; a servo may turn it.
+/// Where something sits, and how it is turned: keys of links and sensors.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct LinkForm {
-    /// Its name, by which sensors and links sit on it.
-    pub(crate) name: String,
+pub(crate) struct MountForm {
     /// The link that it sits on; `body` if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) on: Option<String>,
@@ -72,7 +69,7 @@ pub(crate) struct LinkForm {
     /// Place to the left in mm; 0 if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) y_mm: Option<Number>,
-    /// Place upwards in mm; 0 if left out.
+    /// Place upwards in mm; of a laser scanner 100 if left out, else 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) z_mm: Option<Number>,
     /// Turn about x, the left side upwards, in degrees; the first of the three turns; 0 if left out.
@@ -84,6 +81,16 @@ pub(crate) struct LinkForm {
     /// Turn to the left in degrees, the third; 0 if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) yaw_deg: Option<Number>,
+}
+
+/// A rigid part on the body or on another link; a servo may turn it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LinkForm {
+    /// Its name, by which sensors and links sit on it.
+    pub(crate) name: String,
+    #[serde(flatten)]
+    pub(crate) mount: MountForm,
     /// Axis that the servo turns it about: x rolls, y pitches (upwards), z, if left out, yaws.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) axis: Option<AxisForm>,
@@ -101,27 +108,8 @@ pub(crate) struct EchoForm {
     /// Its number for programs; that of `hdt_sem.h` if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) id: Option<i32>,
-    /// The link that it sits on; `body` if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) on: Option<String>,
-    /// Place forward in mm; 0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) x_mm: Option<Number>,
-    /// Place to the left in mm; 0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) y_mm: Option<Number>,
-    /// Place upwards in mm; 0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) z_mm: Option<Number>,
-    /// Turn about x, the left side upwards, in degrees; the first of the three turns; 0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) roll_deg: Option<Number>,
-    /// Turn upwards in degrees, the second; 0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) pitch_deg: Option<Number>,
-    /// Turn to the left in degrees, the third; 0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) yaw_deg: Option<Number>,
+    #[serde(flatten)]
+    pub(crate) mount: MountForm,
     /// Least distance in mm; of an ultrasonic sensor 100 if left out, else 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1e9))]
@@ -155,28 +143,9 @@ pub(crate) struct SonarForm {
     pub(crate) id: Option<i32>,
     /// The device whose values it has where it says nothing else; `SRF08` if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) preset: Option<PresetForm>,
-    /// The link that it sits on; `body` if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) on: Option<String>,
-    /// Place forward in mm; 0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) x_mm: Option<Number>,
-    /// Place to the left in mm; 0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) y_mm: Option<Number>,
-    /// Place upwards in mm; 0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) z_mm: Option<Number>,
-    /// Turn about x, the left side upwards, in degrees; the first of the three turns; 0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) roll_deg: Option<Number>,
-    /// Turn upwards in degrees, the second; 0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) pitch_deg: Option<Number>,
-    /// Turn to the left in degrees, the third; 0 if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) yaw_deg: Option<Number>,
+    pub(crate) preset: Option<SonarPresetForm>,
+    #[serde(flatten)]
+    pub(crate) mount: MountForm,
     /// Least distance in mm; that of the preset if left out: 30.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1e9))]
@@ -213,7 +182,7 @@ pub(crate) struct SonarForm {
 
 /// Sonars whose values are known.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
-pub(crate) enum PresetForm {
+pub(crate) enum SonarPresetForm {
     /// The SRF08 by Devantech.
     #[serde(rename = "SRF08")]
     #[allow(dead_code, reason = "what it stands for is left out in print")]
