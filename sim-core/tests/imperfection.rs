@@ -106,6 +106,62 @@ fn slip_takes_its_share_of_way_and_angle() {
 }
 
 #[test]
+fn a_robot_whose_wheels_spin_ends_its_drive_where_it_stands() {
+    let mut motion = robot(model(), vec![], 1, Imperfection { slip: 1.0, ..Imperfection::default() });
+    motion.command(Time(7), drive(0.5, 1.0, 1.0), &[]).expect("sound");
+    let end = motion.drive_end().expect("an end");
+    assert_eq!(end, Time(1_000_007));
+    assert_eq!(motion.pose(end), Pose::default());
+    assert_eq!(motion.path_length(end), 0.0);
+    assert_eq!(motion.odometry(end), Pose::default().moved(Twist::new(0.5, 1.0)), "it believes that it has arrived");
+    assert!(!motion.is_stalled(end) && motion.contacts(end) == 0);
+}
+
+#[test]
+fn wheels_of_very_different_sizes_drive_the_circle_of_the_formula() {
+    for [left, right] in [[1.0, -0.5], [-0.5, 0.0], [0.5, -0.5], [-0.9, 1.0]] {
+        let diameters: Wheels = [left, right, 0.0, 0.0];
+        let mut motion = robot(model(), vec![], 1, Imperfection { diameters, ..Imperfection::default() });
+        motion.command(Time::ZERO, Command::Twist(Twist::new(0.2, 0.0)), &[]).expect("sound");
+        let radius = 0.1 * (2.0 + left + right) / (2.0 * (right - left));
+        for second in [1, 17, 600] {
+            let at = Time::from_millis(1_000 * second);
+            let angle = 0.2 * (1.0 + 0.5 * (left + right)) * second as f64 / radius;
+            let expected = DVec2::new(radius * math::sin(angle), radius * (1.0 - math::cos(angle)));
+            close(motion.pose(at).position, expected, 1e-11);
+            assert_eq!(motion.revision(), 1, "one piece");
+        }
+    }
+}
+
+#[test]
+fn the_greatest_noise_that_a_profile_may_have_brings_no_robot_through_a_wall() {
+    let huge = TwistNoise { speed: 100.0, speed_share: 10.0, turn: 873.0, turn_share: 10.0 };
+    let imperfection = Imperfection {
+        diameters: [1.0, -0.5, 1.0, -0.5],
+        slip: -1.0,
+        slip_deviation: 1.0,
+        command: huge,
+        odometry: huge,
+        resolution: Resolution::default(),
+    };
+    for (seed, kind) in [DriveKind::Differential, DriveKind::Omni, DriveKind::Ackermann].into_iter().enumerate() {
+        let mut motion = robot(Model { kind, ..model() }, room(0.5), seed as u64, imperfection);
+        for (n, instant) in (0..3_000).map(|n| (n, Time(n * 3_331))) {
+            // To and fro, so that no wall holds it for long.
+            if n % 60 == 0 {
+                let speed = if n % 120 == 0 { 0.2 } else { -0.2 };
+                motion.command(instant, Command::Twist(Twist::new(speed, 0.3)), &[]).expect("sound");
+            }
+            let pose = motion.pose(instant);
+            assert!(pose.position.abs().max_element() < 0.5 - 0.08, "{kind:?} at {instant}: {pose:?}");
+            assert!(motion.odometry(instant).position.is_finite());
+        }
+        assert!(motion.contacts(Time::from_millis(9_990)) > 10, "{kind:?}");
+    }
+}
+
+#[test]
 fn a_perfect_robot_keeps_its_bits() {
     let perfect = Motion::new(RobotId(1), Arc::new(model()), Arc::new(Walls::new(vec![])), Pose::default());
     let mut motions = [perfect, robot(model(), vec![], 9, Imperfection::default())];

@@ -1,7 +1,7 @@
 //! Noise as programs meet it: what a device reads is its own affair, and profiles that are wrong are refused with the place.
 
 use serde_json::Value;
-use tests::Scratch;
+use tests::{Scratch, number, root};
 
 /// Reads two PSDs, a sonar, the compass and the scanner while it drives a circle whose noise it feels.
 ///
@@ -291,4 +291,34 @@ fn a_profile_that_is_nowhere_or_none_is_refused() {
     let ran = scratch.eyesim(&["run", "a.scene.toml"]);
     assert_eq!(ran.code, Some(2), "{ran:#?}");
     assert!(ran.stderr.contains("a.scene.toml:4:9: error[file-missing]"), "{ran:#?}");
+}
+
+#[test]
+fn robots_come_back_the_less_exactly_the_greater_their_errors_are() {
+    let scratch = Scratch::new();
+    let scene = root().join("sims/umbmark.scene.toml");
+    let report = scratch.report(scene.to_str().expect("a text"), &[], 0);
+    let robots = report["robots"].as_array().expect("robots");
+    let off = |robot: &Value, [x, y]: [f64; 2]| (number(robot, "pose.x_m") - x).hypot(number(robot, "pose.y_m") - y);
+    let starts = [[0.5, 0.5], [2.5, 0.5], [0.5, 2.5], [2.5, 2.5]];
+    let off: Vec<f64> = robots.iter().zip(starts).map(|(robot, start)| off(robot, start)).collect();
+    assert!(off[0] < 1e-9 && off.is_sorted(), "{off:?}");
+    assert!(off[1] > 1e-4 && off[2] > 0.01 && off[3] > 0.1, "{off:?}");
+    // Odometry knows nothing of it.
+    for robot in robots {
+        assert!(number(robot, "odometry.x_m").hypot(number(robot, "odometry.y_m")) < 0.1, "{robot:#}");
+        assert_eq!(robot["contacts"], 0);
+    }
+}
+
+#[test]
+fn the_picture_is_the_one_that_the_scene_draws() {
+    let scratch = Scratch::new();
+    let plot = scratch.path().join("noise.svg");
+    let mut command = scratch.command(&["run", "sims/umbmark.scene.toml", "--plot"]);
+    let output = command.arg(&plot).current_dir(root()).output().expect("eyesim starts");
+    assert!(output.status.success(), "{output:?}");
+    let committed = std::fs::read_to_string(root().join("docs/noise.svg")).expect("the page's picture");
+    let advice = "draw it anew: cargo run --release -- run sims/umbmark.scene.toml --plot docs/noise.svg";
+    assert!(scratch.read("noise.svg") == committed, "{advice}");
 }
