@@ -44,6 +44,9 @@ pub struct DebugArgs {
     /// Arguments of programs, as of `eyesim run`
     #[arg(long, value_name = "[ROBOT:]ARGUMENTS", allow_hyphen_values = true)]
     pub args: Vec<String>,
+    /// Errors of devices and drives of all robots, as of `eyesim run`
+    #[arg(long, value_name = "NAME|FILE")]
+    pub noise: Option<String>,
     /// Keys that are pressed, as of `eyesim run`
     #[arg(long, value_name = "KEYS")]
     pub keys: Vec<String>,
@@ -66,6 +69,7 @@ pub fn run(args: &DebugArgs) -> anyhow::Result<ExitCode> {
         until: args.until,
         programs: args.programs.clone(),
         args: args.args.clone(),
+        noise: args.noise.clone(),
         keys: args.keys.clone(),
         report: args.report.clone(),
         timeout: NO_TIMEOUT,
