@@ -33,12 +33,12 @@ struct Method {
 }
 
 const METHODS: [Method; 6] = [
-    Method { name: "uniform", cdf: |x| x.clamp(0.0, 1.0), draw: |count| in_turn(count, Stream::unit) },
-    Method { name: "normal by the quantile", cdf: normal_cdf, draw: |count| in_turn(count, Stream::normal) },
+    Method { name: "uniform", cdf: |x| x.clamp(0.0, 1.0), draw: |count| in_turn(1, count, Stream::unit) },
+    Method { name: "normal by the quantile", cdf: normal_cdf, draw: |count| in_turn(2, count, Stream::normal) },
     Method { name: "normal, an event each", cdf: normal_cdf, draw: of_events },
     Method { name: "reading of a sensor", cdf: |x| normal_cdf((x - DISTANCE) / SIGMA), draw: readings },
-    Method { name: "normal of Box and Muller", cdf: normal_cdf, draw: |count| in_turn(count, box_muller) },
-    Method { name: "sum of twelve uniform", cdf: normal_cdf, draw: |count| in_turn(count, sum_of_twelve) },
+    Method { name: "normal of Box and Muller", cdf: normal_cdf, draw: |count| in_turn(3, count, box_muller) },
+    Method { name: "sum of twelve uniform", cdf: normal_cdf, draw: |count| in_turn(4, count, sum_of_twelve) },
 ];
 
 /// What the sensor sees, and the deviation of its readings, m.
@@ -86,9 +86,9 @@ fn events() -> Events {
     Events::new(SEED, RobotId(1), Purpose::Range, "PSD_FRONT")
 }
 
-/// Numbers of one stream, one after the other.
-fn in_turn(count: usize, mut next: impl FnMut(&mut Stream) -> f64) -> Vec<f64> {
-    let mut stream = events().at(0);
+/// Numbers of the stream of one event, one after the other.
+fn in_turn(event: u64, count: usize, mut next: impl FnMut(&mut Stream) -> f64) -> Vec<f64> {
+    let mut stream = events().at(event);
     (0..count).map(|_| next(&mut stream)).collect()
 }
 
