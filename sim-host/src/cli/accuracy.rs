@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 use std::fs;
+use std::io::{self, Write as _};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -10,6 +12,7 @@ use accuracy::study::{Effort, Figure, Outcome, Row, STUDIES, Study};
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
 
+use super::diagnostic::print;
 use super::output::check_outputs;
 use crate::plot::chart;
 use crate::record::report::write_whole;
@@ -20,10 +23,10 @@ pub struct AccuracyArgs {
     /// The studies to make [default: all]
     #[arg(value_name = "STUDY")]
     pub studies: Vec<String>,
-    /// Fewer repetitions: all studies in less than two minutes
+    /// Fewer repetitions: all studies take less than two minutes
     #[arg(long)]
     pub quick: bool,
-    /// Write all rows as a JSON array
+    /// Write all rows as a JSON array; `-` for standard output, the tables go to standard error then
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
     /// Write the plots into this folder, an SVG each; it is made if it is not there
@@ -40,12 +43,18 @@ pub struct AccuracyArgs {
 /// A study that does not exist, a page without the places for the tables, a file that cannot be written.
 pub fn run(args: &AccuracyArgs) -> anyhow::Result<ExitCode> {
     let studies = chosen(&args.studies)?;
-    let json = args.json.iter().map(|path| ("--json", path.as_path()));
-    check_outputs(&json.collect::<Vec<_>>(), args.page.iter().filter_map(|page| page.to_str()))?;
+    let is_json_printed = args.json.as_deref() == Some(Path::new("-"));
+    let json_file = args.json.as_deref().filter(|_| !is_json_printed);
+    let json = json_file.map(|path| ("--json", path));
+    check_outputs(json.as_slice(), args.page.iter().filter_map(|page| page.to_str()))?;
     if let Some(folder) = &args.plots {
-        fs::create_dir_all(folder).with_context(|| format!("--plots `{}`", folder.display()))?;
+        check_folder(folder).with_context(|| format!("--plots `{}`", folder.display()))?;
     }
     let mut page = args.page.as_deref().map(Page::read).transpose()?;
+    if let Some(page) = &mut page {
+        // Before anything is measured, since that takes its time.
+        studies.iter().try_for_each(|study| page.place(study.name).map(|_| ()))?;
+    }
     let effort = if args.quick { Effort::Quick } else { Effort::Full };
     let mut rows = Vec::new();
     for study in studies {
@@ -53,7 +62,9 @@ pub fn run(args: &AccuracyArgs) -> anyhow::Result<ExitCode> {
         eprintln!("{}: {} ...", study.name, study.title);
         let outcome = (study.run)(effort);
         eprintln!("{}: measured in {:.1} s", study.name, begin.elapsed().as_secs_f64());
-        println!("{}\n\n{}", study.title, text_table(&outcome.rows));
+        let table = format!("{}\n\n{}\n", study.title, text_table(&outcome.rows));
+        let written = if is_json_printed { io::stderr().write_all(table.as_bytes()) } else { print(&table) };
+        written.context("the table")?;
         if let Some(folder) = &args.plots {
             write_figures(folder, &study, &outcome)?;
         }
@@ -62,12 +73,23 @@ pub fn run(args: &AccuracyArgs) -> anyhow::Result<ExitCode> {
         }
         rows.extend(outcome.rows);
     }
-    if let Some(path) = &args.json {
+    if args.json.is_some() {
         let text = serde_json::to_string_pretty(&rows).context("--json")? + "\n";
-        write_whole(path, text.as_bytes()).with_context(|| format!("--json `{}`", path.display()))?;
+        match json_file {
+            Some(path) => {
+                write_whole(path, text.as_bytes()).with_context(|| format!("--json `{}`", path.display()))?;
+            }
+            None => print(&text).context("--json")?,
+        }
     }
     page.map(|page| page.write()).transpose()?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Makes a folder if it is not there, and finds out whether files can be made in it.
+fn check_folder(folder: &Path) -> io::Result<()> {
+    fs::create_dir_all(folder)?;
+    tempfile::tempfile_in(folder).map(|_| ())
 }
 
 /// The studies of these names, or all.
@@ -155,18 +177,24 @@ impl Page {
 
     /// Puts the table of a study into its place.
     fn set(&mut self, study: &str, table: &str) -> anyhow::Result<()> {
+        let place = self.place(study)?;
+        self.text.replace_range(place, &format!("\n{table}"));
+        Ok(())
+    }
+
+    /// Where the table of a study stands: between its two marks.
+    fn place(&self, study: &str) -> anyhow::Result<Range<usize>> {
         let begin = format!("<!-- accuracy: {study} -->");
         let shown = self.path.display();
-        let Some((before, rest)) = self.text.split_once(&begin) else {
+        let Some(start) = self.text.find(&begin).map(|at| at + begin.len()) else {
             bail!(
                 "--page `{shown}` has no place for the table of `{study}`: expected a line `{begin}`, and later `{END}`"
             )
         };
-        let Some((_, after)) = rest.split_once(END) else {
+        let Some(length) = self.text[start..].find(END) else {
             bail!("--page `{shown}`: expected `{END}` after `{begin}`")
         };
-        self.text = format!("{before}{begin}\n{table}{END}{after}");
-        Ok(())
+        Ok(start..start + length)
     }
 
     fn write(self) -> anyhow::Result<()> {

@@ -9,7 +9,7 @@ use super::PlotError;
 use super::canvas::{TEXT, TITLE, register_fonts};
 
 /// Pixels of a figure.
-const SIZE: (u32, u32) = (760, 480);
+const SIZE: (u32, u32) = (860, 440);
 /// Legible on white, and told apart by people who see few colours (Okabe and Ito).
 const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
@@ -20,6 +20,8 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(230, 159, 0),
     RGBColor(0, 0, 0),
 ];
+/// Pixels of the legend's column beside its longest name.
+const LEGEND: u32 = 34;
 /// Powers of ten that a logarithmic axis shows at most.
 const DECADES: f64 = 20.0;
 
@@ -37,17 +39,25 @@ pub fn to_svg(figure: &Figure) -> Result<String, PlotError> {
 fn draw(figure: &Figure, backend: SVGBackend<'_>) -> Result<(), Box<dyn std::error::Error>> {
     let root = backend.into_drawing_area();
     root.fill(&WHITE)?;
+    let text = TextStyle::from(("sans-serif", TEXT).into_font());
+    // The legend stands beside the curves, so that it hides none.
+    let widths = figure.series.iter().map(|series| root.estimate_text_size(&series.name, &text).map(|size| size.0));
+    let legend = if figure.series.len() > 1 {
+        LEGEND + widths.collect::<Result<Vec<_>, _>>()?.into_iter().max().unwrap_or(0)
+    } else {
+        0
+    };
+    let (area, beside) = root.split_horizontally(SIZE.0 - legend);
     let coordinates = |pick: fn(&(f64, f64)) -> f64| figure.series.iter().flat_map(|s| &s.points).map(pick);
     let is_histogram = figure.series.iter().any(|series| series.mark == Mark::Bars);
     let x_axis = Axis::new(figure.x_scale, coordinates(|point| point.0), false);
     let y_axis = Axis::new(figure.y_scale, coordinates(|point| point.1), is_histogram);
-    let mut chart = ChartBuilder::on(&root)
+    let mut chart = ChartBuilder::on(&area)
         .caption(&figure.title, ("sans-serif", TITLE))
         .margin(10)
         .x_label_area_size(42)
         .y_label_area_size(66)
         .build_cartesian_2d(x_axis.clone(), y_axis.clone())?;
-    let text = ("sans-serif", TEXT).into_font();
     chart
         .configure_mesh()
         .x_desc(&figure.x_label)
@@ -56,40 +66,30 @@ fn draw(figure: &Figure, backend: SVGBackend<'_>) -> Result<(), Box<dyn std::err
         .label_style(text.clone())
         .x_label_formatter(&|x| x_axis.label(*x))
         .y_label_formatter(&|y| y_axis.label(*y))
-        .light_line_style(BLACK.mix(0.05))
+        .light_line_style(TRANSPARENT)
         .bold_line_style(BLACK.mix(0.15))
         .draw()?;
-    for (series, &colour) in figure.series.iter().zip(COLOURS.iter().cycle()) {
+    for (place, (series, &colour)) in figure.series.iter().zip(COLOURS.iter().cycle()).enumerate() {
         let points = || series.points.iter().map(|(x, y)| (x_axis.place(*x), y_axis.place(*y)));
-        let legend = move |(x, y): (i32, i32)| Rectangle::new([(x, y - 4), (x + 14, y + 4)], colour.filled());
-        let mut name = Some(series.name.clone());
         if matches!(series.mark, Mark::Line | Mark::LineAndDots) {
             for run in stretches(points()) {
-                let drawn = chart.draw_series([PathElement::new(run, colour.stroke_width(2))])?;
-                name.take().into_iter().for_each(|name| _ = drawn.label(name).legend(legend));
+                chart.draw_series([PathElement::new(run, colour.stroke_width(2))])?;
             }
         }
         if matches!(series.mark, Mark::Dots | Mark::LineAndDots) {
             let radius = if series.points.len() > 60 { 1 } else { 3 };
-            let dots = points().filter(is_drawn).map(|point| Circle::new(point, radius, colour.filled()));
-            let drawn = chart.draw_series(dots)?;
-            name.take().into_iter().for_each(|name| _ = drawn.label(name).legend(legend));
+            chart.draw_series(points().filter(is_drawn).map(|point| Circle::new(point, radius, colour.filled())))?;
         }
         if series.mark == Mark::Bars {
             let half = 0.5 * bar_width(series);
             let bar = |(x, y)| Rectangle::new([(x - half, 0.0), (x + half, y)], colour.mix(0.45).filled());
-            let drawn = chart.draw_series(points().filter(is_drawn).map(bar))?;
-            name.take().into_iter().for_each(|name| _ = drawn.label(name).legend(legend));
+            chart.draw_series(points().filter(is_drawn).map(bar))?;
         }
-    }
-    if figure.series.len() > 1 {
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .label_font(text)
-            .background_style(WHITE.mix(0.85))
-            .border_style(BLACK.mix(0.3))
-            .draw()?;
+        if legend > 0 {
+            let top = 36 + 20 * place as i32;
+            beside.draw(&Rectangle::new([(4, top), (18, top + 8)], colour.filled()))?;
+            beside.draw(&Text::new(series.name.as_str(), (24, top - 2), text.clone()))?;
+        }
     }
     root.present()?;
     Ok(())
@@ -123,32 +123,45 @@ struct Axis {
     scale: Scale,
     range: RangedCoordf64,
     low: f64,
+    /// What is not positive stands at the lower edge of a logarithmic axis, which is labelled 0 then.
+    holds_zero: bool,
 }
 
 impl Axis {
     /// The axis that holds these coordinates, and 0 where asked for.
     fn new(scale: Scale, coordinates: impl Iterator<Item = f64>, holds_zero: bool) -> Self {
-        let shown = coordinates.filter(|c| c.is_finite() && (scale == Scale::Linear || *c > 0.0));
-        let shown = shown.map(|c| if scale == Scale::Linear { c } else { c.log10() });
+        let coordinates: Vec<f64> = coordinates.filter(|c| c.is_finite()).collect();
+        let is_log = scale == Scale::Logarithmic;
+        let shown = coordinates.iter().filter(|c| !is_log || **c > 0.0).map(|c| if is_log { c.log10() } else { *c });
         let (mut low, mut high) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), c| (a.min(c), b.max(c)));
         if low > high {
             (low, high) = (0.0, 1.0);
         }
-        match scale {
-            Scale::Linear => {
-                if holds_zero {
-                    low = low.min(0.0);
-                }
-                let margin = if high > low { 0.04 * (high - low) } else { 0.5 * high.abs().max(1.0) };
-                low = if holds_zero && low == 0.0 { 0.0 } else { low - margin };
-                high += margin;
+        let holds_zero = if is_log { coordinates.iter().any(|c| *c <= 0.0) } else { holds_zero };
+        if is_log {
+            let is_short = high - low < SHORT;
+            let marks: &[f64] = if is_short { &MARKS } else { &MARKS[..1] };
+            // The next marks outside, and one decade for 0.
+            let mark = |place: f64, up: f64| {
+                let near =
+                    (-1..=1).flat_map(|d| marks.iter().map(move |mark| place.floor() + f64::from(d) + mark.log10()));
+                let outside = near.filter(|mark| up * (mark - place) >= 0.0);
+                outside.min_by(|a, b| (a - place).abs().total_cmp(&(b - place).abs())).unwrap_or(place)
+            };
+            (low, high) = (mark(low - 0.02, -1.0), mark(high + 0.02, 1.0));
+            if holds_zero {
+                low = low.floor() - 1.0;
             }
-            Scale::Logarithmic => {
-                low = (low - 0.1).floor().max(high - DECADES);
-                high = (high + 0.1).ceil();
+            low = low.max(high.ceil() - DECADES);
+        } else {
+            if holds_zero {
+                low = low.min(0.0);
             }
+            let margin = if high > low { 0.04 * (high - low) } else { 0.5 * high.abs().max(1.0) };
+            low = if holds_zero && low == 0.0 { 0.0 } else { low - margin };
+            high += margin;
         }
-        Self { scale, range: RangedCoordf64::from(low..high), low }
+        Self { scale, range: RangedCoordf64::from(low..high), low, holds_zero }
     }
 
     /// Where a coordinate stands along the axis.
@@ -165,10 +178,21 @@ impl Axis {
         match self.scale {
             // Plotters' steps have few digits; their sums do not.
             Scale::Linear => format!("{}", (place * 1e9).round() / 1e9),
-            Scale::Logarithmic => format!("1e{place:.0}"),
+            Scale::Logarithmic if self.holds_zero && place == self.low => "0".to_owned(),
+            Scale::Logarithmic => {
+                let decade = (place + 1e-9).floor();
+                let off = |mark: &f64| (place - decade - mark.log10()).abs();
+                let mark = MARKS.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(1.0);
+                format!("{mark:.0}e{decade:.0}")
+            }
         }
     }
 }
+
+/// A logarithmic axis of fewer decades has marks between the powers of ten.
+const SHORT: f64 = 2.0;
+/// The marks of a decade.
+const MARKS: [f64; 3] = [1.0, 2.0, 5.0];
 
 impl Ranged for Axis {
     type FormatOption = DefaultFormatting;
@@ -179,15 +203,18 @@ impl Ranged for Axis {
     }
 
     fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
-        match self.scale {
-            Scale::Linear => self.range.key_points(hint),
-            Scale::Logarithmic => {
-                let range = self.range.range();
-                let decades = (range.end - range.start).round().max(1.0);
-                let step = (decades / 10.0).ceil() as usize;
-                (0..=decades as usize).step_by(step).map(|decade| range.start + decade as f64).collect()
-            }
+        if self.scale == Scale::Linear {
+            return self.range.key_points(hint);
         }
+        let range = self.range.range();
+        let first = range.start.floor();
+        let decades = (range.end.ceil() - first).max(1.0);
+        if decades <= SHORT + 1.0 {
+            let all = (0..=decades as i32).flat_map(|d| MARKS.map(|mark| first + f64::from(d) + mark.log10()));
+            return all.filter(|mark| (range.start - 1e-9..=range.end + 1e-9).contains(mark)).collect();
+        }
+        let step = (decades / 10.0).ceil() as usize;
+        (0..=decades as usize).step_by(step).map(|decade| first + decade as f64).collect()
     }
 
     fn range(&self) -> std::ops::Range<f64> {
@@ -226,9 +253,17 @@ mod tests {
 
     #[test]
     fn a_power_of_ten_stands_on_its_line() {
-        let axis = Axis::new(Scale::Logarithmic, [1e-9, 0.0, 1e-3].into_iter(), false);
-        assert_eq!((axis.range().start, axis.range().end), (-10.0, -2.0));
+        let axis = Axis::new(Scale::Logarithmic, [1.1e-9, 0.0, 0.9e-3].into_iter(), false);
+        assert_eq!((axis.range().start, axis.range().end), (-10.0, -3.0));
         assert_eq!([1e-9, 1e-3, 0.0, -4.0].map(|c| axis.place(c).round()), [-9.0, -3.0, -10.0, -10.0]);
-        assert_eq!(axis.label(-9.0), "1e-9");
+        assert_eq!([-10.0, -9.0].map(|place| axis.label(place)), ["0", "1e-9"]);
+    }
+
+    #[test]
+    fn a_short_logarithmic_axis_has_marks_between_the_powers_of_ten() {
+        let axis = Axis::new(Scale::Logarithmic, [0.012, 0.34].into_iter(), false);
+        let marks = axis.key_points(plotters::coord::ranged1d::LightPoints::new(5, 5));
+        let labels: Vec<_> = marks.iter().map(|mark| axis.label(*mark)).collect();
+        assert_eq!(labels, ["1e-2", "2e-2", "5e-2", "1e-1", "2e-1", "5e-1"]);
     }
 }
