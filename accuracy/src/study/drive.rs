@@ -49,7 +49,7 @@ fn drives(course: &Course, effort: Effort) -> Vec<Row> {
     methods.iter().flat_map(|(method, slots, run)| slots.iter().map(|slot| measure(method, *run, *slot))).collect()
 }
 
-fn odometry(_: Effort) -> Outcome {
+fn odometry(effort: Effort) -> Outcome {
     let course = Course::ten_minutes();
     let end = course.end();
     let mut rows = Vec::new();
@@ -62,7 +62,7 @@ fn odometry(_: Effort) -> Outcome {
     ] {
         let periods = &SLOTS[3..];
         let measured: Vec<Row> =
-            periods.iter().map(|period| odometry_row(&course, &end, method, *period, ticks)).collect();
+            periods.iter().map(|period| odometry_row(&course, &end, method, *period, ticks, effort)).collect();
         series.push(curve(method, periods.iter().map(|period| *period as f64 / 1e6).zip(&measured)));
         rows.extend(measured);
     }
@@ -71,9 +71,9 @@ fn odometry(_: Effort) -> Outcome {
 
 type Method = fn(&Course, Time) -> Pose;
 
-fn odometry_row(course: &Course, end: &End, method: &str, period: i64, ticks: Option<f64>) -> Row {
+fn odometry_row(course: &Course, end: &End, method: &str, period: i64, ticks: Option<f64>, effort: Effort) -> Row {
     let mut pose = Pose::default();
-    let time_ns = nanoseconds(1, 1, || pose = course::odometry(course, Time(period), ticks));
+    let time_ns = nanoseconds(effort.of(30), 1, || pose = course::odometry(course, Time(period), ticks));
     row(ODOMETRY, method, &format!("read every {}", duration(period)), end.distance(&pose), time_ns, course)
 }
 
@@ -143,7 +143,7 @@ mod tests {
     fn encoders_lose_what_they_do_not_count() {
         let course = Course::ten_minutes().first(30);
         let end = course.end();
-        let error = |ticks| odometry_row(&course, &end, "", 10_000, ticks).error;
+        let error = |ticks| odometry_row(&course, &end, "", 10_000, ticks, Effort::Quick).error;
         let (exact, fine, coarse) = (error(None), error(Some(10_000.0)), error(Some(100.0)));
         assert!(exact < fine && fine < coarse, "{exact} {fine} {coarse}");
     }

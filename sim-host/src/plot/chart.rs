@@ -208,13 +208,11 @@ impl Ranged for Axis {
         }
         let range = self.range.range();
         let first = range.start.floor();
-        let decades = (range.end.ceil() - first).max(1.0);
-        if decades <= SHORT + 1.0 {
-            let all = (0..=decades as i32).flat_map(|d| MARKS.map(|mark| first + f64::from(d) + mark.log10()));
-            return all.filter(|mark| (range.start - 1e-9..=range.end + 1e-9).contains(mark)).collect();
-        }
-        let step = (decades / 10.0).ceil() as usize;
-        (0..=decades as usize).step_by(step).map(|decade| first + decade as f64).collect()
+        let decades = (range.end.ceil() - first).max(1.0) as usize;
+        let (step, marks) = if decades <= 3 { (1, &MARKS[..]) } else { (decades.div_ceil(10), &MARKS[..1]) };
+        let all = (0..=decades).step_by(step).flat_map(|decade| marks.iter().map(move |mark| (decade, mark.log10())));
+        let all = all.map(|(decade, mark)| first + decade as f64 + mark);
+        all.filter(|place| (range.start - 1e-9..=range.end + 1e-9).contains(place)).collect()
     }
 
     fn range(&self) -> std::ops::Range<f64> {
