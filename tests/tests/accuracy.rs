@@ -1,6 +1,6 @@
 //! `eyesim accuracy`: speed against error as tables, JSON, plots and in a page.
 
-use tests::Scratch;
+use tests::{Scratch, root};
 
 #[test]
 fn a_study_is_written_in_every_form() {
@@ -30,11 +30,52 @@ fn a_study_is_written_in_every_form() {
 }
 
 #[test]
+fn rows_on_standard_output_are_json_alone() {
+    let ran = Scratch::new().eyesim(&["accuracy", "range-sensors", "reflectance", "--quick", "--json", "-"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    let rows: serde_json::Value = serde_json::from_str(&ran.stdout).expect("JSON and nothing else");
+    let studies: Vec<&str> = rows.as_array().expect("rows").iter().filter_map(|row| row["study"].as_str()).collect();
+    assert!(studies.is_sorted() && studies.contains(&"range-sensors") && studies.contains(&"reflectance"));
+    assert!(ran.stderr.contains("stable root"), "the tables: {}", ran.stderr);
+}
+
+#[test]
+fn the_page_of_the_docs_has_a_place_for_every_study_and_every_picture_is_there() {
+    let scratch = Scratch::new();
+    let page = std::fs::read_to_string(root().join("docs/accuracy.md")).expect("the page");
+    // A name that is none tells all that are.
+    let refused = scratch.eyesim(&["accuracy", "?"]);
+    let (_, names) = refused.stderr.trim().split_once("accepted: ").expect("the names");
+    for study in names.split(", ") {
+        assert!(page.contains(&format!("<!-- accuracy: {study} -->\n| method |")), "no table of `{study}`");
+        assert!(page.contains(&format!("\n## {study}\n")), "no section on `{study}`");
+    }
+    let pictures: Vec<&str> = page.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
+    let pictures: Vec<_> = pictures.into_iter().filter(|link| link.ends_with(".svg")).collect();
+    assert!(pictures.len() > 5);
+    for picture in pictures {
+        assert!(root().join("docs").join(picture).is_file(), "there is no `{picture}`");
+    }
+}
+
+#[test]
+fn the_sweep_in_the_page_is_what_a_program_prints() {
+    let page = std::fs::read_to_string(root().join("docs/accuracy.md")).expect("the page");
+    let (_, rest) = page.split_once("\n```text\n").expect("the sweep");
+    let (sweep, _) = rest.split_once("```").expect("its end");
+    assert_eq!(sweep.lines().count(), 23);
+    let scene = root().join("sims/step.scene.toml");
+    let ran = Scratch::new().eyesim(&["run", scene.to_str().expect("a path")]);
+    let printed: Vec<&str> = ran.stdout.lines().filter_map(|line| Some(line.split_once(" s] ")?.1)).collect();
+    assert_eq!(printed, sweep.lines().collect::<Vec<_>>(), "{}", ran.stderr);
+}
+
+#[test]
 fn what_cannot_be_done_is_said() {
     let scratch = Scratch::new();
     scratch.write("page.md", "nothing here\n");
     scratch.write("file", "");
-    let cases: [(&[&str], &str); 4] = [
+    let cases: [(&[&str], &str); 6] = [
         (&["accuracy", "drivel"], "there is no study `drivel`, accepted: "),
         (
             &["accuracy", "reflectance", "--quick", "--page", "page.md"],
@@ -42,11 +83,14 @@ fn what_cannot_be_done_is_said() {
         ),
         (&["accuracy", "reflectance", "--quick", "--page", "none.md"], "none.md"),
         (&["accuracy", "reflectance", "--quick", "--plots", "file"], "--plots `file`"),
+        (&["accuracy", "reflectance", "--quick", "--plots", "/proc/plots"], "--plots `/proc/plots`"),
+        (&["accuracy", "reflectance", "--quick", "--json", "none/rows.json"], "there is no folder `none`"),
     ];
     for (args, message) in cases {
         let ran = scratch.eyesim(args);
         assert_eq!(ran.code, Some(2), "{args:?}: {}", ran.stderr);
         assert!(ran.stderr.contains(message), "{args:?}: {}", ran.stderr);
+        assert!(!ran.stderr.contains("measured in"), "{args:?} is refused before anything is measured: {}", ran.stderr);
     }
     assert_eq!(scratch.read("page.md"), "nothing here\n");
 }
