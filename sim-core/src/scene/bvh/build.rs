@@ -3,9 +3,8 @@
 use glam::{DVec3, Vec3};
 
 use super::binary::Binary;
-
 use super::frame::Frame;
-use super::node::{Block, Box3, Child, Node, PADDING, Tree, WIDTH};
+use super::node::{Block, Box3, Child, Node, PADDING, Tree, Triangle, WIDTH};
 
 /// Levels of a tree, at most.
 pub(super) const DEPTH: usize = 24;
@@ -18,12 +17,11 @@ const BLOCK_COST: f32 = 1.0;
 
 /// The tree over those of the `triangles` that are numbered in `met`.
 pub(super) fn tree(triangles: &[[DVec3; 3]], met: &[u32], frame: &Frame) -> Tree {
-    let corners: Vec<[Vec3; 3]> = met
-        .iter()
-        .map(|&number| triangles[number as usize].map(|corner| frame.tree_from_mesh(corner).as_vec3()))
-        .collect();
+    let met: Vec<_> = met.iter().map(|&number| Triangle { corners: triangles[number as usize], number }).collect();
+    let corners: Vec<[Vec3; 3]> =
+        met.iter().map(|triangle| triangle.corners.map(|corner| frame.tree_from_mesh(corner).as_vec3())).collect();
     let boxes: Vec<Box3> = corners.iter().map(padded).collect();
-    let mut builder = Builder { numbers: met, corners: &corners, boxes: &boxes, tree: Tree::default() };
+    let mut builder = Builder { triangles: &met, corners: &corners, boxes: &boxes, tree: Tree::default() };
     builder.tree.root = Some(builder.subtree(&Binary::new(&boxes, BLOCK_COST), 0, 0).0);
     builder.tree
 }
@@ -34,8 +32,8 @@ fn padded(corners: &[Vec3; 3]) -> Box3 {
 }
 
 struct Builder<'a> {
-    /// By place: the triangle's number, corners and box.
-    numbers: &'a [u32],
+    /// By place: the triangle, its corners in the tree's coordinates and its box.
+    triangles: &'a [Triangle],
     corners: &'a [[Vec3; 3]],
     boxes: &'a [Box3],
     tree: Tree,
@@ -48,9 +46,9 @@ impl Builder<'_> {
             return self.block(binary.places(root).to_vec());
         }
         if depth >= BALANCED_FROM {
-            return self.balanced(binary.places(root).to_vec());
+            return self.balanced(binary.places(root).to_vec(), depth);
         }
-        let place = self.reserve();
+        let place = self.reserve(depth);
         let mut parts = Vec::with_capacity(WIDTH);
         binary.split(root, WIDTH, &mut parts);
         let children: Vec<_> = parts.into_iter().map(|part| self.subtree(binary, part, depth + 1)).collect();
@@ -58,7 +56,7 @@ impl Builder<'_> {
     }
 
     /// Adds triangles as one child, parted by number alone.
-    fn balanced(&mut self, mut places: Vec<usize>) -> (Child, Box3) {
+    fn balanced(&mut self, mut places: Vec<usize>, depth: usize) -> (Child, Box3) {
         if places.len() <= WIDTH {
             return self.block(places);
         }
@@ -73,9 +71,9 @@ impl Builder<'_> {
         };
         let middle = |place: &usize| self.boxes[*place].low[axis] + self.boxes[*place].high[axis];
         places.sort_by(|one, other| middle(one).total_cmp(&middle(other)));
-        let place = self.reserve();
+        let place = self.reserve(depth);
         let share = places.len().div_ceil(WIDTH);
-        let children: Vec<_> = places.chunks(share).map(|part| self.balanced(part.to_vec())).collect();
+        let children: Vec<_> = places.chunks(share).map(|part| self.balanced(part.to_vec(), depth + 1)).collect();
         self.fill(place, &children)
     }
 
@@ -85,9 +83,9 @@ impl Builder<'_> {
 
     fn block(&mut self, mut places: Vec<usize>) -> (Child, Box3) {
         places.sort_unstable();
-        let mut block = Block { corners: [[[f32::NAN; WIDTH]; 3]; 3], triangles: [u32::MAX; WIDTH] };
+        let mut block = Block { corners: [[[f32::NAN; WIDTH]; 3]; 3], first: self.tree.triangles.len() as u32 };
         for (lane, &place) in places.iter().enumerate() {
-            block.triangles[lane] = self.numbers[place];
+            self.tree.triangles.push(self.triangles[place]);
             for (number, corner) in self.corners[place].iter().enumerate() {
                 for axis in 0..3 {
                     block.corners[axis][number][lane] = corner[axis];
@@ -98,7 +96,9 @@ impl Builder<'_> {
         (Child::block(self.tree.blocks.len() - 1), self.bounds(&places))
     }
 
-    fn reserve(&mut self) -> usize {
+    /// A node at this depth, the root's being 0.
+    fn reserve(&mut self, depth: usize) -> usize {
+        self.tree.depth = self.tree.depth.max(depth + 1);
         // Boxes that no ray meets: entered at infinity.
         let planes = [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3];
         self.tree.nodes.push(Node { planes, children: [Child::default(); WIDTH] });

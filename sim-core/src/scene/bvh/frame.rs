@@ -9,8 +9,12 @@ pub(super) struct Frame {
     /// Bounds of the mesh.
     pub low: DVec3,
     pub high: DVec3,
+    /// Greatest coordinate of the mesh, m.
+    pub extent: f64,
     /// Middle of the mesh.
     pub centre: DVec3,
+    /// From there to the bounds, at least.
+    half: DVec3,
     /// Tree's units for a metre; a power of two, so that scaling rounds nothing.
     pub scale: f64,
 }
@@ -32,10 +36,11 @@ impl Frame {
         let first = corners.next()?;
         let (low, high) = corners.fold((first, first), |(low, high), corner| (low.min(corner), high.max(corner)));
         let centre = 0.5 * low + 0.5 * high;
-        let half = (high - centre).max(centre - low).max_element();
+        let half = (high - centre).max(centre - low);
+        let extent = low.abs().max(high.abs()).max_element();
         // The power of two that takes `half` to [0.5, 1).
-        let exponent = half.max(1e-280).to_bits() >> 52;
-        Some(Self { low, high, centre, scale: f64::from_bits((2045 - exponent) << 52) })
+        let exponent = half.max_element().max(1e-280).to_bits() >> 52;
+        Some(Self { low, high, extent, centre, half, scale: f64::from_bits((2045 - exponent) << 52) })
     }
 
     /// A point of the mesh's frame in the tree's coordinates.
@@ -47,9 +52,8 @@ impl Frame {
     /// `reciprocal` is that of the direction.
     pub fn enter(&self, origin: DVec3, direction: DVec3, reciprocal: DVec3, range: f64) -> Option<Entry> {
         let offset = origin - self.centre;
-        let half = (self.high - self.centre).max(self.centre - self.low);
         // The second term exceeds the rounding of what follows.
-        let reach = half + (MARGIN / self.scale + offset.abs().max_element() * f64::EPSILON * 8.0);
+        let reach = self.half + (MARGIN / self.scale + offset.abs().max_element() * f64::EPSILON * 8.0);
         if offset.abs().cmple(reach).all() {
             return Some(Entry { distance: 0.0, origin });
         }

@@ -13,13 +13,11 @@ mod ray;
 mod tests;
 mod walk;
 
-use std::collections::HashMap;
-
 use fearless_simd::Level;
 use glam::DVec3;
 
 use frame::Frame;
-use node::Tree;
+use node::{Tree, Triangle};
 use ray::Ray;
 
 /// The nearest triangle along a ray.
@@ -54,7 +52,8 @@ pub struct MeshHit {
 /// "Efficient incoherent ray traversal on GPUs through compressed wide BVHs", 2017, section 3, for the wide tree.
 #[derive(Clone, Debug)]
 pub struct MeshIndex {
-    mesh: Corners,
+    /// Number of triangles.
+    count: usize,
     frame: Option<Frame>,
     tree: Tree,
     level: Level,
@@ -74,25 +73,17 @@ impl MeshIndex {
         let met: Vec<u32> = (0..).zip(triangles).filter(|(_, corners)| has_area(corners)).map(|(at, _)| at).collect();
         let frame = Frame::around(met.iter().flat_map(|&at| triangles[at as usize]));
         let tree = frame.map_or_else(Tree::default, |frame| build::tree(triangles, &met, &frame));
-        Self { mesh: Corners::of(triangles), frame, tree, level }
+        Self { count: triangles.len(), frame, tree, level }
     }
 
     /// Number of triangles, those that no ray can meet included.
     pub fn len(&self) -> usize {
-        self.mesh.triangles.len()
+        self.count
     }
 
     /// Whether there is no triangle.
     pub fn is_empty(&self) -> bool {
-        self.mesh.triangles.is_empty()
-    }
-
-    /// The corners of a triangle, in metres.
-    ///
-    /// # Panics
-    /// If there is no such triangle.
-    pub fn triangle(&self, number: u32) -> [DVec3; 3] {
-        self.mesh.of_triangle(number)
+        self.count == 0
     }
 
     /// Lowest and highest corner of the box around all triangles that can be met; `None` without any.
@@ -111,40 +102,11 @@ impl MeshIndex {
         let reciprocal = direction.recip();
         let entry = frame.enter(origin, direction, reciprocal, range)?;
         let mut ray = Ray::new(&entry, direction, reciprocal, range - entry.distance, frame);
-        walk::nearest(self.level, &self.tree, &self.mesh, frame, &mut ray);
-        let (distance, triangle) = ray.nearest()?;
+        walk::nearest(self.level, &self.tree, frame, &mut ray);
+        let (distance, place) = ray.nearest()?;
         let distance = (entry.distance + distance).min(range);
-        Some(MeshHit { distance, triangle, normal: normal(&self.triangle(triangle), direction) })
-    }
-}
-
-/// A mesh with each corner once: small, so that more of it stays in the cache.
-#[derive(Clone, Debug)]
-struct Corners {
-    /// Those that differ in a bit, in the order in which triangles first name them.
-    points: Vec<DVec3>,
-    /// Places of the corners of each triangle.
-    triangles: Vec<[u32; 3]>,
-}
-
-impl Corners {
-    fn of(triangles: &[[DVec3; 3]]) -> Self {
-        let mut points = Vec::new();
-        let mut places: HashMap<[u64; 3], u32> = HashMap::with_capacity(triangles.len());
-        let mut place = |point: DVec3| {
-            *places.entry(point.to_array().map(f64::to_bits)).or_insert_with(|| {
-                points.push(point);
-                points.len() as u32 - 1
-            })
-        };
-        let triangles = triangles.iter().map(|corners| corners.map(&mut place)).collect();
-        Self { points, triangles }
-    }
-
-    #[inline(always)]
-    fn of_triangle(&self, number: u32) -> [DVec3; 3] {
-        let [a, b, c] = self.triangles[number as usize];
-        [self.points[a as usize], self.points[b as usize], self.points[c as usize]]
+        let Triangle { corners, number } = &self.tree.triangles[place];
+        Some(MeshHit { distance, triangle: *number, normal: normal(corners, direction) })
     }
 }
 

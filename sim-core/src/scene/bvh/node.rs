@@ -1,6 +1,6 @@
 //! What the tree is made of.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// Children of a node, triangles of a block.
 pub(super) const WIDTH: usize = 8;
@@ -18,8 +18,12 @@ pub(super) const PADDING: f32 = 24.0 / (1 << 24) as f32;
 pub(super) struct Tree {
     pub nodes: Vec<Node>,
     pub blocks: Vec<Block>,
+    /// Those of a block are neighbours.
+    pub triangles: Vec<Triangle>,
     /// `None` without triangles.
     pub root: Option<Child>,
+    /// Nodes on the longest way down.
+    pub depth: usize,
 }
 
 /// Eight boxes, coordinate by coordinate; a child that is not there has a box that no ray meets.
@@ -59,8 +63,16 @@ impl Child {
 pub(super) struct Block {
     /// By axis and corner; NaN, which no ray meets, where there are fewer than eight.
     pub corners: [[[f32; WIDTH]; 3]; 3],
-    /// Numbers of the triangles.
-    pub triangles: [u32; WIDTH],
+    /// Place of the first in [`Tree::triangles`].
+    pub first: u32,
+}
+
+/// A triangle as it is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Triangle {
+    /// In the mesh's frame, m.
+    pub corners: [DVec3; 3],
+    pub number: u32,
 }
 
 /// A box in the tree's coordinates.

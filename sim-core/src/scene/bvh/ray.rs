@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::frame::{Entry, Frame};
+use super::node::Triangle;
 
 /// A ray and the nearest triangle it is known to meet.
 pub(super) struct Ray {
@@ -16,13 +17,13 @@ pub(super) struct Ray {
     shear: [f64; 2],
     /// Metres along the ray for a metre on the last axis.
     stretch: f64,
-    /// As near as this to a surface is on it, m.
-    touch: f64,
-    /// As far behind the origin is worth a look whether the origin is on the surface, m.
-    behind: f64,
+    /// Greatest coordinate at hand, m.
+    extent: f64,
+    /// A metre in the tree's units.
+    scale: f64,
     /// The least distance known, at first the range.
     distance: f64,
-    triangle: u32,
+    place: usize,
 }
 
 /// As far behind the origin, in the tree's units, is worth a look whether the origin is on a surface.
@@ -31,7 +32,7 @@ const BEHIND: f64 = 1.0 / (1 << 20) as f64;
 /// As much, in the tree's units, the margin of the boxes leaves for the origin's rounding.
 const FINEST: f64 = 1.0 / (1 << 22) as f64;
 
-const NO_TRIANGLE: u32 = u32::MAX;
+const NO_PLACE: usize = usize::MAX;
 
 /// Twice the area of a triangle seen along the ray, over the square of the distance of its farthest corner from the ray:
 /// up to this, the triangle is taken as a line.
@@ -70,7 +71,6 @@ impl Ray {
         };
         let axes = [(last + 1) % 3, (last + 2) % 3, last];
         let stretch = reciprocal[last];
-        let extent = frame.low.abs().max(frame.high.abs()).max(entry.origin.abs()).max_element();
         Self {
             origin: entry.origin,
             direction,
@@ -78,10 +78,10 @@ impl Ray {
             axes,
             shear: [direction[axes[0]] * stretch, direction[axes[1]] * stretch],
             stretch,
-            touch: (4.0 * f64::EPSILON * extent).min(FINEST / frame.scale),
-            behind: BEHIND / frame.scale,
+            extent: entry.origin.abs().max_element().max(frame.extent),
+            scale: frame.scale,
             distance: range,
-            triangle: NO_TRIANGLE,
+            place: NO_PLACE,
         }
     }
 
@@ -100,19 +100,21 @@ impl Ray {
         self.distance
     }
 
-    /// Distance and number of the nearest triangle met.
-    pub fn nearest(&self) -> Option<(f64, u32)> {
-        (self.triangle != NO_TRIANGLE).then_some((self.distance, self.triangle))
+    /// Distance and place of the nearest triangle met.
+    pub fn nearest(&self) -> Option<(f64, usize)> {
+        (self.place != NO_PLACE).then_some((self.distance, self.place))
     }
 
-    /// Takes a triangle into account.
+    /// Takes the triangle at `place` into account; of several at the same distance, the one with the lowest number is met.
     #[inline(always)]
-    pub fn test(&mut self, corners: &[DVec3; 3], triangle: u32) {
+    pub fn test(&mut self, triangles: &[Triangle], place: usize) {
+        let Triangle { corners, number } = &triangles[place];
+        let is_first = || self.place == NO_PLACE || *number < triangles[self.place].number;
         if let Some(distance) = self.meets(corners)
-            && (distance < self.distance || distance == self.distance && triangle < self.triangle)
+            && (distance < self.distance || distance == self.distance && is_first())
         {
             self.distance = distance;
-            self.triangle = triangle;
+            self.place = place;
         }
     }
 
@@ -147,7 +149,8 @@ impl Ray {
     #[cold]
     fn starts_on(&self, corners: &[DVec3; 3], distance: f64) -> bool {
         let normal = super::normal(corners, self.direction);
-        distance >= -self.behind && normal.dot(corners[0] - self.origin).abs() <= self.touch
+        let touch = (4.0 * f64::EPSILON * self.extent).min(FINEST / self.scale);
+        distance >= -BEHIND / self.scale && normal.dot(corners[0] - self.origin).abs() <= touch
     }
 
     /// Distance to a triangle that is next to a line as the ray sees it. `ahead` may be anywhere within it, or no number.

@@ -74,48 +74,57 @@ fn sphere(times: u32) -> Vec<Triangle> {
     faces
 }
 
-fn all(index: &MeshIndex) -> Vec<Triangle> {
-    (0..index.len() as u32).map(|number| index.triangle(number)).collect()
+/// A mesh, indexed at each level of the processor.
+struct Levels {
+    triangles: Vec<Triangle>,
+    indices: Vec<MeshIndex>,
 }
 
-/// The nearest triangle by the index's own test, without a tree.
-fn without_tree(index: &MeshIndex, origin: DVec3, direction: DVec3, range: f64) -> Option<(u64, u32)> {
-    let frame = index.frame.as_ref()?;
+/// From the scalar one to the widest at hand.
+fn levels(triangles: &[Triangle]) -> Levels {
+    let mut levels = vec![Level::fallback(), Level::baseline(), Level::new()];
+    #[cfg(target_arch = "x86_64")]
+    levels.extend(
+        [
+            Level::new().as_sse4_2().map(|token| fearless_simd::Simd::level(token)),
+            Level::new().as_avx2().map(|token| fearless_simd::Simd::level(token)),
+        ]
+        .into_iter()
+        .flatten(),
+    );
+    let indices = levels.into_iter().map(|level| MeshIndex::at_level(triangles, level)).collect();
+    Levels { triangles: triangles.to_vec(), indices }
+}
+
+/// The nearest triangle by the index's own test, without a tree: bits of the distance, and number.
+fn without_tree(levels: &Levels, origin: DVec3, direction: DVec3, range: f64) -> Option<(u64, u32)> {
+    let frame = levels.indices[0].frame.as_ref()?;
     let reciprocal = direction.recip();
     let entry = frame.enter(origin, direction, reciprocal, range)?;
     let mut ray = Ray::new(&entry, direction, reciprocal, range - entry.distance, frame);
-    for (number, corners) in (0..).zip(&all(index)).filter(|(_, corners)| has_area(corners)) {
-        ray.test(corners, number);
+    let numbered: Vec<_> = (0..).zip(&levels.triangles).filter(|(_, corners)| has_area(corners)).collect();
+    let triangles: Vec<_> =
+        numbered.iter().map(|&(number, corners)| node::Triangle { corners: *corners, number }).collect();
+    for place in 0..triangles.len() {
+        ray.test(&triangles, place);
     }
-    ray.nearest().map(|(distance, triangle)| ((entry.distance + distance).min(range).to_bits(), triangle))
-}
-
-fn levels() -> Vec<Level> {
-    let mut levels = vec![Level::baseline(), Level::new()];
-    #[cfg(target_arch = "x86_64")]
-    levels.extend(Level::new().as_avx2().map(|token| fearless_simd::Simd::level(token)));
-    levels
-}
-
-/// The index at each level of the processor.
-fn indices(triangles: &[Triangle]) -> Vec<MeshIndex> {
-    levels().into_iter().map(|level| MeshIndex::at_level(triangles, level)).collect()
+    ray.nearest().map(|(distance, place)| ((entry.distance + distance).min(range).to_bits(), triangles[place].number))
 }
 
 /// The answer of all levels, which is to the bit what the test of every triangle says.
-fn cast(indices: &[MeshIndex], origin: DVec3, direction: DVec3, range: f64) -> Option<MeshHit> {
-    let expected = without_tree(&indices[0], origin, direction, range);
-    for index in indices {
+fn cast(levels: &Levels, origin: DVec3, direction: DVec3, range: f64) -> Option<MeshHit> {
+    let expected = without_tree(levels, origin, direction, range);
+    for index in &levels.indices {
         let found = index.cast(origin, direction, range).map(|hit| (hit.distance.to_bits(), hit.triangle));
         assert_eq!(found, expected, "{:?}: {origin:?} {direction:?} {range}", index.level);
     }
-    indices[0].cast(origin, direction, range)
+    levels.indices[0].cast(origin, direction, range)
 }
 
 /// As [`cast`], and as the oracle says within `tolerance` metres.
-fn check(indices: &[MeshIndex], origin: DVec3, direction: DVec3, range: f64, tolerance: f64) {
-    let hit = cast(indices, origin, direction, range);
-    let nearest = |range, wider| oracle::nearest_triangle(&all(&indices[0]), origin, direction, range, wider);
+fn check(levels: &Levels, origin: DVec3, direction: DVec3, range: f64, tolerance: f64) {
+    let hit = cast(levels, origin, direction, range);
+    let nearest = |range, wider| oracle::nearest_triangle(&levels.triangles, origin, direction, range, wider);
     let (loose, strict) = (nearest(range + tolerance, 1e-11), nearest(range - tolerance, -1e-11));
     let distance = hit.map_or(f64::INFINITY, |hit| hit.distance);
     let low = loose.map_or(f64::INFINITY, |(metres, _)| metres);
@@ -145,30 +154,30 @@ fn a_triangle_is_met_from_both_sides() {
 fn random_triangles_are_met_as_brute_force_says() {
     let mut random = Random::new(11);
     for (seed, count, size) in [(1, 1, 3.0), (2, 9, 3.0), (3, 200, 1.0), (4, 700, 0.2), (5, 60, 9.0)] {
-        let indices = indices(&soup(seed, count, 5.0, size));
+        let levels = levels(&soup(seed, count, 5.0, size));
         for _ in 0..400 {
-            check(&indices, point(&mut random, 6.0), unit(&mut random), random.between(0.1, 20.0), 1e-9);
+            check(&levels, point(&mut random, 6.0), unit(&mut random), random.between(0.1, 20.0), 1e-9);
         }
         for _ in 0..50 {
             let direction = DVec3::AXES[random.below(3)] * if random.chance(0.5) { 1.0 } else { -1.0 };
-            check(&indices, point(&mut random, 6.0), direction, f64::INFINITY, 1e-9);
+            check(&levels, point(&mut random, 6.0), direction, f64::INFINITY, 1e-9);
         }
     }
 }
 
 #[test]
 fn the_nearest_of_a_terrain_is_met_from_anywhere() {
-    let indices = indices(&hills(24));
+    let levels = levels(&hills(24));
     let mut random = Random::new(12);
     for _ in 0..600 {
         let origin = DVec3::new(random.between(-5.0, 29.0), random.between(-5.0, 29.0), random.between(-3.0, 6.0));
-        check(&indices, origin, unit(&mut random), 60.0, 1e-9);
+        check(&levels, origin, unit(&mut random), 60.0, 1e-9);
     }
 }
 
 #[test]
 fn nothing_is_lost_from_far_away() {
-    let indices = indices(&hills(16));
+    let levels = levels(&hills(16));
     let mut random = Random::new(13);
     for far in [1e2, 1e4, 1e6, 1e8] {
         for _ in 0..100 {
@@ -176,10 +185,10 @@ fn nothing_is_lost_from_far_away() {
             let mut from = unit(&mut random);
             from.z = 1.0;
             let from = from.normalize_or_zero();
-            let hit = cast(&indices, target + far * from, -from, f64::INFINITY).expect("the hills have no holes");
+            let hit = cast(&levels, target + far * from, -from, f64::INFINITY).expect("the hills have no holes");
             let met = target + (far - hit.distance) * from;
             let truth =
-                oracle::nearest_triangle(&all(&indices[0]), target + 30.0 * from, -from, 60.0, 1e-12).unwrap().0;
+                oracle::nearest_triangle(&levels.triangles, target + 30.0 * from, -from, 60.0, 1e-12).unwrap().0;
             let expected = target + (30.0 - truth) * from;
             // Of two slopes that a grazing ray meets, rounding of the origin may choose either.
             let grazing = hit.normal.dot(from) < 0.05;
@@ -193,10 +202,10 @@ fn extents_of_any_size_are_the_same_mesh() {
     let terrain = hills(6);
     let mut random = Random::new(14);
     let rays: Vec<_> = (0..100).map(|_| (point(&mut random, 6.0) + 3.0, unit(&mut random))).collect();
-    let one = indices(&terrain);
+    let one = levels(&terrain);
     // Powers of two: everything scales without rounding.
     for scale in [1e-30, 1e-3, 1e6, 1e90_f64].map(|about| f64::from_bits(about.to_bits() >> 52 << 52)) {
-        let scaled = indices(&terrain.iter().map(|corners| corners.map(|corner| corner * scale)).collect::<Vec<_>>());
+        let scaled = levels(&terrain.iter().map(|corners| corners.map(|corner| corner * scale)).collect::<Vec<_>>());
         for &(origin, direction) in &rays {
             let expected = cast(&one, origin, direction, 40.0).map(|hit| (hit.distance * scale, hit.triangle));
             let found = cast(&scaled, origin * scale, direction, 40.0 * scale).map(|hit| (hit.distance, hit.triangle));
@@ -222,18 +231,18 @@ fn no_ray_slips_through_a_shared_edge() {
     let mut random = Random::new(15);
     let closed = [sphere(3), cuboid(DVec3::new(-2.0, -3.0, 0.0), DVec3::new(4.0, 5.0, 2.5)), sphere(0)];
     for triangles in closed {
-        let indices = indices(&triangles);
+        let levels = levels(&triangles);
         for turn in 0..1500 {
             let origin = if turn % 3 == 0 { DVec3::new(0.125, -0.25, 0.25) } else { point(&mut random, 0.1) + 0.12 };
             let direction = aimed(&triangles, origin, &mut random);
-            let hit = cast(&indices, origin, direction, f64::INFINITY).expect("nothing leaves a closed mesh");
+            let hit = cast(&levels, origin, direction, f64::INFINITY).expect("nothing leaves a closed mesh");
             let truth = oracle::nearest_triangle(&triangles, origin, direction, 99.0, 1e-12).unwrap().0;
             assert!((hit.distance - truth).abs() < 1e-9, "{hit:?} for {truth}");
         }
         let middle = DVec3::new(0.125, -0.25, 0.25);
         for axis in DVec3::AXES {
             for direction in [axis, -axis] {
-                assert!(cast(&indices, middle, direction, f64::INFINITY).is_some(), "along {direction}");
+                assert!(cast(&levels, middle, direction, f64::INFINITY).is_some(), "along {direction}");
             }
         }
     }
@@ -241,12 +250,12 @@ fn no_ray_slips_through_a_shared_edge() {
 
 #[test]
 fn vertical_rays_through_the_corners_of_a_grid_meet_it() {
-    let indices = indices(&hills(12));
+    let levels = levels(&hills(12));
     for place in 0..13 * 13 {
         let (x, y) = (f64::from(place % 13), f64::from(place / 13));
         let height = math::sin(0.7 * x) + math::cos(0.4 * y + 0.3 * x);
         for (origin, direction) in [(10.0, -DVec3::Z), (-10.0, DVec3::Z)] {
-            let hit = cast(&indices, DVec3::new(x, y, origin), direction, 50.0).expect("corners belong to triangles");
+            let hit = cast(&levels, DVec3::new(x, y, origin), direction, 50.0).expect("corners belong to triangles");
             assert!((hit.distance - (height - origin).abs()).abs() < 1e-14, "{hit:?} at {x}, {y}");
         }
     }
@@ -258,9 +267,9 @@ fn of_equal_triangles_the_first_is_met() {
     let copy = triangles.clone();
     triangles.extend_from_slice(&copy);
     triangles.extend(copy.iter().map(|&[a, b, c]| [b, c, a]));
-    let indices = indices(&triangles);
+    let levels = levels(&triangles);
     let mut random = Random::new(16);
-    let met = (0..500).filter_map(|_| cast(&indices, point(&mut random, 3.0), unit(&mut random), 9.0));
+    let met = (0..500).filter_map(|_| cast(&levels, point(&mut random, 3.0), unit(&mut random), 9.0));
     let numbers: Vec<u32> = met.map(|hit| hit.triangle % 60).collect();
     assert!(numbers.len() > 100 && numbers.iter().all(|&number| number < 30), "{numbers:?}");
 }
@@ -278,11 +287,11 @@ fn triangles_without_area_keep_their_numbers() {
         [wall(1.0)[0], wall(1.0)[0], wall(1.0)[1]],
         wall(2.0),
     ];
-    let indices = indices(&triangles);
-    let hit = cast(&indices, DVec3::ZERO, DVec3::X, f64::INFINITY).unwrap();
+    let levels = levels(&triangles);
+    let hit = cast(&levels, DVec3::ZERO, DVec3::X, f64::INFINITY).unwrap();
     assert_eq!((hit.distance, hit.triangle), (2.0, 6));
-    assert_eq!(indices[0].len(), 7);
-    assert_eq!(indices[0].bounds(), Some((DVec3::new(2.0, -1.0, -1.0), DVec3::new(2.0, 1.0, 2.0))));
+    assert_eq!(levels.indices[0].len(), 7);
+    assert_eq!(levels.indices[0].bounds(), Some((DVec3::new(2.0, -1.0, -1.0), DVec3::new(2.0, 1.0, 2.0))));
     let none = MeshIndex::new(&triangles[..6]);
     assert_eq!((none.cast(DVec3::ZERO, DVec3::X, 9.0), none.bounds(), none.is_empty()), (None, None, false));
     assert!(MeshIndex::new(&[]).is_empty());
@@ -313,12 +322,12 @@ fn a_ray_that_starts_on_a_surface_is_there() {
     for reach in [1.0, 1e4] {
         for seed in 0..40 {
             let corners = soup(100 + seed, 1, reach, 1.0);
-            let indices = indices(&corners);
+            let levels = levels(&corners);
             let [a, b, c] = corners[0];
             for _ in 0..25 {
                 let (u, v) = (random.between(0.05, 0.45), random.between(0.05, 0.45));
                 let direction = unit(&mut random);
-                let hit = cast(&indices, a + u * (b - a) + v * (c - a), direction, 9.0);
+                let hit = cast(&levels, a + u * (b - a) + v * (c - a), direction, 9.0);
                 let distance = hit.map(|hit| hit.distance);
                 // Just above the surface, the way back is as long as the cosine of incidence makes it.
                 assert!(distance.is_some_and(|metres| metres < 1e-9 * reach), "{distance:?} towards {direction}")
@@ -330,8 +339,8 @@ fn a_ray_that_starts_on_a_surface_is_there() {
 #[test]
 fn a_ray_within_a_triangles_plane_meets_it_where_it_enters() {
     let flat = [[DVec3::new(1.0, -1.0, 0.5), DVec3::new(3.0, 0.0, 0.5), DVec3::new(1.0, 1.0, 0.5)]];
-    let indices = indices(&flat);
-    let cast = |x: f64, y: f64, direction| cast(&indices, DVec3::new(x, y, 0.5), direction, 9.0);
+    let levels = levels(&flat);
+    let cast = |x: f64, y: f64, direction| cast(&levels, DVec3::new(x, y, 0.5), direction, 9.0);
     let distance = |x, y, direction| cast(x, y, direction).map(|hit| hit.distance);
     assert_eq!(distance(0.0, 0.0, DVec3::X), Some(1.0));
     assert_eq!(distance(0.0, 1.0, DVec3::X), Some(1.0), "through a corner");
@@ -354,11 +363,11 @@ fn slivers_are_met_within_themselves() {
                 [from, to, 0.5 * (from + to) + thickness * unit(&mut random)]
             })
             .collect();
-        let indices = indices(&triangles);
+        let levels = levels(&triangles);
         for _ in 0..400 {
             let origin = point(&mut random, 3.0);
             let direction = aimed(&triangles, origin, &mut random);
-            if let Some(hit) = cast(&indices, origin, direction, 20.0) {
+            if let Some(hit) = cast(&levels, origin, direction, 20.0) {
                 let [a, b, _] = triangles[hit.triangle as usize];
                 let (met, along) = (origin + hit.distance * direction, (b - a).normalize_or_zero());
                 let aside = (met - a).reject_from(along).length();
@@ -378,10 +387,10 @@ fn many_triangles_in_one_place_make_no_deep_tree() {
         let size = f64::from_bits((1023 - step) << 52);
         [DVec3::ZERO, DVec3::X * size, DVec3::new(0.0, size, size)]
     }));
-    let indices = indices(&triangles);
+    let levels = levels(&triangles);
     let mut random = Random::new(19);
     for _ in 0..300 {
-        check(&indices, point(&mut random, 2.0), unit(&mut random), 9.0, 1e-9);
+        check(&levels, point(&mut random, 2.0), unit(&mut random), 9.0, 1e-9);
     }
 }
 
@@ -419,11 +428,11 @@ proptest! {
             .iter()
             .map(|numbers| [0, 3, 6].map(|at| DVec3::from_array([0, 1, 2].map(|axis| f64::from(numbers[at + axis])))))
             .collect();
-        let indices = indices(&triangles);
+        let levels = levels(&triangles);
         for (origin, direction) in rays {
             let origin = DVec3::from_array(origin.map(|number| 0.5 * f64::from(number)));
             let direction = DVec3::from_array(direction.map(f64::from)).normalize_or(DVec3::X);
-            cast(&indices, origin, direction, 20.0);
+            cast(&levels, origin, direction, 20.0);
         }
     }
 
@@ -435,7 +444,7 @@ proptest! {
         let triangles: Vec<Triangle> = cuboid(DVec3::NEG_ONE, DVec3::ONE).iter().map(|face| face.map(|at| turn * at)).collect();
         let (sin, cos) = math::sin_cos(towards);
         let direction = DVec3::new(cos, sin, 0.0);
-        let hit = cast(&indices(&triangles), turn * DVec3::new(x, y, 0.0), turn * direction, 9.0).expect("it is closed");
+        let hit = cast(&levels(&triangles), turn * DVec3::new(x, y, 0.0), turn * direction, 9.0).expect("it is closed");
         let to = |at: f64, part: f64| if part == 0.0 { f64::INFINITY } else { (part.signum() - at) / part };
         prop_assert!((hit.distance - to(x, cos).min(to(y, sin))).abs() < 1e-12);
     }

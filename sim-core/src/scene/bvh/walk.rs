@@ -1,6 +1,6 @@
 //! The way of a ray through the tree, eight boxes and eight triangles at a time.
 
-use super::Corners;
+use super::build::DEPTH;
 use super::frame::Frame;
 use super::node::{Block, Child, Node, Tree, WIDTH};
 use super::ray::Ray;
@@ -11,16 +11,21 @@ use fearless_simd::{Level, Simd, dispatch, f32x8};
 /// moved aside by less than 2^-38.
 pub(super) const STEEPEST: f64 = (1_u64 << 40) as f64;
 
-/// Places for children that wait: 7 for each level.
-pub(super) const WAITING: usize = 7 * super::build::DEPTH + 1;
+/// Places for children that wait, 7 for each level: in a tree as deep as most are, and in any.
+const FEW: usize = 7 * 9;
+const MANY: usize = 7 * DEPTH;
 
 /// Farther than any way through the tree's coordinates.
 const FARTHEST: f64 = 8.0;
 
 /// Tries `ray` on every triangle that it could meet before the nearest one.
-pub(super) fn nearest(level: Level, tree: &Tree, mesh: &Corners, frame: &Frame, ray: &mut Ray) {
+pub(super) fn nearest(level: Level, tree: &Tree, frame: &Frame, ray: &mut Ray) {
     if let Some(root) = tree.root {
-        dispatch!(level, simd => walk(simd, tree, root, mesh, frame, ray));
+        if 7 * tree.depth <= FEW {
+            dispatch!(level, simd => walk::<_, FEW>(simd, tree, root, frame, ray));
+        } else {
+            dispatch!(level, simd => walk::<_, MANY>(simd, tree, root, frame, ray));
+        }
     }
 }
 
@@ -141,40 +146,59 @@ fn bound(distance: f64, frame: &Frame) -> f32 {
     ((distance * frame.scale).min(FARTHEST) * (1.0 + 1e-6)) as f32
 }
 
+/// A child and the distance of its box, which as bits is in the order of numbers: not negative.
 #[inline(always)]
-fn walk<S: Simd>(simd: S, tree: &Tree, root: Child, mesh: &Corners, frame: &Frame, ray: &mut Ray) {
+fn entry(near: &[f32; WIDTH], node: &Node, lane: u32) -> u64 {
+    let lane = lane as usize % WIDTH;
+    u64::from(near[lane].to_bits()) << 32 | u64::from(node.children[lane].0)
+}
+
+#[inline(always)]
+fn walk<S: Simd, const PLACES: usize>(simd: S, tree: &Tree, root: Child, frame: &Frame, ray: &mut Ray) {
     let probe = Probe::new(simd, ray, frame);
     let mut farthest = bound(ray.distance(), frame);
-    // Children with the distance of their boxes, which as bits are in the order of numbers: not negative.
-    let mut waiting = [0_u64; WAITING];
+    let mut waiting = [0_u64; PLACES];
     let mut count = 0;
     let mut child = root;
     loop {
         if let Some(place) = child.as_block() {
             let block = &tree.blocks[place];
             let mut met = probe.triangles(simd, block);
-            while met != 0 {
-                let number = block.triangles[met.trailing_zeros() as usize % WIDTH];
-                ray.test(&mesh.of_triangle(number), number);
-                met &= met - 1;
+            if met != 0 {
+                while met != 0 {
+                    ray.test(&tree.triangles, (block.first + met.trailing_zeros()) as usize);
+                    met &= met - 1;
+                }
+                farthest = bound(ray.distance(), frame);
             }
-            farthest = bound(ray.distance(), frame);
         } else {
             let node = &tree.nodes[child.0 as usize];
             let (near, mut met) = probe.boxes(simd, node, farthest);
-            let first = count;
-            while met != 0 {
-                let place = met.trailing_zeros() as usize % WIDTH;
+            if met != 0 {
+                let first = met.trailing_zeros();
                 met &= met - 1;
-                let entry = u64::from(near[place].to_bits()) << 32 | u64::from(node.children[place].0);
-                // Sorted in, the nearest last.
-                let mut at = count;
-                while at > first && waiting[at - 1] < entry {
-                    waiting[at] = waiting[at - 1];
-                    at -= 1;
+                if met == 0 {
+                    child = node.children[first as usize % WIDTH];
+                    continue;
                 }
-                waiting[at] = entry;
-                count += 1;
+                let mut nearest = entry(&near, node, first);
+                let start = count;
+                while met != 0 {
+                    let next = entry(&near, node, met.trailing_zeros());
+                    met &= met - 1;
+                    let farther = nearest.max(next);
+                    nearest = nearest.min(next);
+                    // Sorted in, the nearest last.
+                    let mut at = count;
+                    while at > start && waiting[at - 1] < farther {
+                        waiting[at] = waiting[at - 1];
+                        at -= 1;
+                    }
+                    waiting[at] = farther;
+                    count += 1;
+                }
+                child = Child(nearest as u32);
+                continue;
             }
         }
         child = loop {
