@@ -1,0 +1,176 @@
+//! Rays where triangles are hard to meet: through shared edges and corners, along their planes, tiny ones in a wide world.
+
+use accuracy::oracle;
+use accuracy::world::Random;
+use glam::{DMat3, DVec3};
+use sim_core::math;
+use sim_core::scene::MeshIndex;
+
+type Triangle = [DVec3; 3];
+
+/// What a distance may differ by, m.
+const TOLERANCE: f64 = 1e-9;
+
+fn unit(random: &mut Random) -> DVec3 {
+    let z = random.between(-1.0, 1.0);
+    (random.direction() * (1.0 - z * z).sqrt()).extend(z)
+}
+
+/// A surface of squares that closes in both directions: `at` is given the numbers of column and row.
+fn closed(columns: usize, rows: usize, at: impl Fn(usize, usize) -> DVec3) -> Vec<Triangle> {
+    let square = |cell: usize| {
+        let (column, row) = (cell % columns, cell / columns);
+        let (next, above) = ((column + 1) % columns, (row + 1) % rows);
+        let [a, b, c, d] = [at(column, row), at(next, row), at(column, above), at(next, above)];
+        [[a, b, d], [a, d, c]]
+    };
+    (0..columns * rows).flat_map(square).collect()
+}
+
+/// A ring with a tube of radius 1 m around a circle of 3 m.
+fn torus() -> Vec<Triangle> {
+    let angle = |number: usize, count: usize| std::f64::consts::TAU * number as f64 / count as f64;
+    closed(24, 12, |column, row| {
+        let ((sin, cos), (up, out)) = (math::sin_cos(angle(column, 24)), math::sin_cos(angle(row, 12)));
+        DVec3::new((3.0 + out) * cos, (3.0 + out) * sin, up)
+    })
+}
+
+/// A box around the origin, each face in squares, turned and moved.
+fn cuboid(half: DVec3, squares: i32, place: impl Fn(DVec3) -> DVec3) -> Vec<Triangle> {
+    let mut triangles = Vec::new();
+    for axis in 0..3 {
+        for side in [-1.0, 1.0] {
+            for cell in 0..squares * squares {
+                let corner = |column: i32, row: i32| {
+                    let mut share = DVec3::splat(side);
+                    share[(axis + 1) % 3] = f64::from(2 * (cell % squares + column) - squares) / f64::from(squares);
+                    share[(axis + 2) % 3] = f64::from(2 * (cell / squares + row) - squares) / f64::from(squares);
+                    place(share * half)
+                };
+                let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
+                triangles.extend([[a, b, d], [a, d, c]]);
+            }
+        }
+    }
+    triangles
+}
+
+/// Corners, middles of edges, quarters and any other points of them.
+fn on_an_edge(triangles: &[Triangle], random: &mut Random) -> DVec3 {
+    let [a, b, c] = triangles[random.below(triangles.len())];
+    match random.below(4) {
+        0 => a,
+        1 => 0.5 * (b + c),
+        2 => c + 0.25 * (a - c),
+        _ => a + random.between(0.0, 1.0) * (b - a),
+    }
+}
+
+#[test]
+fn of_millions_of_rays_none_leaves_a_closed_mesh_through_an_edge() {
+    let turn = DMat3::from_cols_array(&[2.0, 2.0, -1.0, -1.0, 2.0, 2.0, 2.0, -1.0, 2.0]) * (1.0 / 3.0);
+    let half = DVec3::new(2.0, 1.5, 1.25);
+    let far = DVec3::new(1e4, -1e4, 0.0);
+    let meshes = [
+        ("box on the grid", cuboid(half, 4, |at| at), DVec3::ZERO),
+        ("box on the grid, 10 km away", cuboid(half, 4, |at| at + far), far),
+        ("turned box", cuboid(half, 5, |at| turn * at), DVec3::ZERO),
+        ("ring", torus(), DVec3::new(3.0, 0.0, 0.0)),
+    ];
+    let mut random = Random::new(61);
+    for (name, triangles, inside) in meshes {
+        let index = MeshIndex::new(&triangles);
+        for ray in 0..500_000 {
+            // Every other one from where robots on a grid stand.
+            let offset = if ray % 2 == 0 {
+                DVec3::new(random.below(5) as f64, random.below(5) as f64, random.below(3) as f64)
+                    - DVec3::new(2.0, 2.0, 1.0)
+            } else {
+                DVec3::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0))
+            };
+            let origin = inside + 0.25 * offset;
+            let target = on_an_edge(&triangles, &mut random);
+            let way = target - origin;
+            let hit = index.cast(origin, way.normalize_or(DVec3::X), f64::INFINITY);
+            // What a ray grazes within the ring, it may pass by.
+            let farthest = if name == "ring" { f64::INFINITY } else { way.length() + TOLERANCE };
+            assert!(hit.is_some_and(|hit| hit.distance <= farthest), "{name}: {hit:?} from {origin} to {target}");
+        }
+    }
+}
+
+#[test]
+fn rays_along_an_axis_pass_a_box_of_squares_only_outside() {
+    let half = DVec3::splat(2.0);
+    let index = MeshIndex::new(&cuboid(half, 4, |at| at));
+    // On the grid of the squares' corners and half-way between, out to beyond the box: rays within the planes of faces, too.
+    for place in 0..21 * 21 {
+        let (u, v) = (f64::from(place % 21) * 0.25 - 2.5, f64::from(place / 21) * 0.25 - 2.5);
+        for axis in 0..3 {
+            let mut origin = DVec3::ZERO;
+            origin[(axis + 1) % 3] = u;
+            origin[(axis + 2) % 3] = v;
+            for side in [-1.0, 1.0] {
+                origin[axis] = -5.0 * side;
+                let distance = index.cast(origin, DVec3::AXES[axis] * side, f64::INFINITY).map(|hit| hit.distance);
+                let expected = (f64::max(u.abs(), v.abs()) <= 2.0).then_some(3.0);
+                assert_eq!(distance, expected, "from {origin} along axis {axis}");
+            }
+        }
+    }
+}
+
+#[test]
+fn tiny_things_are_met_in_a_wide_world() {
+    let mut random = Random::new(62);
+    let ground = |z: f64| {
+        let corner = |x: f64, y: f64| DVec3::new(1e4 * x, 1e4 * y, z);
+        [
+            [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0)],
+            [corner(-1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
+        ]
+    };
+    let mut triangles = ground(-1.0).to_vec();
+    let places: Vec<DVec3> = (0..40)
+        .map(|_| DVec3::new(random.between(-9e3, 9e3), random.between(-9e3, 9e3), random.between(0.0, 2.0)))
+        .collect();
+    // Boxes of 2 mm, 20 km from end to end.
+    for place in &places {
+        triangles.extend(cuboid(DVec3::splat(1e-3), 1, |at| at + *place));
+    }
+    let index = MeshIndex::new(&triangles);
+    for place in places {
+        for _ in 0..50 {
+            let target = place + 9e-4 * unit(&mut random);
+            let origin = place + random.between(0.01, 5.0) * unit(&mut random);
+            let way = target - origin;
+            let hit = index.cast(origin, way.normalize_or(DVec3::X), f64::INFINITY).expect("it is there");
+            let (truth, number) =
+                oracle::nearest_triangle(&triangles, origin, way.normalize_or(DVec3::X), f64::INFINITY, 1e-11)
+                    .expect("so is it here");
+            assert!((hit.distance - truth).abs() < TOLERANCE, "{hit:?} for {truth}, triangle {number}");
+        }
+    }
+}
+
+#[test]
+fn few_triangles_are_a_mesh() {
+    assert_eq!(MeshIndex::new(&[]).cast(DVec3::ZERO, DVec3::X, f64::INFINITY), None);
+    let mut random = Random::new(63);
+    for count in 1..20 {
+        let triangles: Vec<Triangle> = (0..count).map(|_| [(); 3].map(|()| 3.0 * unit(&mut random))).collect();
+        let index = MeshIndex::new(&triangles);
+        for _ in 0..500 {
+            let (origin, direction) = (5.0 * unit(&mut random), unit(&mut random));
+            let by_all =
+                |wider| oracle::nearest_triangle(&triangles, origin, direction, 20.0, wider).map_or(20.0, |met| met.0);
+            let distance = index.cast(origin, direction, 20.0).map_or(20.0, |hit| hit.distance);
+            let (least, most) = (by_all(1e-10) - TOLERANCE, by_all(-1e-10) + TOLERANCE);
+            assert!(
+                distance >= least && distance <= most,
+                "{distance}, not in [{least}, {most}]: {origin} {direction}"
+            );
+        }
+    }
+}
