@@ -10,6 +10,7 @@ pub mod france;
 mod moving_target;
 mod noise;
 mod range_sensors;
+mod rays3d;
 mod reflectance;
 mod sonar;
 mod stopwatch;
@@ -90,6 +91,7 @@ pub const STUDIES: &[Study] = &[
     drive::DRIVE,
     drive::ODOMETRY,
     contact::STUDY,
+    rays3d::STUDY,
     range_sensors::STUDY,
     sonar::STUDY,
     reflectance::STUDY,

@@ -1,0 +1,170 @@
+//! `rays-3d`: rays among triangles, by the index and by trying all; and the same walls in two and in three dimensions.
+
+use glam::{DVec2, DVec3};
+use sim_core::scene::{Bounds, MeshIndex, Segment, Walls};
+
+use super::{Effort, Outcome, Row, Study, nanoseconds};
+use crate::oracle;
+use crate::world::{self, Random};
+
+pub const STUDY: Study =
+    Study { name: "rays-3d", title: "Distance along a ray among triangles, against their number", run };
+
+/// Squares along an edge of each of the six faces of the room: 12 triangles for each of their squares.
+const SQUARES: [usize; 4] = [3, 9, 29, 91];
+/// Boxes in the room, of 4 walls each besides the room's own.
+const BOXES: [usize; 4] = [4, 24, 249, 2_499];
+/// Half of the sizes of the room, m.
+const HALF: DVec3 = DVec3::new(2.0, 1.5, 1.25);
+/// Side of the room with boxes, m.
+const SIDE: f64 = 50.0;
+/// How far rays among walls are followed, m.
+const RANGE: f64 = 10.0;
+
+fn run(effort: Effort) -> Outcome {
+    let in_rooms = by_method(SQUARES.into_iter().map(|squares| in_room(effort, squares)));
+    let among_walls = by_method(BOXES.into_iter().map(|boxes| among_walls(effort, boxes)));
+    in_rooms.chain(among_walls).collect::<Vec<_>>().into()
+}
+
+/// A ray, and metres along it to the nearest surface, infinite where there is none.
+struct Case {
+    origin: DVec3,
+    direction: DVec3,
+    truth: f64,
+}
+
+/// Error and time of `cast`, which answers in metres. Nothing met counts as met at the range.
+fn row(method: &str, setting: String, effort: Effort, cases: &[Case], cast: impl Fn(&Case) -> Option<f64>) -> Row {
+    let distance = |case: &Case| cast(case).unwrap_or(RANGE);
+    let error = |case: &Case| (distance(case) - case.truth.min(RANGE)).abs();
+    let time_ns = nanoseconds(effort.of(50), cases.len(), || cases.iter().map(distance).sum::<f64>());
+    let error = cases.iter().map(error).fold(0.0, f64::max);
+    Row { study: STUDY.name, method: method.to_owned(), setting, error, unit: "m", time_ns, per: "ray" }
+}
+
+/// Rays from anywhere within the room in any direction.
+fn in_room(effort: Effort, squares: usize) -> [Row; 2] {
+    let triangles = room(squares);
+    let setting = format!("{} triangles", triangles.len());
+    let index = MeshIndex::new(&triangles);
+    let by_index = row("index", setting.clone(), effort, &room_cases(effort.of(20_000)), |case| {
+        index.cast(case.origin, case.direction, RANGE).map(|hit| hit.distance)
+    });
+    // The more triangles, the fewer rays: about as long for each setting.
+    let few = room_cases((effort.of(1_000_000) / triangles.len()).clamp(5, 1_000));
+    let by_all = row("brute-force", setting, effort, &few, |case| {
+        oracle::nearest_triangle(&triangles, case.origin, case.direction, RANGE, 1e-12).map(|(metres, _)| metres)
+    });
+    [by_index, by_all]
+}
+
+/// From the room's own frame: turned about all axes, without rounding but that of a division by 3.
+fn turned(local: DVec3) -> DVec3 {
+    let DVec3 { x, y, z } = local;
+    DVec3::new(2.0 * x - y + 2.0 * z, 2.0 * x + 2.0 * y - z, -x + 2.0 * y + 2.0 * z) / 3.0
+}
+
+/// The faces of a turned box, each parted in so many squares along both of its sides.
+fn room(squares: usize) -> Vec<[DVec3; 3]> {
+    let count = squares as f64;
+    let place = |step: usize| (2.0 * step as f64 - count) / count;
+    let mut triangles = Vec::with_capacity(12 * squares * squares);
+    for axis in 0..3 {
+        for side in [-1.0, 1.0] {
+            let corner = |column: usize, row: usize| {
+                let mut share = DVec3::splat(side);
+                share[(axis + 1) % 3] = place(column);
+                share[(axis + 2) % 3] = place(row);
+                turned(share * HALF)
+            };
+            for cell in 0..squares * squares {
+                let (column, row) = (cell % squares, cell / squares);
+                let [a, b] = [corner(column, row), corner(column + 1, row)];
+                let [c, d] = [corner(column, row + 1), corner(column + 1, row + 1)];
+                triangles.extend([[a, b, d], [a, d, c]]);
+            }
+        }
+    }
+    triangles
+}
+
+fn room_cases(count: usize) -> Vec<Case> {
+    let mut random = Random::new(41);
+    let mut case = || {
+        let share = DVec3::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0));
+        let up = random.between(-1.0, 1.0);
+        let direction = (random.direction() * (1.0 - up * up).sqrt()).extend(up).normalize_or(DVec3::X);
+        // To the nearest of the three walls ahead.
+        let origin = 0.99 * share * HALF;
+        let ahead = (HALF.copysign(direction) - origin) / direction;
+        Case { origin: turned(origin), direction: turned(direction), truth: ahead.min_element() }
+    };
+    (0..count).map(|_| case()).collect()
+}
+
+/// The same rays at half a metre's height among the same walls, as their traces on the floor and as triangles.
+fn among_walls(effort: Effort, boxes: usize) -> [Row; 2] {
+    let segments = world::room_with_boxes(42, DVec2::ZERO, SIDE, boxes);
+    let cases = wall_cases(&segments, effort.of(5_000));
+    let setting = format!("{} walls", segments.len());
+    let index = MeshIndex::new(&segments.iter().flat_map(upright).collect::<Vec<_>>());
+    let walls = Walls::new(segments);
+    let in_2d = row("walls in 2D", setting.clone(), effort, &cases, |case| {
+        walls.cast(case.origin.truncate(), case.direction.truncate(), RANGE).map(|hit| hit.distance)
+    });
+    let in_3d = row("walls as triangles", setting, effort, &cases, |case| {
+        index.cast(case.origin, case.direction, RANGE).map(|hit| hit.distance)
+    });
+    [in_2d, in_3d]
+}
+
+/// A wall of 1 m.
+fn upright(wall: &Segment) -> [[DVec3; 3]; 2] {
+    let [a, b, c, d] = [(wall.a, 0.0), (wall.b, 0.0), (wall.b, 1.0), (wall.a, 1.0)].map(|(at, z)| at.extend(z));
+    [[a, b, c], [a, c, d]]
+}
+
+fn wall_cases(walls: &[Segment], count: usize) -> Vec<Case> {
+    let mut random = Random::new(43);
+    let inside = Bounds { min: DVec2::ZERO, max: DVec2::splat(SIDE) };
+    let mut case = || {
+        let (origin, direction) = (random.point_in(inside), random.direction());
+        let truth =
+            oracle::nearest_wall(walls, origin, direction, RANGE, 0.0).map_or(f64::INFINITY, |(metres, _)| metres);
+        Case { origin: origin.extend(0.5), direction: direction.extend(0.0), truth }
+    };
+    (0..count).map(|_| case()).collect()
+}
+
+/// Rows of each pair, first all of the one method, then all of the other.
+fn by_method(pairs: impl Iterator<Item = [Row; 2]>) -> impl Iterator<Item = Row> {
+    let (first, second): (Vec<_>, Vec<_>) = pairs.map(|[first, second]| (first, second)).unzip();
+    first.into_iter().chain(second)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_method_is_exact_within_rounding() {
+        let rows = run(Effort::Quick).rows;
+        assert_eq!(rows.len(), 16);
+        // A nanometre: a ray that grazes its wall multiplies rounding by a thousand at times.
+        assert!(rows.iter().all(|row| row.error < 1e-9 && row.time_ns > 0.0), "{rows:?}");
+    }
+
+    #[test]
+    fn the_room_has_its_faces_around_its_middle() {
+        let [small, large] = [1, 5].map(room);
+        assert_eq!((small.len(), large.len()), (12, 300));
+        let area = |triangles: &[[DVec3; 3]]| -> f64 {
+            triangles.iter().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum()
+        };
+        // 4 m by 3 m by 2.5 m.
+        for triangles in [small, large] {
+            assert!((area(&triangles) - 2.0 * (12.0 + 7.5 + 10.0)).abs() < 1e-12, "{}", area(&triangles));
+        }
+    }
+}
