@@ -33,7 +33,8 @@ struct Set {
     truth: Vec<(usize, f64)>,
 }
 
-/// Casts a list of rays so many times: seconds, of each part of them the fewest, and the distances, infinite where nothing is met.
+/// Casts a list of rays so many times: seconds, of each part of them the fewest, and the distances, infinite where nothing
+/// is met.
 type Caster<'a> = Box<dyn Fn(&[Ray3], usize) -> (f64, Vec<f64>) + 'a>;
 
 fn main() {
@@ -96,9 +97,13 @@ fn scenes(is_smoke_test: bool) -> Vec<Scene> {
         Set::new("psd", &walls, level(&benches::psd_rays(100_000)), 20),
         Set::new("lidar", &walls, level(&benches::lidar_rays(280)), 20),
     ];
+    let maze = benches::maze();
+    let diagonals = terrain::diagonal_rays(&maze, if is_smoke_test { 1000 } else { 200_000 });
+    let maze = terrain::extruded(&maze);
     vec![
         Scene { name: "terrain", triangles: hills, sets, edges },
         Scene { name: "300 walls, extruded", triangles: walls, sets: wall_sets, edges: Vec::new() },
+        Scene { name: "maze on a grid, extruded", triangles: maze, sets: Vec::new(), edges: diagonals },
     ]
 }
 

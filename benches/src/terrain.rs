@@ -153,3 +153,19 @@ pub fn level_rays(rays: &[crate::Ray]) -> Vec<Ray3> {
         .map(|ray| Ray3 { origin: ray.origin.extend(0.5), direction: ray.direction.extend(0.0), range: ray.range })
         .collect()
 }
+
+/// Rays from the middles of the cells of a maze on a grid of 1 m at exact places of the diagonals that part its walls in
+/// triangles; their range ends 1 mm beyond. A ray that meets nothing has leaked.
+pub fn diagonal_rays(walls: &[Segment], count: usize) -> Vec<Ray3> {
+    let mut random = Random::new(36);
+    let mut ray = || {
+        let wall = walls[random.below(walls.len())];
+        let share = [0.25, 0.5, 0.75][random.below(3)];
+        let target = wall.a.lerp(wall.b, share).extend(share);
+        let mut cell = || random.below(9) as f64 - 4.0;
+        let origin = (wall.a.floor() + DVec2::new(0.5 + cell(), 0.5 + cell())).extend(0.5);
+        let offset = target - origin;
+        Ray3 { origin, direction: offset.normalize_or_zero(), range: offset.length() + 1e-3 }
+    };
+    (0..count).map(|_| ray()).collect()
+}
