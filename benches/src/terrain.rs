@@ -1,5 +1,7 @@
 //! Triangles in space and the rays that are cast at them.
 
+use std::f64::consts::{FRAC_PI_4, TAU};
+
 use accuracy::world::Random;
 use glam::{DVec2, DVec3};
 use sim_core::math;
@@ -85,16 +87,16 @@ fn camera() -> Vec<Ray3> {
             Ray3 { origin, direction: direction.normalize_or_zero(), range: 200.0 }
         })
     };
-    (0..6).flat_map(|_| picture(over_terrain(&mut random, 2.0), random.between(0.0, 6.28))).collect()
+    (0..6).flat_map(|_| picture(over_terrain(&mut random, 2.0), random.between(0.0, TAU))).collect()
 }
 
 /// Eight beams around each of many robots, 20 cm above the ground, of 2 m.
 fn bundles() -> Vec<Ray3> {
     let mut random = Random::new(32);
     let mut robot = move || {
-        let (origin, heading) = (over_terrain(&mut random, 0.2), random.between(0.0, 6.28));
+        let (origin, heading) = (over_terrain(&mut random, 0.2), random.between(0.0, TAU));
         (0..8).map(move |beam| {
-            let azimuth = heading + f64::from(beam) * std::f64::consts::FRAC_PI_4;
+            let azimuth = heading + f64::from(beam) * FRAC_PI_4;
             Ray3 { origin, direction: towards(azimuth, 0.0), range: 2.0 }
         })
     };
@@ -139,7 +141,11 @@ pub fn edge_rays(count: usize) -> Vec<Ray3> {
         let share = [0.0, 0.5, 0.25, random.between(0.0, 1.0)][turn % 4];
         let target = corner + share * (other[random.below(3)] - corner);
         // Every third one from straight above, as sensors on a grid look down.
-        let aside = if turn % 3 == 0 { DVec3::ZERO } else { random.direction().extend(0.0) * random.between(0.0, 6.0) };
+        let aside = if turn.is_multiple_of(3) {
+            DVec3::ZERO
+        } else {
+            random.direction().extend(0.0) * random.between(0.0, 6.0)
+        };
         let origin = target + aside + 8.0 * DVec3::Z;
         let offset = target - origin;
         Ray3 { origin, direction: offset.normalize_or_zero(), range: offset.length() + 1.0 }

@@ -86,8 +86,8 @@ fn levels(triangles: &[Triangle]) -> Levels {
     #[cfg(target_arch = "x86_64")]
     levels.extend(
         [
-            Level::new().as_sse4_2().map(|token| fearless_simd::Simd::level(token)),
-            Level::new().as_avx2().map(|token| fearless_simd::Simd::level(token)),
+            Level::new().as_sse4_2().map(fearless_simd::Simd::level),
+            Level::new().as_avx2().map(fearless_simd::Simd::level),
         ]
         .into_iter()
         .flatten(),
