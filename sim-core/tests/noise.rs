@@ -171,6 +171,18 @@ fn each_mistake_has_its_place_and_what_is_expected() {
 }
 
 #[test]
+fn the_page_names_every_key_and_its_example_has_no_mistakes() {
+    let page = include_str!("../../docs/noise.md");
+    let (_, example) = page.split_once("```toml\n").expect("an example");
+    let (example, _) = example.split_once("```").expect("an end of it");
+    let (spec, diagnostics) = read_noise("p.toml", example);
+    assert_eq!((diagnostics, spec.entries.len()), (Vec::new(), 3));
+    for key in ALL.lines().filter_map(|line| line.split_once(" = ")).map(|(key, _)| key) {
+        assert!(page.contains(&format!("`{key}`")), "`{key}` has no row");
+    }
+}
+
+#[test]
 fn a_mistake_leaves_what_the_base_says() {
     let (spec, _) = read_noise("p.toml", "base = \"real\"\n[psd]\nsigma_mm = -1\nstep_mm = 7\n");
     let psd = spec.profile().range(RangeKind::Psd, "");
