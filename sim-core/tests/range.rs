@@ -9,10 +9,10 @@ use sim_core::{
     RobotId, math,
     object::{Figure, Shape, Solid},
     pose::{Pose, Pose3},
-    scene::{Bounds, MeshIndex, Segment, Surface, Walls},
+    scene::{Bounds, MeshIndex, Segment, Surface, WallId, Walls},
     sensor::{Beam, Echo, Fan, Link, Mount, Posture, RangeModel, RangeSensor, Reading, Scan, Sonar},
     time::Time,
-    world::{Space, World},
+    world::{Block, Space, World},
 };
 
 const ME: RobotId = RobotId(1);
@@ -60,7 +60,7 @@ fn mesh_room(corner: DVec2, surface: Surface) -> World {
 fn in_box(origin: DVec3, direction: DVec3) -> (f64, f64) {
     let to = |axis: usize| {
         let end = if direction[axis] > 0.0 { ROOM[axis] } else { 0.0 };
-        ((end - origin[axis]) / direction[axis], direction[axis].abs())
+        (((end - origin[axis]) / direction[axis]).abs(), direction[axis].abs())
     };
     let (distance, cos) = (0..3).map(to).min_by(|one, other| one.0.total_cmp(&other.0)).expect("three axes");
     (distance, math::atan2((1.0 - cos * cos).sqrt(), cos))
@@ -387,6 +387,61 @@ fn a_level_psd_sees_meshes_where_they_are() {
     assert!((read(0.5, 0.0, 9.0).unwrap() - 2.9).abs() < 1e-12);
     assert!((read(0.5, FRAC_PI_2, 9.0).unwrap() - 1.9).abs() < 1e-12);
     assert_eq!((read(0.5, 0.0, 2.8), read(ROOM.z + 0.1, 0.0, 9.0)), (None, None));
+}
+
+#[test]
+fn a_level_scanner_sees_meshes_where_they_are() {
+    // It saw the plane alone, and the floor z = 0 where a mesh is the ground.
+    let world = mesh_room(DVec2::ZERO, Surface::ROUGH);
+    let robot = Pose::new(1.0, 1.0, 0.3);
+    for (tilt, height, range) in [(0.0, 0.1, 9.0), (-0.3, 0.4, 9.0), (0.2, 0.4, 9.0), (-0.1, 0.4, 2.0)] {
+        let scan = Scan::new(Mount::new(0.1, 0.0, 0.2), Fan { sweep: 2.0 * PI, points: 36, tilt, height, range });
+        let place = Pose3::from_angles(DVec3::new(0.1, 0.0, height), 0.0, 0.0, 0.2);
+        let sensor = Pose3::from_planar(&robot, 0.0).then(&place);
+        for (ray, found) in scan.distances(&world, ME, &robot, Time::ZERO).into_iter().enumerate() {
+            let (sin, cos) = math::sin_cos(scan.bearing(ray as u32));
+            let local = DVec3::new(cos * math::cos(tilt), sin * math::cos(tilt), math::sin(tilt));
+            let (expected, _) = in_box(sensor.position, sensor.rotation * local);
+            match found {
+                Some(distance) => assert!((distance - expected).abs() < 1e-9, "{ray}: {distance} for {expected}"),
+                None => assert!(expected > range, "{ray}: {expected}"),
+            }
+        }
+    }
+    // Beside the mesh of the ground there is no floor.
+    let scan = Scan::new(Mount::default(), Fan { sweep: 2.0 * PI, points: 8, tilt: -0.5, height: 0.4, range: 9.0 });
+    let beside = Pose::new(-20.0, 0.0, 0.0);
+    assert_eq!(scan.distances(&world, ME, &beside, Time::ZERO), [None; 8]);
+}
+
+#[test]
+fn a_tilted_scanner_sees_the_upper_face_of_a_thick_wall() {
+    // It saw the far side from within, 0.4 m off along the floor.
+    let centre_line = Segment::new(DVec2::new(0.3, -1.0), DVec2::new(0.3, 1.0));
+    let walls = Walls::new(centre_line.thickened(0.2).to_vec()).with_heights(vec![0.1; 4]);
+    let block = Block::new(WallId(0), &centre_line, 0.2, 0.1);
+    let world = world(walls, Space { blocks: vec![block], ..Space::default() });
+    let read = |height: f64| {
+        let fan = Fan { sweep: 0.1, points: 1, tilt: -FRAC_PI_4, height, range: 9.0 };
+        Scan::new(Mount::default(), fan).distances(&world, ME, &Pose::default(), Time::ZERO)[0].expect("wall or floor")
+    };
+    // Side, upper face, the floor beyond.
+    for (height, along) in [(0.25, 0.2), (0.4, 0.3), (0.55, 0.55)] {
+        assert!((read(height) - along * 2.0_f64.sqrt()).abs() < 1e-12, "{height}: {}", read(height));
+    }
+}
+
+#[test]
+fn a_sonar_of_least_threshold_is_not_blinded_by_what_returns_nothing() {
+    // A mirror that slants away hid the wall beside it from a sonar whose threshold is 0.
+    let mirror = Segment::new(DVec2::new(0.5, -0.1), DVec2::new(0.7, 0.1));
+    let beside = Segment::new(DVec2::new(0.8, 0.4), DVec2::new(0.8, 0.6));
+    let space = Space { walls: vec![Surface::SMOOTH, Surface::ROUGH], ..Space::default() };
+    let world = world(Walls::new(vec![mirror, beside]), space);
+    for threshold in [0.0, 1e-300] {
+        let found = ahead(RangeModel::Sonar(Sonar { threshold, ..Sonar::srf08() }), &world).distance;
+        assert!((found.expect("the wall") - math::hypot(0.8, 0.4)).abs() < 1e-12, "{threshold}: {found:?}");
+    }
 }
 
 #[test]

@@ -137,7 +137,7 @@ impl RangeSensor {
             let direction = forward.rotate(self.mount.forward().truncate());
             let hit = world.cast(by, origin, direction, range, at).map(|hit| hit.distance);
             let (origin, direction) = (origin.extend(self.mount.position.z), direction.extend(0.0));
-            let mesh = world.sight_mesh(by, origin, direction, hit.unwrap_or(range), at);
+            let mesh = world.sight_off_plane(by, origin, direction, hit.unwrap_or(range), at);
             return Reading::of_distance(mesh.map(|mesh| mesh.distance).or(hit), noise);
         }
         self.model.read(world, by, &self.world_from_sensor(posture), at, noise)

@@ -102,17 +102,22 @@ impl Scan {
     /// metres along the ray to what it meets first, `None` when nothing lies within range. All rays belong to one instant.
     ///
     /// Walls, other robots and objects are met as by [`World::cast`]; its own robot is not. A ray passes over walls that
-    /// end below it; robots and objects count as high as it takes (our choice). Where it falls onto the floor within range
-    /// before it meets anything else, the floor is measured. Noise is added by the caller.
+    /// end below it, or falls onto their upper faces; robots and objects count as high as it takes (our choice), meshes
+    /// where they are. Where it falls onto the floor within range before it meets anything else, the floor is measured,
+    /// unless a body is the ground. Noise is added by the caller.
     pub fn distances(&self, world: &World, by: RobotId, world_from_robot: &Pose, at: Time) -> Vec<Option<f64>> {
         let (origin, ahead) = self.mount.ray(world_from_robot);
-        let floor = self.slope.floor();
+        let floor = if world.floor_surface().is_some() { self.slope.floor() } else { f64::INFINITY };
         let reach = (self.range * self.cos_tilt).min(floor);
         let is_floor_in_range = floor / self.cos_tilt <= self.range;
         let measure = |ray: &DVec2| {
-            let hit = world.cast_sloping(by, origin, ahead.rotate(*ray), reach, self.slope, at);
-            let horizontal = hit.map(|hit| hit.distance).or(is_floor_in_range.then_some(floor))?;
-            Some((horizontal / self.cos_tilt).min(self.range))
+            let direction = ahead.rotate(*ray);
+            let hit = world.cast_sloping(by, origin, direction, reach, self.slope, at);
+            let horizontal = hit.map(|hit| hit.distance).or(is_floor_in_range.then_some(floor));
+            let distance = horizontal.map(|horizontal| (horizontal / self.cos_tilt).min(self.range));
+            let (start, way) = (origin.extend(self.slope.height), (direction * self.cos_tilt).extend(self.sin_tilt));
+            let nearer = world.sight_off_plane(by, start, way, distance.unwrap_or(self.range), at);
+            nearer.map(|met| met.distance).or(distance)
         };
         self.rays.iter().map(measure).collect()
     }

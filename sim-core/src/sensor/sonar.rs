@@ -165,7 +165,7 @@ impl Ear<'_> {
             return None;
         }
         let energy = self.sonar.energy(angle, &sighting, incidence(direction, sighting.normal));
-        if energy >= self.sonar.threshold {
+        if energy >= self.sonar.threshold && energy > 0.0 {
             (self.distance, self.energy) = (sighting.distance, energy);
         }
         Some(sighting)

@@ -154,11 +154,27 @@ impl World {
         });
     }
 
-    /// What a ray meets first of meshes alone: what the plane of walls and footprints does not tell. Nothing is looked for
-    /// in a scene without.
-    pub fn sight_mesh(&self, by: RobotId, origin: DVec3, direction: DVec3, range: f64, at: Time) -> Option<Sighting> {
-        let mut ray = Ray::new(origin, direction, range).filter(|_| self.stage.has_meshes)?;
-        self.sight_bodies(&mut ray, by, at, Figure::cast_meshes);
+    /// What a ray meets first of what the plane of walls and footprints does not tell: meshes and, where the ray rises or
+    /// falls, upper faces of walls. Nothing is looked for in a scene without.
+    pub fn sight_off_plane(
+        &self,
+        by: RobotId,
+        origin: DVec3,
+        direction: DVec3,
+        range: f64,
+        at: Time,
+    ) -> Option<Sighting> {
+        let has_blocks = direction.z != 0.0 && !self.stage.blocks.is_empty();
+        if !has_blocks && !self.stage.has_meshes {
+            return None;
+        }
+        let mut ray = Ray::new(origin, direction, range)?;
+        if has_blocks {
+            self.sight_blocks(&mut ray);
+        }
+        if self.stage.has_meshes {
+            self.sight_bodies(&mut ray, by, at, Figure::cast_meshes);
+        }
         ray.nearest
     }
 
