@@ -85,5 +85,8 @@ pub fn set(robot: &mut Robot, range_degrees: i32, tilt_degrees: i32, points: i32
 }
 
 fn has_none(robot: &Robot) -> String {
-    format!("`{}` has no laser scanner; its line in a robi file is `lidar POINTS TILT`", robot.spec.file)
+    format!(
+        "`{}` has no laser scanner; its line in a robi file is `lidar POINTS TILT`, its table in a companion `[lidar]`",
+        robot.spec.file
+    )
 }

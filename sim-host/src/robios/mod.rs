@@ -235,7 +235,11 @@ impl Robot {
         self.refused(call, answer, |robot| {
             let wanted = SEMANTICS.iter().find(|constant| constant.value == i64::from(semantics));
             let wanted = wanted.map_or_else(|| semantics.to_string(), |constant| constant.name.to_owned());
-            let known: Vec<&str> = robot.devices.table.of_kind(kind).map(|device| device.name.as_str()).collect();
+            let name = |device: &table::Device| match device.number() {
+                0 => format!("{} (without a number)", device.name),
+                _ => device.name.clone(),
+            };
+            let known: Vec<String> = robot.devices.table.of_kind(kind).map(name).collect();
             let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
             format!("`{}` has no `{wanted}`; of this kind it has: {known}", robot.spec.file)
         })

@@ -88,17 +88,25 @@ impl Table {
 
     /// The device of a kind that RoBIOS-7 calls `number`, from 1 on.
     ///
-    /// Where devices of the kind have numbers from 1 to [`MAX_NUMBER`] of their own, these count; else, where some are
-    /// called as in `names`, their places there; else their places in the robi.
+    /// A device has the numbers from 1 to [`MAX_NUMBER`] of its own; else the place of its name in `names`; the others have
+    /// the numbers that are left, in the order of the robi.
     pub fn numbered(&self, kind: i32, number: i32, names: &[&str]) -> Option<&Device> {
-        let place = usize::try_from(number).ok()?.checked_sub(1)?;
-        if self.of_kind(kind).any(|device| device.small_numbers().next().is_some()) {
-            return self.of_kind(kind).find(|device| device.small_numbers().any(|own| own == number));
+        let place = |number: i32| usize::try_from(number).ok()?.checked_sub(1);
+        let unnumbered = || self.of_kind(kind).filter(|device| device.small_numbers().next().is_none());
+        let taken = |number: i32| {
+            let own = self.of_kind(kind).find(|device| device.small_numbers().any(|own| own == number));
+            let name = place(number).and_then(|place| names.get(place).copied());
+            own.or_else(|| unnumbered().find(|device| Some(device.name.as_str()) == name))
+        };
+        let others = || unnumbered().filter(|device| !names.contains(&device.name.as_str()));
+        if let Some(device) = taken(number) {
+            return Some(device);
         }
-        if self.of_kind(kind).any(|device| names.contains(&device.name.as_str())) {
-            return self.of_kind(kind).find(|device| names.get(place) == Some(&device.name.as_str()));
+        // Each device takes two numbers at most: beyond, there is none left for another.
+        if place(number)? > 3 * self.devices.len() {
+            return None;
         }
-        self.of_kind(kind).nth(place)
+        others().nth((1..number).filter(|number| taken(*number).is_none()).count())
     }
 
     /// Name of device `index` of a kind; empty if there is none.
@@ -134,15 +142,34 @@ mod tests {
     }
 
     #[test]
-    fn numbers_of_the_robi_go_before_names_and_those_before_places() {
+    fn a_sensor_of_the_companion_takes_no_number_from_a_psd() {
+        // A laser with a number hid all PSDs without one, one without a number could not be asked for.
+        let some = |name: &str| Some(name.to_owned());
+        let robi = "psd PSD_FRONT -200 0 0 0 0\n";
+        let numbered = psds(robi, "[[laser]]\nname = \"LASER\"\nid = 3\n");
+        assert_eq!(numbered, [None, some("PSD_FRONT"), None, some("LASER"), None]);
+        let unnumbered =
+            psds(robi, "[[laser]]\nname = \"A\"\n[[sonar]]\nname = \"B\"\n[[laser]]\nname = \"C\"\nid = 2\n");
+        assert_eq!(unnumbered, [None, some("PSD_FRONT"), some("C"), some("A"), some("B")]);
+    }
+
+    #[test]
+    fn numbers_far_off_are_none() {
+        let (table, names) = (Table::default(), ["PSD_FRONT"]);
+        let found = [i32::MIN, -1, 0, 9999, i32::MAX].map(|number| table.numbered(HDT_PSD, number, &names));
+        assert_eq!(found, [None; 5]);
+    }
+
+    #[test]
+    fn numbers_of_the_robi_go_before_names_and_those_before_what_is_left() {
         let some = |name: &str| Some(name.to_owned());
         let by_id = psds("psd PSD_LEFT 1 0 0 0 0\npsd PSD_FRONT 3 0 0 0 0\npsd PSD_BACK -212 0 0 0 0\n", "");
-        assert_eq!(by_id, [None, some("PSD_LEFT"), None, some("PSD_FRONT"), None]);
+        assert_eq!(by_id, [None, some("PSD_LEFT"), some("PSD_BACK"), some("PSD_FRONT"), None]);
         let by_name = psds("psd PSD_BACK -212 0 0 0 0\npsd PSD_LEFT -205 0 0 0 0\npsd PSD_FRONT -200 0 0 0 0\n", "");
-        assert_eq!(by_name, [None, some("PSD_FRONT"), some("PSD_LEFT"), None, None]);
+        assert_eq!(by_name, [None, some("PSD_FRONT"), some("PSD_LEFT"), some("PSD_BACK"), None]);
         let by_place = psds("psd PSD_A -212 0 0 0 0\npsd PSD_B -205 0 0 0 0\n", "");
         assert_eq!(by_place, [None, some("PSD_A"), some("PSD_B"), None, None]);
         let by_companion = psds("psd PSD_A -212 0 0 0 0\npsd PSD_B -205 0 0 0 0\n", "[hdt]\nPSD_A = 4\n");
-        assert_eq!(by_companion, [None, None, None, None, some("PSD_A")]);
+        assert_eq!(by_companion, [None, some("PSD_B"), None, None, some("PSD_A")]);
     }
 }
