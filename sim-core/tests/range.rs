@@ -7,7 +7,7 @@ use accuracy::world::Random;
 use glam::{DVec2, DVec3};
 use sim_core::{
     RobotId, math,
-    object::{Figure, Shape, Solid},
+    object::{Figure, Part, Properties, Resistance, Shape, Solid},
     pose::{Pose, Pose3},
     scene::{Bounds, MeshIndex, Segment, Surface, WallId, Walls},
     sensor::{Beam, Echo, Fan, Link, Mount, Posture, RangeModel, RangeSensor, Reading, Scan, Sonar},
@@ -412,6 +412,30 @@ fn a_level_scanner_sees_meshes_where_they_are() {
     let scan = Scan::new(Mount::default(), Fan { sweep: 2.0 * PI, points: 8, tilt: -0.5, height: 0.4, range: 9.0 });
     let beside = Pose::new(-20.0, 0.0, 0.0);
     assert_eq!(scan.distances(&world, ME, &beside, Time::ZERO), [None; 8]);
+}
+
+#[test]
+fn a_movable_mesh_is_seen_beyond_its_footprint() {
+    // Rays that passed by the footprint, of 5 cm here, did not meet the mesh, of 1 m.
+    let sheet = [DVec3::new(0.0, -1.0, 0.0), DVec3::new(0.0, 1.0, 0.0), DVec3::new(0.0, 1.0, 2.0)];
+    let figure = Figure { solids: vec![Solid::Mesh(Arc::new(MeshIndex::new(&[sheet])))], surface: Surface::ROUGH };
+    let part = Part { shape: Shape::Disc { radius: 0.05 }, object_from_part: Pose::default() };
+    let properties = Properties {
+        mass: 1.0,
+        centre_of_mass: DVec2::ZERO,
+        parts: vec![part],
+        resistance: Resistance::Sliding(0.5),
+        restitution: 0.5,
+        contact_friction: 0.3,
+    };
+    let objects = [(Arc::new(properties), Pose::new(2.0, 0.0, 0.0))];
+    let world = World::new(Arc::new(Walls::new(Vec::new())), Time::from_millis(50), std::iter::empty())
+        .with_objects(objects)
+        .with_space(Space { objects: vec![Arc::new(figure)], ..Space::default() });
+    for (y, expected) in [(0.0, Some(2.0)), (0.4, Some(2.0)), (0.9, Some(2.0)), (-0.9, None), (1.1, None)] {
+        let met = world.sight(ME, DVec3::new(0.0, y, 0.3), DVec3::X, 9.0, Time::ZERO);
+        assert_eq!(met.map(|met| met.distance), expected, "{y}");
+    }
 }
 
 #[test]

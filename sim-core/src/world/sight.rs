@@ -198,9 +198,18 @@ impl World {
         self.resting.along_ray(origin, trace, reach, &mut look_at_robot);
         self.moving.along_ray(origin, trace, reach, &mut look_at_robot);
         let Some(objects) = &self.objects else { return };
+        let mut look_at_object = |object, figure: &Figure| {
+            look_at(Seen::Object(object), &objects.pose(object, at), figure);
+        };
         objects.along_ray(origin, trace, reach, |object| {
-            look_at(Seen::Object(object), &objects.pose(object, at), &self.object_figure(object));
+            let figure = self.object_figure(object);
+            if !figure.has_mesh() {
+                look_at_object(object, &figure);
+            }
         });
+        for object in &self.stage.mesh_objects {
+            look_at_object(*object, &self.object_figure(*object));
+        }
     }
 
     /// The shape of a robot's body, and where it is; what it looks like from which side does not matter.

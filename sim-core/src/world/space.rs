@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::{
-    RobotId, math,
+    ObjectId, RobotId, math,
     object::{Figure, Shape, Solid},
     pose::Pose,
     scene::{Bounds, Moving, Segment, Surface, WallId, Walls},
@@ -84,6 +84,8 @@ pub(super) struct Stage {
     pub plain_below: f64,
     /// Whether there is a mesh among the bodies.
     pub has_meshes: bool,
+    /// Objects with a mesh, which may reach farther than the footprint that the index knows.
+    pub mesh_objects: Vec<ObjectId>,
 }
 
 impl Stage {
@@ -95,7 +97,9 @@ impl Stage {
         let plain_below = heights.chain(figures.map(|figure| figure.prism_top())).fold(f64::INFINITY, f64::min);
         let fixed = index(space.fixed.iter().map(|(pose, figure)| figure.bounds(pose)));
         let blocks = index(space.blocks.iter().map(|block| block.figure.bounds(&block.world_from_block)));
-        Self { space, fixed, blocks, plain_below, has_meshes }
+        let objects = (1..).map(ObjectId).zip(&space.objects);
+        let mesh_objects = objects.filter(|(_, figure)| figure.has_mesh()).map(|(object, _)| object).collect();
+        Self { space, fixed, blocks, plain_below, has_meshes, mesh_objects }
     }
 
     /// The surface of a wall.
