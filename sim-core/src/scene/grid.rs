@@ -68,6 +68,21 @@ impl Grid {
         &self.bounds
     }
 
+    /// Side of a cell, m.
+    pub fn cell(&self) -> f64 {
+        self.cell
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
     pub fn column(&self, x: f64) -> usize {
         // `as` saturates, and maps NaN to 0.
         (((x - self.bounds.min.x) * self.per_cell) as usize).min(self.columns - 1)

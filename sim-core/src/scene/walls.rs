@@ -1,11 +1,14 @@
 //! Walls that do not move, and the nearest of them along a ray.
 
-use std::ops::ControlFlow;
+mod block;
+mod ray;
 
 use glam::{DVec2, Vec2Swizzles};
 
-use super::grid::{Cells, Grid, ROUNDING, doubt, is_ray, is_usable, rounding_margin};
+use super::grid::{Cells, Grid, doubt, is_ray, is_usable, rounding_margin};
 use super::{Bounds, Segment};
+use block::Blocks;
+use ray::{Nearest, Ray};
 
 /// A wall's number: its place in the list that [`Walls::new`] was given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
@@ -21,10 +24,14 @@ pub struct Hit {
 }
 
 /// Cells of the grid for each wall.
-const CELLS_PER_WALL: f64 = 4.0;
+const CELLS_PER_WALL: f64 = 1.0;
 
 /// Entries of walls in cells for each wall, on average, that long walls may cost.
 const ENTRIES_PER_WALL: f64 = 8.0;
+
+/// Columns and rows together that a grid may have, so that distances to the borders of cells, summed one by one, are exact
+/// within 10^-7 of a cell.
+const MOST_CELLS_ACROSS: f64 = 16384.0;
 
 /// All walls of a scene, immutable, with a uniform grid over them for rays.
 ///
@@ -49,14 +56,9 @@ pub struct Walls {
     grid: Grid,
     /// Margin by which walls are larger when they are entered into cells: more than all rounding of rays and cells.
     margin: f64,
-    cells: Cells<Entry>,
-}
-
-/// A wall in a cell, with its coordinates at hand.
-#[derive(Clone, Copy, Debug)]
-struct Entry {
-    segment: Segment,
-    wall: WallId,
+    /// Above the [`doubt`] of every ray that starts in `bounds`, or outside them by no more than the margin.
+    inside_doubt: f64,
+    blocks: Blocks,
 }
 
 impl Walls {
@@ -66,22 +68,24 @@ impl Walls {
     /// If there are 2^26 walls or more.
     pub fn new(segments: Vec<Segment>) -> Self {
         assert!(segments.len() < 1 << 26, "a scene has fewer than 2^26 walls");
-        let entries: Vec<Entry> = (0..)
+        let usable: Vec<u32> = (0..)
             .zip(&segments)
             .filter(|(_, segment)| is_usable(segment.a) && is_usable(segment.b))
-            .map(|(wall, &segment)| Entry { segment, wall: WallId(wall) })
+            .map(|(wall, _)| wall)
             .collect();
-        let extent = entries.iter().fold(Bounds::EMPTY, |bounds, entry| bounds.union(entry.segment.bounds()));
-        let bounds = (!entries.is_empty()).then_some(extent);
+        let extent = usable.iter().fold(Bounds::EMPTY, |all, &wall| all.union(segments[wall as usize].bounds()));
+        let bounds = (!usable.is_empty()).then_some(extent);
         let (grid, margin) = match bounds {
-            Some(bounds) => lay_out(bounds, &entries),
+            Some(bounds) => lay_out(bounds, usable.iter().map(|&wall| &segments[wall as usize])),
             None => (Grid::new(Bounds { min: DVec2::ZERO, max: DVec2::ZERO }, 1.0), 0.0),
         };
         let mut cells = Cells::default();
-        cells.fill(grid.len(), entries.iter().copied(), |entry, visit| {
-            for_each_cell(&grid, margin, &entry.segment, visit)
+        cells.fill(grid.len(), usable.iter().copied(), |wall, visit| {
+            for_each_cell(&grid, margin, &segments[wall as usize], visit)
         });
-        Self { segments, heights: Vec::new(), bounds, grid, margin, cells }
+        let blocks = Blocks::new(&grid, &cells, &segments);
+        let inside_doubt = bounds.map_or(0.0, |bounds| 0.5 * rounding_margin(&bounds.grown(margin)));
+        Self { segments, heights: Vec::new(), bounds, grid, margin, inside_doubt, blocks }
     }
 
     /// These walls with the heights of their upper edges above the floor, m, in the same order.
@@ -148,23 +152,43 @@ impl Walls {
             return None;
         }
         let bounds = self.bounds?;
-        let mut ray = Ray::new(origin, direction, range, bounds);
+        let mut nearest = Nearest::within(range);
+        let reach = bounds.grown(self.margin);
+        if reach.contains(origin) {
+            let ray = self.ray(origin, direction, self.inside_doubt, bounds);
+            self.walk(ray, origin, 0.0, &mut nearest, counts);
+            return nearest.hit();
+        }
+        let ray = self.ray(origin, direction, doubt(origin, &bounds), bounds);
         if ray.doubt < self.margin {
-            self.grid.walk(origin, direction, range, |cell, exit| {
-                for entry in self.cells.of(cell) {
-                    ray.test(&entry.segment, entry.wall, &counts);
-                }
-                if ray.nearest <= exit { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            });
+            let (entry, _) = reach.clip(origin, direction, range)?;
+            self.walk(ray, origin + direction * entry, entry, &mut nearest, counts);
         } else if bounds.grown(2.0 * ray.doubt).clip(origin, direction, range).is_some() {
             // So far away that rounding exceeds the margin of the cells.
-            for (wall, segment) in (0..).zip(&self.segments) {
+            for (wall, segment) in (0..).map(WallId).zip(&self.segments) {
                 if is_usable(segment.a) && is_usable(segment.b) {
-                    ray.test(segment, WallId(wall), &counts);
+                    nearest.offer(wall, ray.distance(segment), &counts);
                 }
             }
         }
-        ray.hit()
+        nearest.hit()
+    }
+
+    #[inline(always)]
+    fn ray(&self, origin: DVec2, direction: DVec2, doubt: f64, bounds: Bounds) -> Ray {
+        let doubt_area = 4.0 * doubt * (bounds.max - bounds.min).element_sum();
+        Ray { origin, direction, doubt, doubt_area }
+    }
+
+    /// Tries the ray, which enters the walls' bounds at `start` after `passed` metres, on the walls in its way.
+    #[inline(always)]
+    fn walk(&self, ray: Ray, start: DVec2, passed: f64, nearest: &mut Nearest, counts: impl Fn(WallId, f64) -> bool) {
+        let mut found = *nearest;
+        self.blocks.walk(start, ray.direction, passed, found.distance, |wall| {
+            found.offer(wall, ray.distance(self.segment(wall)), &counts);
+            found.distance
+        });
+        *nearest = found;
     }
 
     /// Visits each wall whose rectangle meets `bounds`, once, in the order of their numbers.
@@ -182,14 +206,8 @@ impl Walls {
 
     /// Every wall in the cells that `bounds` meets, in order and once.
     fn candidates(&self, bounds: &Bounds) -> Vec<WallId> {
-        let (columns, rows) = self.grid.span(bounds);
         let mut ids = Vec::new();
-        for row in rows {
-            let (first, last) = (self.grid.index(*columns.start(), row), self.grid.index(*columns.end(), row));
-            // The cells of a row are neighbours, so are their entries.
-            let entries = self.cells.of_range(first, last);
-            ids.extend(entries.iter().map(|entry| entry.wall));
-        }
+        self.blocks.collect(self.grid.span(bounds), &mut ids);
         ids.sort_unstable();
         ids.dedup();
         ids
@@ -200,15 +218,15 @@ impl Walls {
 ///
 /// Cells are as small as three budgets, each a multiple of the number of walls, allow: the number of cells, of entries
 /// (a wall enters about one cell more than its extents hold cells), and of cells that a ray can pass.
-fn lay_out(bounds: Bounds, entries: &[Entry]) -> (Grid, f64) {
-    let count = entries.len() as f64;
+fn lay_out<'a>(bounds: Bounds, walls: impl ExactSizeIterator<Item = &'a Segment>) -> (Grid, f64) {
+    let count = walls.len() as f64;
     let size = bounds.max - bounds.min;
-    let lengths: f64 = entries.iter().map(|entry| (entry.segment.b - entry.segment.a).abs().element_sum()).sum();
+    let lengths: f64 = walls.map(|wall| (wall.b - wall.a).abs().element_sum()).sum();
     let rounding = rounding_margin(&bounds);
     let cell = (size.x * size.y / (CELLS_PER_WALL * count))
         .sqrt()
         .max(lengths / (ENTRIES_PER_WALL * count))
-        .max((size.x + size.y) / (8.0 * count + 64.0))
+        .max((size.x + size.y) / (8.0 * count + 64.0).min(MOST_CELLS_ACROSS))
         .max(1e6 * rounding)
         .max(1e-9);
     let margin = (1e-6 * cell).max(rounding);
@@ -254,98 +272,6 @@ fn heights_between(a: DVec2, b: DVec2, left: f64, right: f64) -> (f64, f64) {
     };
     let (one, other) = (height(left), height(right));
     (one.min(other), one.max(other))
-}
-
-/// A ray on its way, with the nearest hit so far.
-struct Ray {
-    origin: DVec2,
-    direction: DVec2,
-    /// Part of the touching distance that depends on the origin alone.
-    at_origin: f64,
-    /// No point of the walls is touched from farther away than this.
-    doubt: f64,
-    /// Above the product of any wall's length with the distance from which an origin is on it.
-    doubt_area: f64,
-    /// Distance of the nearest hit so far, or the range.
-    nearest: f64,
-    /// Its wall, or [`NO_WALL`].
-    wall: WallId,
-}
-
-/// Greater than all numbers of walls.
-const NO_WALL: WallId = WallId(u32::MAX);
-
-/// An end of a wall as the ray sees it.
-#[derive(Clone, Copy)]
-struct End {
-    /// Metres along the ray.
-    ahead: f64,
-    /// Metres to the left of the ray's line: the same value for all walls that share the end.
-    side: f64,
-}
-
-impl Ray {
-    #[inline]
-    fn new(origin: DVec2, direction: DVec2, range: f64, bounds: Bounds) -> Self {
-        let doubt = doubt(origin, &bounds);
-        Self {
-            origin,
-            direction,
-            at_origin: ROUNDING * origin.abs().element_sum(),
-            doubt,
-            doubt_area: 4.0 * doubt * (bounds.max - bounds.min).element_sum(),
-            nearest: range,
-            wall: NO_WALL,
-        }
-    }
-
-    #[inline]
-    fn end(&self, point: DVec2) -> End {
-        let offset = point - self.origin;
-        End { ahead: self.direction.dot(offset), side: self.direction.perp_dot(offset) }
-    }
-
-    /// Takes the wall into account.
-    // Conditions are joined by `&` where a branch would be mispredicted half of the time.
-    #[inline(always)]
-    fn test(&mut self, segment: &Segment, wall: WallId, counts: &impl Fn(WallId, f64) -> bool) {
-        let (a, b) = (self.end(segment.a), self.end(segment.b));
-        if ((a.side > self.doubt) & (b.side > self.doubt)) | ((a.side < -self.doubt) & (b.side < -self.doubt)) {
-            return;
-        }
-        let area = a.ahead * b.side - b.ahead * a.side;
-        let in_doubt = (a.side.abs() <= self.doubt) | (b.side.abs() <= self.doubt) | (area.abs() <= self.doubt_area);
-        let distance = if in_doubt { self.touching(segment, a, b) } else { area / (b.side - a.side) };
-        let is_nearer = (0.0 <= distance) & (distance <= self.nearest) && (distance < self.nearest || wall < self.wall);
-        if is_nearer && counts(wall, distance) {
-            self.nearest = distance;
-            self.wall = wall;
-        }
-    }
-
-    /// Distance to a wall of which the ray's line may touch an end, or on which the origin may lie; negative for none.
-    #[cold]
-    fn touching(&self, segment: &Segment, a: End, b: End) -> f64 {
-        let length = (segment.b - segment.a).abs().element_sum();
-        let touches = |end: End, point: DVec2| {
-            end.side.abs() <= self.at_origin + ROUNDING * (point - self.origin).abs().element_sum()
-        };
-        if segment.distance(self.origin) <= self.at_origin + ROUNDING * length {
-            return 0.0;
-        }
-        match (touches(a, segment.a), touches(b, segment.b)) {
-            // Along the wall, which lies before or behind the origin.
-            (true, true) => a.ahead.min(b.ahead),
-            _ if a.side * b.side < 0.0 => (a.ahead * b.side - b.ahead * a.side) / (b.side - a.side),
-            (true, false) => a.ahead,
-            (false, true) => b.ahead,
-            (false, false) => -1.0,
-        }
-    }
-
-    fn hit(&self) -> Option<Hit> {
-        (self.wall != NO_WALL).then_some(Hit { distance: self.nearest, wall: self.wall })
-    }
 }
 
 #[cfg(test)]
@@ -395,7 +321,7 @@ mod tests {
     fn walls_on_the_borders_of_cells_are_in_the_cells_on_both_sides() {
         let upright = |x: f64| [x, 0.0, x, 1.0];
         let mut ends = vec![upright(0.0), upright(1.0)];
-        ends.resize(10, upright(0.5));
+        ends.resize(40, upright(0.5));
         let spaced = walls(&ends).grid;
         let borders: Vec<f64> = (1..9).map(|column| spaced.left(column)).filter(|&x| x < 1.0).collect();
         assert!(borders.len() > 3, "a grid of several columns: {borders:?}");
@@ -414,6 +340,45 @@ mod tests {
             for x in [border.next_down(), border, border.next_up()] {
                 assert_eq!(distance(&scene, [x, -1.0], [0.0, 1.0], 2.0), Some(1.0), "along {border}");
                 assert_eq!(distance(&scene, [x, 2.0], [0.0, -1.0], 2.0), Some(1.0), "along {border}");
+            }
+        }
+    }
+
+    #[test]
+    fn cells_leave_out_no_wall_that_is_met() {
+        // A linear congruential generator: from 0 to 1.
+        let mut state = 1_u64;
+        let mut unit = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for (count, offset, length) in
+            [(3, 0.0, 2.0), (40, 5.0, 30.0), (200, -2e3, 0.5), (300, 1e6, 4.0), (9, 0.0, 1e5)]
+        {
+            let mut point = |size: f64| DVec2::new(offset + size * (unit() - 0.5), size * (unit() - 0.5));
+            let mut ends: Vec<Segment> = Vec::new();
+            for _ in 0..count {
+                let a = ends.last().map_or_else(|| point(20.0), |last: &Segment| last.b);
+                let b = a + point(length) - DVec2::new(offset, 0.0);
+                ends.push(if ends.len() % 4 == 3 {
+                    Segment::new(point(20.0), point(20.0))
+                } else {
+                    Segment::new(a, b)
+                });
+            }
+            let scene = Walls::new(ends);
+            for round in 0..4_000 {
+                let origin = point([20.0, 60.0, 1e5][round % 3]);
+                let target = if round % 5 == 0 { scene.segments[round % count].a } else { point(20.0) };
+                let Some(direction) = (target - origin).try_normalize() else { continue };
+                let range = if round % 2 == 0 { f64::INFINITY } else { 10.0 };
+                let doubt = doubt(origin, &scene.bounds.unwrap());
+                let ray = scene.ray(origin, direction, doubt, scene.bounds.unwrap());
+                let mut nearest = Nearest::within(range);
+                for (wall, segment) in (0..).map(WallId).zip(&scene.segments) {
+                    nearest.offer(wall, ray.distance(segment), |_, _| true);
+                }
+                assert_eq!(scene.cast(origin, direction, range), nearest.hit(), "{origin} along {direction}");
             }
         }
     }

@@ -1,0 +1,241 @@
+//! Walls by cell, four at a time in `f32`: which of them a ray may meet, cell by cell.
+//!
+//! What is met is decided elsewhere, in `f64`. Here walls are only left out, with margins wider than all rounding.
+
+use std::ops::RangeInclusive;
+
+use glam::{DVec2, Vec4};
+
+use super::super::{
+    Segment,
+    grid::{Cells, Grid},
+};
+use super::WallId;
+
+/// Walls of a block.
+const WIDTH: usize = 4;
+
+/// The walls of each cell of a grid. Lengths are in cells, from half a cell outside the grid's lower left corner: places
+/// rounded to whole numbers are cells, counted from 1; a ring of cells around the grid ends every walk.
+#[derive(Clone, Debug)]
+pub(super) struct Blocks {
+    corner: DVec2,
+    per_cell: f64,
+    columns: usize,
+    rows: usize,
+    /// By cell, ring included, the place of its first block.
+    first: Vec<u32>,
+    blocks: Vec<Block>,
+    /// By as much `f32` may be off, with the [margin](super::Walls) of the walls: 16 units of rounding of the farthest
+    /// coordinate. A wall's end is off by 1 (its coordinate) + 1 (the direction) + 1 (the product) on each axis, 1 for
+    /// their sum and 1 for the ray's own place; of a grid of 3 by 3 cells, ring included, 5 are left for the margin.
+    slack: f32,
+}
+
+/// Up to four walls of a cell, coordinate by coordinate; those that are not there compare as false.
+#[derive(Clone, Debug)]
+struct Block {
+    ax: Vec4,
+    ay: Vec4,
+    bx: Vec4,
+    by: Vec4,
+    walls: [u32; WIDTH],
+    /// Place of the cell's next block, or [`OUTSIDE`].
+    next: u32,
+}
+
+/// Place of the block of the ring, which ends walks and lists.
+const OUTSIDE: u32 = 0;
+
+/// Place of the block of all cells without walls.
+const NOTHING: u32 = 1;
+
+const NO_WALL: u32 = u32::MAX;
+
+const EMPTY: Block =
+    Block { ax: Vec4::NAN, ay: Vec4::NAN, bx: Vec4::NAN, by: Vec4::NAN, walls: [NO_WALL; WIDTH], next: OUTSIDE };
+
+/// Added to a place in cells, it leaves the nearest whole number in the lowest bits.
+const ROUNDING_BIAS: f64 = (1_u64 << 52) as f64;
+
+/// Keeps 0 times infinity from being no number; too small to move anything.
+const ANY: f64 = 1e-300;
+
+impl Blocks {
+    /// The walls whose numbers `cells` holds for each cell of `grid`.
+    pub fn new(grid: &Grid, cells: &Cells<u32>, segments: &[Segment]) -> Self {
+        let per_cell = 1.0 / grid.cell();
+        let corner = grid.bounds().min - DVec2::splat(0.5 * grid.cell());
+        let (columns, rows) = (grid.columns() + 2, grid.rows() + 2);
+        let mut first = vec![OUTSIDE; columns * rows];
+        let mut blocks = vec![EMPTY; 2];
+        for row in 0..grid.rows() {
+            for column in 0..grid.columns() {
+                let place = &mut first[(row + 1) * columns + column + 1];
+                let walls = cells.of(grid.index(column, row));
+                *place = if walls.is_empty() { NOTHING } else { blocks.len() as u32 };
+                blocks.extend(walls.chunks(WIDTH).map(|few| Block::new(few, segments, corner, per_cell)));
+                let count = walls.len().div_ceil(WIDTH);
+                let start = blocks.len() - count;
+                for (next, block) in (start + 1..).zip(&mut blocks[start..]).take(count.saturating_sub(1)) {
+                    block.next = next as u32;
+                }
+            }
+        }
+        let slack = (columns + rows) as f32 / (1 << 20) as f32;
+        Self { corner, per_cell, columns, rows, first, blocks, slack }
+    }
+
+    /// Hands `test` each wall that the ray from `start` along `direction` may meet, about in the order of their distances,
+    /// until `test` has returned a distance before which nothing is left; a wall may come several times.
+    ///
+    /// `start` lies within the grid, or outside it by no more than rounding. Distances, of which `farthest` is the greatest
+    /// of interest, are those from a point `passed` metres before `start`.
+    #[inline(always)]
+    pub fn walk(
+        &self,
+        start: DVec2,
+        direction: DVec2,
+        passed: f64,
+        farthest: f64,
+        mut test: impl FnMut(WallId) -> f64,
+    ) {
+        let place = (start - self.corner) * self.per_cell;
+        let biased = place + DVec2::splat(ROUNDING_BIAS);
+        let [column, row] = [biased.x, biased.y].map(|whole| whole.to_bits().wrapping_sub(ROUNDING_BIAS.to_bits()));
+        if column >= self.columns as u64 || row >= self.rows as u64 {
+            return;
+        }
+        let mut cell = row as usize * self.columns + column as usize;
+        // Distances to the next borders: from half a cell before the middle of the cell to half a cell after it.
+        let from_middle = place - (biased - DVec2::splat(ROUNDING_BIAS));
+        let per = DVec2::ONE / direction.abs();
+        let ahead = DVec2::new(along(from_middle.x, direction.x), along(from_middle.y, direction.y));
+        let mut exits = (DVec2::splat(0.5) - ahead + DVec2::splat(ANY)) * per;
+        let (by_column, by_row) = (step(1, direction.x), step(self.columns, direction.y));
+
+        let probe = Probe::new(direction, place, self.slack);
+        let cells_to = |distance: f64| (distance - passed) * self.per_cell;
+        let mut limit = cells_to(farthest);
+        let mut end = probe.end(limit);
+        loop {
+            let Some(&first) = self.first.get(cell) else { return };
+            if first == OUTSIDE {
+                return;
+            }
+            let mut next = first;
+            loop {
+                let block = &self.blocks[next as usize];
+                let mut met = probe.may_meet(block, end);
+                if met != 0 {
+                    while met != 0 {
+                        let wall = block.walls[met.trailing_zeros() as usize % WIDTH];
+                        limit = cells_to(test(WallId(wall)));
+                        met &= met - 1;
+                    }
+                    end = probe.end(limit);
+                }
+                next = block.next;
+                if next == OUTSIDE {
+                    break;
+                }
+            }
+            // Not `min`, which takes care of NaN.
+            let exit = if exits.x < exits.y { exits.x } else { exits.y };
+            if limit <= exit {
+                return;
+            }
+            // By masks: which border comes first is not to be predicted.
+            let is_column = u64::from(exits.x < exits.y).wrapping_neg();
+            cell = cell.wrapping_add((by_column as u64 & is_column | by_row as u64 & !is_column) as usize);
+            exits.x += f64::from_bits(per.x.to_bits() & is_column);
+            exits.y += f64::from_bits(per.y.to_bits() & !is_column);
+        }
+    }
+
+    /// Adds the walls in these columns and rows of the grid to `walls`, some of them several times.
+    pub fn collect(&self, (columns, rows): (RangeInclusive<usize>, RangeInclusive<usize>), walls: &mut Vec<WallId>) {
+        for row in rows {
+            for column in columns.clone() {
+                let mut next = self.first[(row + 1) * self.columns + column + 1];
+                while next != OUTSIDE {
+                    let block = &self.blocks[next as usize];
+                    walls.extend(block.walls.iter().filter(|&&wall| wall != NO_WALL).map(|&wall| WallId(wall)));
+                    next = block.next;
+                }
+            }
+        }
+    }
+}
+
+/// How far a place is ahead of the middle along an axis on which the ray moves as the sign of `direction` says.
+#[inline(always)]
+fn along(from_middle: f64, direction: f64) -> f64 {
+    f64::from_bits(from_middle.to_bits() ^ direction.to_bits() & (1 << 63))
+}
+
+/// From a cell to the next one, `stride` places away.
+#[inline(always)]
+fn step(stride: usize, direction: f64) -> usize {
+    if direction.is_sign_negative() { stride.wrapping_neg() } else { stride }
+}
+
+impl Block {
+    fn new(walls: &[u32], segments: &[Segment], corner: DVec2, per_cell: f64) -> Self {
+        let mut block = EMPTY;
+        for (place, &wall) in walls.iter().enumerate() {
+            let [a, b] = [segments[wall as usize].a, segments[wall as usize].b].map(|end| (end - corner) * per_cell);
+            (block.ax[place], block.ay[place]) = (a.x as f32, a.y as f32);
+            (block.bx[place], block.by[place]) = (b.x as f32, b.y as f32);
+            block.walls[place] = wall;
+        }
+        block
+    }
+}
+
+/// A ray, in cells.
+struct Probe {
+    x: Vec4,
+    y: Vec4,
+    /// Least and greatest side of the ray's line on which a point may be on it.
+    right: Vec4,
+    left: Vec4,
+    /// How far along the ray's line it starts.
+    start: f64,
+    /// Before that by the slack.
+    behind: Vec4,
+    slack: f32,
+}
+
+impl Probe {
+    #[inline(always)]
+    fn new(direction: DVec2, place: DVec2, slack: f32) -> Self {
+        let (side, start) = (direction.perp_dot(place) as f32, direction.dot(place));
+        Self {
+            x: Vec4::splat(direction.x as f32),
+            y: Vec4::splat(direction.y as f32),
+            right: Vec4::splat(side - slack),
+            left: Vec4::splat(side + slack),
+            start,
+            behind: Vec4::splat(start as f32 - slack),
+            slack,
+        }
+    }
+
+    /// Where along the ray's line nothing is of interest any more.
+    #[inline(always)]
+    fn end(&self, limit: f64) -> Vec4 {
+        Vec4::splat((self.start + limit) as f32 + self.slack)
+    }
+
+    /// Which walls have ends on both sides of the ray, or on it, and are neither behind its start nor beyond its end.
+    #[inline(always)]
+    fn may_meet(&self, block: &Block, end: Vec4) -> u32 {
+        let Self { x, y, .. } = *self;
+        let (a_side, b_side) = (x * block.ay - y * block.ax, x * block.by - y * block.bx);
+        let (a_ahead, b_ahead) = (x * block.ax + y * block.ay, x * block.bx + y * block.by);
+        let crosses = a_side.min(b_side).cmple(self.left) & a_side.max(b_side).cmpge(self.right);
+        let is_ahead = a_ahead.max(b_ahead).cmpge(self.behind) & a_ahead.min(b_ahead).cmple(end);
+        (crosses & is_ahead).bitmask()
+    }
+}
