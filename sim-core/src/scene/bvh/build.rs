@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::binary::Binary;
 use super::frame::Frame;
-use super::node::{Block, Box3, Child, Node, PADDING, Tree, Triangle, WIDTH};
+use super::node::{Block, Box3, Child, Node, PADDING, Tree, WIDTH};
 
 /// Levels of a tree, at most.
 pub(super) const DEPTH: usize = 24;
@@ -17,11 +17,12 @@ const BLOCK_COST: f32 = 1.0;
 
 /// The tree over those of the `triangles` that are numbered in `met`.
 pub(super) fn tree(triangles: &[[DVec3; 3]], met: &[u32], frame: &Frame) -> Tree {
-    let met: Vec<_> = met.iter().map(|&number| Triangle { corners: triangles[number as usize], number }).collect();
-    let corners: Vec<[Vec3; 3]> =
-        met.iter().map(|triangle| triangle.corners.map(|corner| frame.tree_from_mesh(corner).as_vec3())).collect();
-    let boxes: Vec<Box3> = corners.iter().map(padded).collect();
-    let mut builder = Builder { triangles: &met, corners: &corners, boxes: &boxes, tree: Tree::default() };
+    let seen: Vec<[Vec3; 3]> = met
+        .iter()
+        .map(|&number| triangles[number as usize].map(|corner| frame.tree_from_mesh(corner).as_vec3()))
+        .collect();
+    let boxes: Vec<Box3> = seen.iter().map(padded).collect();
+    let mut builder = Builder { triangles, numbers: met, seen: &seen, boxes: &boxes, tree: Tree::default() };
     builder.tree.root = Some(builder.subtree(&Binary::new(&boxes, BLOCK_COST), 0, 0).0);
     builder.tree
 }
@@ -32,9 +33,11 @@ fn padded(corners: &[Vec3; 3]) -> Box3 {
 }
 
 struct Builder<'a> {
-    /// By place: the triangle, its corners in the tree's coordinates and its box.
-    triangles: &'a [Triangle],
-    corners: &'a [[Vec3; 3]],
+    /// By number.
+    triangles: &'a [[DVec3; 3]],
+    /// By place: the triangle's number, its corners in the tree's coordinates and its box.
+    numbers: &'a [u32],
+    seen: &'a [[Vec3; 3]],
     boxes: &'a [Box3],
     tree: Tree,
 }
@@ -83,12 +86,14 @@ impl Builder<'_> {
 
     fn block(&mut self, mut places: Vec<usize>) -> (Child, Box3) {
         places.sort_unstable();
-        let mut block = Block { corners: [[[f32::NAN; WIDTH]; 3]; 3], first: self.tree.triangles.len() as u32 };
+        let mut block = Block::EMPTY;
         for (lane, &place) in places.iter().enumerate() {
-            self.tree.triangles.push(self.triangles[place]);
-            for (number, corner) in self.corners[place].iter().enumerate() {
+            let number = self.numbers[place];
+            block.numbers[lane] = number;
+            block.corners[lane] = self.triangles[number as usize];
+            for (number, corner) in self.seen[place].iter().enumerate() {
                 for axis in 0..3 {
-                    block.corners[axis][number][lane] = corner[axis];
+                    block.seen[axis][number][lane] = corner[axis];
                 }
             }
         }

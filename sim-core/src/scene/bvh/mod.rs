@@ -17,7 +17,7 @@ use fearless_simd::Level;
 use glam::DVec3;
 
 use frame::Frame;
-use node::{Tree, Triangle};
+use node::Tree;
 use ray::Ray;
 
 /// The nearest triangle along a ray.
@@ -103,10 +103,10 @@ impl MeshIndex {
         let entry = frame.enter(origin, direction, reciprocal, range)?;
         let mut ray = Ray::new(&entry, direction, reciprocal, range - entry.distance, frame);
         walk::nearest(self.level, &self.tree, frame, &mut ray);
-        let (distance, place) = ray.nearest()?;
-        let distance = (entry.distance + distance).min(range);
-        let Triangle { corners, number } = &self.tree.triangles[place];
-        Some(MeshHit { distance, triangle: *number, normal: normal(corners, direction) })
+        let nearest = ray.nearest()?;
+        let (block, lane) = nearest.place;
+        let normal = normal(&self.tree.blocks[block].corners[lane], direction);
+        Some(MeshHit { distance: (entry.distance + nearest.distance).min(range), triangle: nearest.triangle, normal })
     }
 }
 

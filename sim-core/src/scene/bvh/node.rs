@@ -18,8 +18,6 @@ pub(super) const PADDING: f32 = 24.0 / (1 << 24) as f32;
 pub(super) struct Tree {
     pub nodes: Vec<Node>,
     pub blocks: Vec<Block>,
-    /// Those of a block are neighbours.
-    pub triangles: Vec<Triangle>,
     /// `None` without triangles.
     pub root: Option<Child>,
     /// Nodes on the longest way down.
@@ -57,22 +55,21 @@ impl Child {
     }
 }
 
-/// Up to eight triangles, coordinate by coordinate in the tree's frame.
+/// Up to eight triangles.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Block {
-    /// By axis and corner; NaN, which no ray meets, where there are fewer than eight.
-    pub corners: [[[f32; WIDTH]; 3]; 3],
-    /// Place of the first in [`Tree::triangles`].
-    pub first: u32,
+    /// By axis and corner, in the tree's coordinates; NaN, which no ray meets, where there are fewer than eight.
+    pub seen: [[[f32; WIDTH]; 3]; 3],
+    /// Numbers of the triangles.
+    pub numbers: [u32; WIDTH],
+    /// By triangle: its corners in the mesh's frame, m. Here, so that they are in the same page of memory.
+    pub corners: [[DVec3; 3]; WIDTH],
 }
 
-/// A triangle as it is.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Triangle {
-    /// In the mesh's frame, m.
-    pub corners: [DVec3; 3],
-    pub number: u32,
+impl Block {
+    pub const EMPTY: Self =
+        Self { seen: [[[f32::NAN; WIDTH]; 3]; 3], numbers: [u32::MAX; WIDTH], corners: [[DVec3::NAN; 3]; WIDTH] };
 }
 
 /// A box in the tree's coordinates.

@@ -3,7 +3,6 @@
 use glam::DVec3;
 
 use super::frame::{Entry, Frame};
-use super::node::Triangle;
 
 /// A ray and the nearest triangle it is known to meet.
 pub(super) struct Ray {
@@ -21,9 +20,16 @@ pub(super) struct Ray {
     extent: f64,
     /// A metre in the tree's units.
     scale: f64,
-    /// The least distance known, at first the range.
-    distance: f64,
-    place: usize,
+    nearest: Nearest,
+}
+
+/// The nearest triangle met so far.
+pub(super) struct Nearest {
+    /// Metres along the ray; at first the range.
+    pub distance: f64,
+    /// Its number; at first [`NO_TRIANGLE`].
+    pub triangle: u32,
+    pub place: (usize, usize),
 }
 
 /// As far behind the origin, in the tree's units, is worth a look whether the origin is on a surface.
@@ -32,7 +38,7 @@ const BEHIND: f64 = 1.0 / (1 << 20) as f64;
 /// As much, in the tree's units, the margin of the boxes leaves for the origin's rounding.
 const FINEST: f64 = 1.0 / (1 << 22) as f64;
 
-const NO_PLACE: usize = usize::MAX;
+const NO_TRIANGLE: u32 = u32::MAX;
 
 /// Twice the area of a triangle seen along the ray, over the square of the distance of its farthest corner from the ray:
 /// up to this, the triangle is taken as a line.
@@ -80,8 +86,7 @@ impl Ray {
             stretch,
             extent: entry.origin.abs().max_element().max(frame.extent),
             scale: frame.scale,
-            distance: range,
-            place: NO_PLACE,
+            nearest: Nearest { distance: range, triangle: NO_TRIANGLE, place: (0, 0) },
         }
     }
 
@@ -97,24 +102,23 @@ impl Ray {
 
     /// The least distance known, at first the range, m.
     pub fn distance(&self) -> f64 {
-        self.distance
+        self.nearest.distance
     }
 
-    /// Distance and place of the nearest triangle met.
-    pub fn nearest(&self) -> Option<(f64, usize)> {
-        (self.place != NO_PLACE).then_some((self.distance, self.place))
+    /// The nearest triangle met.
+    pub fn nearest(&self) -> Option<&Nearest> {
+        Some(&self.nearest).filter(|nearest| nearest.triangle != NO_TRIANGLE)
     }
 
-    /// Takes the triangle at `place` into account; of several at the same distance, the one with the lowest number is met.
+    /// Takes a triangle into account; of several at the same distance, the one with the lowest number is met. `place` is
+    /// where the caller finds it again.
     #[inline(always)]
-    pub fn test(&mut self, triangles: &[Triangle], place: usize) {
-        let Triangle { corners, number } = &triangles[place];
-        let is_first = || self.place == NO_PLACE || *number < triangles[self.place].number;
+    pub fn test(&mut self, corners: &[DVec3; 3], triangle: u32, place: (usize, usize)) {
+        let Nearest { distance: least, triangle: first, .. } = self.nearest;
         if let Some(distance) = self.meets(corners)
-            && (distance < self.distance || distance == self.distance && is_first())
+            && (distance < least || distance == least && triangle < first)
         {
-            self.distance = distance;
-            self.place = place;
+            self.nearest = Nearest { distance, triangle, place };
         }
     }
 

@@ -102,13 +102,10 @@ fn without_tree(levels: &Levels, origin: DVec3, direction: DVec3, range: f64) ->
     let reciprocal = direction.recip();
     let entry = frame.enter(origin, direction, reciprocal, range)?;
     let mut ray = Ray::new(&entry, direction, reciprocal, range - entry.distance, frame);
-    let numbered: Vec<_> = (0..).zip(&levels.triangles).filter(|(_, corners)| has_area(corners)).collect();
-    let triangles: Vec<_> =
-        numbered.iter().map(|&(number, corners)| node::Triangle { corners: *corners, number }).collect();
-    for place in 0..triangles.len() {
-        ray.test(&triangles, place);
+    for (number, corners) in (0..).zip(&levels.triangles).filter(|(_, corners)| has_area(corners)) {
+        ray.test(corners, number, (0, 0));
     }
-    ray.nearest().map(|(distance, place)| ((entry.distance + distance).min(range).to_bits(), triangles[place].number))
+    ray.nearest().map(|nearest| ((entry.distance + nearest.distance).min(range).to_bits(), nearest.triangle))
 }
 
 /// The answer of all levels, which is to the bit what the test of every triangle says.

@@ -112,9 +112,9 @@ impl<S: Simd> Probe<S> {
     #[inline(always)]
     fn seen(&self, simd: S, block: &Block, corner: usize) -> (f32x8<S>, f32x8<S>) {
         let [first, second, last] = self.axes;
-        let ahead = f32x8::simd_from(simd, block.corners[last][corner]) - self.origin[2];
-        let x = f32x8::simd_from(simd, block.corners[first][corner]) - self.origin[0] - self.shear[0] * ahead;
-        let y = f32x8::simd_from(simd, block.corners[second][corner]) - self.origin[1] - self.shear[1] * ahead;
+        let ahead = f32x8::simd_from(simd, block.seen[last][corner]) - self.origin[2];
+        let x = f32x8::simd_from(simd, block.seen[first][corner]) - self.origin[0] - self.shear[0] * ahead;
+        let y = f32x8::simd_from(simd, block.seen[second][corner]) - self.origin[1] - self.shear[1] * ahead;
         (x, y)
     }
 
@@ -166,7 +166,8 @@ fn walk<S: Simd, const PLACES: usize>(simd: S, tree: &Tree, root: Child, frame: 
             let mut met = probe.triangles(simd, block);
             if met != 0 {
                 while met != 0 {
-                    ray.test(&tree.triangles, (block.first + met.trailing_zeros()) as usize);
+                    let lane = met.trailing_zeros() as usize % WIDTH;
+                    ray.test(&block.corners[lane], block.numbers[lane], (place, lane));
                     met &= met - 1;
                 }
                 farthest = bound(ray.distance(), frame);
