@@ -10,6 +10,7 @@ pub mod france;
 mod moving_target;
 mod noise;
 mod range_sensors;
+mod rays2d;
 mod rays3d;
 mod reflectance;
 mod sonar;
@@ -91,6 +92,7 @@ pub const STUDIES: &[Study] = &[
     drive::DRIVE,
     drive::ODOMETRY,
     contact::STUDY,
+    rays2d::STUDY,
     rays3d::STUDY,
     range_sensors::STUDY,
     sonar::STUDY,
