@@ -213,3 +213,33 @@ fn a_sonar_on_a_servo_hears_the_same_from_c_and_from_rust() {
     let both = printed(&scratch, &scene("sonar-sweep.sim"), &[]);
     assert!(both.iter().all(|lines| lines.len() == 19));
 }
+
+/// A robot with 34 range sensors, the PSD and lasers 2 to 34, which runs `program`.
+fn many_sensors(scratch: &Scratch, program: &str, api: &str) {
+    with_program(scratch, "many.c", &format!("#include \"eyebot.h\"\n#include <stdio.h>\n{program}"), api);
+    let sim = scratch.read("step.scene.toml");
+    scratch.write("step.scene.toml", &sim.replace("%sim%/robis/watcher.robi", "many.robi"));
+    scratch.write("many.robi", &std::fs::read_to_string(root().join("robis/watcher.robi")).expect("the robi"));
+    let lasers =
+        (2..=34).map(|id| format!("[[laser]]\nname = \"L{id}\"\nid = {id}\nz_mm = 300\nmax_mm = {}\n", 100 + id));
+    scratch.write("many.toml", &lasers.collect::<String>());
+}
+
+#[test]
+fn more_sensors_than_handles_are_told_of() {
+    let scratch = Scratch::new();
+    let program =
+        "int main(void)\n{\n  printf(\"%d %d %d\\n\", PSDInit(2), PSDInit(31), PSDInit(32));\n  return 0;\n}\n";
+    many_sensors(&scratch, program, "api = 6");
+    assert_eq!(printed(&scratch, "step.scene.toml", &[])[0], ["2 1073741824 0"]);
+    let ran = scratch.eyesim(&["run", "step.scene.toml"]);
+    assert!(ran.stderr.contains("a handle is a bit, and the first 31 range sensors of `many.robi`"), "{ran:#?}");
+}
+
+#[test]
+fn all_of_many_sensors_have_numbers_in_robios_7() {
+    let scratch = Scratch::new();
+    let program = "int main(void)\n{\n  printf(\"%d %d %d %d\\n\", PSDGet(2), PSDGet(31), PSDGet(34), PSDGet(35));\n  return 0;\n}\n";
+    many_sensors(&scratch, program, "api = 7");
+    assert_eq!(printed(&scratch, "step.scene.toml", &[])[0], ["102 131 134 0"]);
+}

@@ -13,7 +13,7 @@ use sim_core::world::World;
 
 use super::Devices;
 use super::cycle::Cycle;
-use super::handle::Handles;
+use super::handle::{Handles, MAX_DEVICES};
 use super::hint::Mistake;
 use super::os;
 use super::robot::Robot;
@@ -194,7 +194,15 @@ pub fn raw_from_distance(metres: Option<f64>) -> i32 {
 /// `PSDInit`
 pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
     match robot.devices.table.find(HDT_PSD, semantics).map(|device| device.index) {
-        Some(index) => robot.devices.psds.open(index),
+        Some(index) => match robot.devices.psds.open(index) {
+            0 => robot.refused(Call::PSDInit, 0, |robot| {
+                format!(
+                    "a handle is a bit, and the first {MAX_DEVICES} range sensors of `{}` have them all",
+                    robot.spec.file
+                )
+            }),
+            handle => handle,
+        },
         None => robot.has_no(Call::PSDInit, 0, HDT_PSD, semantics),
     }
 }
