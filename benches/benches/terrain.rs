@@ -57,17 +57,18 @@ fn main() {
             ("parry3d-f64", timed(double_precision(&scene.triangles))),
         ];
         if let Some(python) = env::var_os("EMBREE_PYTHON") {
-            casters.insert(1, ("embree", embree(&scene.triangles, python)));
+            casters.insert(1, ("embree", embree(&scene.triangles, python.clone(), "fast")));
+            casters.insert(2, ("embree-robust", embree(&scene.triangles, python, "robust")));
         }
         casters.retain(|(name, _)| filter.is_none_or(|filter| name.contains(filter.as_str())));
-        println!("  {:<12} {:<12} {:>9} {:>10} {:>15}", "rays", "caster", "Mrays/s", "error, m", "lost or found");
+        println!("  {:<12} {:<13} {:>9} {:>10} {:>15}", "rays", "caster", "Mrays/s", "error, m", "lost or found");
         for set in &scene.sets {
             for (name, caster) in &casters {
                 let (seconds, distances) = caster(&set.rays, REPEATS);
                 let rate = set.rays.len() as f64 / seconds / 1e6;
                 let (lost, error) = errors(set, &distances);
                 println!(
-                    "  {:<12} {name:<12} {rate:>9.2} {error:>10.1e} {lost:>6} of {:>5}",
+                    "  {:<12} {name:<13} {rate:>9.2} {error:>10.1e} {lost:>6} of {:>5}",
                     set.name,
                     set.truth.len()
                 );
@@ -75,7 +76,7 @@ fn main() {
         }
         for (name, caster) in casters.iter().filter(|_| !scene.edges.is_empty()) {
             let share = 100.0 * leaks(&scene, caster) as f64 / scene.edges.len() as f64;
-            println!("  {:<12} {name:<12} {share:>8.3} % of {} leak", "edges", scene.edges.len());
+            println!("  {:<12} {name:<13} {share:>8.3} % of {} leak", "edges", scene.edges.len());
         }
     }
 }
@@ -171,7 +172,7 @@ fn double_precision(triangles: &[Triangle]) -> impl Fn(&Ray3) -> Option<f64> {
 }
 
 /// Embree's single-ray query, by the script in `peers/`.
-fn embree(triangles: &[Triangle], python: OsString) -> Caster<'static> {
+fn embree(triangles: &[Triangle], python: OsString, mode: &'static str) -> Caster<'static> {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("terrain-rays");
     fs::create_dir_all(&folder).expect("the target folder can be written");
     write(&folder, "triangles", triangles.as_flattened().iter().flat_map(|corner| corner.to_array()));
@@ -187,6 +188,7 @@ fn embree(triangles: &[Triangle], python: OsString) -> Caster<'static> {
             .arg("--mesh")
             .arg(&folder)
             .args([repeats, CHUNK].map(|number| number.to_string()))
+            .arg(mode)
             .output();
         let output = output.expect("EMBREE_PYTHON names a Python");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

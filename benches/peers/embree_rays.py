@@ -3,7 +3,8 @@
 Needs the wheels embreex and numpy. Walls are extruded to 1 m, two triangles each; rays run at half that height. Embree
 computes in 32-bit floats; rays are handed over in batches, cast one at a time by Embree's single-ray query.
 
-The bench `terrain` runs it as `embree_rays.py --mesh FOLDER REPEATS CHUNK`.
+The bench `terrain` runs it as `embree_rays.py --mesh FOLDER REPEATS CHUNK MODE`, MODE being
+`fast` or, for fewer leaks at shared edges, `robust`.
 """
 
 import sys
@@ -60,11 +61,11 @@ def measure(scene, name, rays):
     )
 
 
-def mesh(folder, repeats, chunk):
+def mesh(folder, repeats, chunk, mode):
     """Casts rays.f64 (origin, direction, range) at triangles.f64, writes distances.f64, prints seconds."""
     triangles = np.fromfile(folder / "triangles.f64", "<f8").reshape(-1, 3, 3)
     rays = np.fromfile(folder / "rays.f64", "<f8").reshape(-1, 7).astype(np.float32)
-    scene = EmbreeScene()
+    scene = EmbreeScene(robust=mode == "robust")
     _mesh = TriangleMesh(scene, triangles.astype(np.float32))
     origin, direction = np.ascontiguousarray(rays[:, 0:3]), np.ascontiguousarray(rays[:, 3:6])
     distance = np.full(len(rays), np.inf)
@@ -85,8 +86,8 @@ def mesh(folder, repeats, chunk):
 
 
 def main():
-    if len(sys.argv) == 5 and sys.argv[1] == "--mesh":
-        mesh(Path(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4]))
+    if len(sys.argv) == 6 and sys.argv[1] == "--mesh":
+        mesh(Path(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4]), sys.argv[5])
         return
     if len(sys.argv) != 2:
         sys.exit(__doc__)
