@@ -190,10 +190,15 @@ fn rooms(count: usize) -> Vec<Case> {
             let origin = DVec2::new(random.between(0.1, 5.9), random.between(0.1, 5.9));
             let forward = random.direction();
             let yaw = math::atan2(forward.y, forward.x);
+            let truths = [true, false].map(|hidden| heard_in_room(&segments, &surfaces, origin, forward, hidden));
+            // What a corner returns of its hidden wall is a matter of taste: such cases are left out.
+            if truths[0] != truths[1] {
+                continue;
+            }
             cases.push(Case {
                 world: Arc::clone(&world),
                 world_from_sensor: Pose3::from_angles(origin.extend(HEIGHT), 0.0, 0.0, yaw),
-                truth: heard_in_room(&segments, &surfaces, origin, forward),
+                truth: truths[0],
             });
         }
     }
@@ -201,7 +206,15 @@ fn rooms(count: usize) -> Vec<Case> {
 }
 
 /// What is heard in a room of upright walls: brute force.
-fn heard_in_room(segments: &[Segment], surfaces: &[Surface], origin: DVec2, forward: DVec2) -> Option<f64> {
+///
+/// A corner belongs to two walls, of which one may be hidden: it is asked as well, or not.
+fn heard_in_room(
+    segments: &[Segment],
+    surfaces: &[Surface],
+    origin: DVec2,
+    forward: DVec2,
+    hidden: bool,
+) -> Option<f64> {
     let sonar = Sonar::srf08();
     let mut nearest: Option<f64> = None;
     let mut hear = |distance: f64, wall: usize, direction: DVec2, is_foot: bool| {
@@ -226,9 +239,13 @@ fn heard_in_room(segments: &[Segment], surfaces: &[Surface], origin: DVec2, forw
         let share = (origin - segment.a).dot(along) / along.length_squared();
         let point = segment.a + share.clamp(0.0, 1.0) * along;
         let (distance, direction) = ((point - origin).length(), (point - origin).normalize_or_zero());
-        // A nanometre for walls that meet at the point.
+        // A nanometre for walls that meet at the point; a hidden one is not met a tenth of a micrometre further in.
         let first = nearest_wall(segments, origin, direction, sonar.max, 0.0);
-        if distance <= sonar.max && first.is_none_or(|(first, _)| first > distance - 1e-9) {
+        let is_open = first.is_none_or(|(first, _)| first > distance - 1e-9);
+        let inward = (0.5 * (segment.a + segment.b) - point).normalize_or_zero();
+        let beside = (point + 1e-7 * inward - origin).normalize_or_zero();
+        let is_seen = || nearest_wall(segments, origin, beside, sonar.max, 0.0).is_some_and(|(_, met)| met == wall);
+        if distance <= sonar.max && is_open && (hidden || is_seen()) {
             hear(distance, wall, direction, (0.0..=1.0).contains(&share));
         }
     }
@@ -259,7 +276,7 @@ mod tests {
 
     #[test]
     fn the_truth_about_a_room_is_what_many_rays_hear() {
-        let rooms = rooms(4);
+        let rooms = rooms(40);
         let [ours, alone] = [listen as Method, rays_alone].map(|read| row("", &rooms, 4_096, read).error);
         assert!(ours < 1e-3 && alone > ours, "{ours} and {alone} m");
     }
