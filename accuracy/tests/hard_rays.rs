@@ -135,7 +135,7 @@ fn of_walls_in_one_place_the_first_is_met_and_points_change_nothing() {
         let direction = if round % 2 == 0 {
             random.direction()
         } else {
-            (single.segments()[random.below(single.len())].b - origin).normalize()
+            (single.segments()[random.below(single.len())].b - origin).normalize_or(DVec2::X)
         };
         let (one, other) = (single.cast(origin, direction, 30.0), many.cast(origin, direction, 30.0));
         let (one, other) = (one.expect("a closed room"), other.expect("a closed room"));

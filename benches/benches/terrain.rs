@@ -1,4 +1,5 @@
-//! Rays among triangles: speed and error of the index in one table, beside parry and, where it is installed, Embree.
+//! Rays among triangles and walls: speed and error of both indices in one table, beside parry and, where it is installed,
+//! Embree.
 //!
 //! A harness of its own: one table holds what is to be compared, all measured in turn within one run.
 #![forbid(unsafe_code)]
@@ -12,7 +13,7 @@ use std::{env, fs};
 use accuracy::oracle;
 use benches::terrain::{self, Ray3, Triangle};
 use glam::DVec3;
-use sim_core::scene::MeshIndex;
+use sim_core::scene::{MeshIndex, Segment, Walls};
 
 /// How often each set of rays is cast: the fastest counts, since other work on the machine can only slow it down.
 const REPEATS: usize = 15;
@@ -21,6 +22,8 @@ const REPEATS: usize = 15;
 struct Scene {
     name: &'static str,
     triangles: Vec<Triangle>,
+    /// The walls that the triangles are extruded of, if so.
+    walls: Vec<Segment>,
     sets: Vec<Set>,
     /// Aimed at shared edges: those that meet nothing have leaked.
     edges: Vec<Ray3>,
@@ -47,8 +50,16 @@ fn main() {
         let index = MeshIndex::new(&scene.triangles);
         println!("  index built in {:.0} ms", start.elapsed().as_secs_f64() * 1e3);
         let eyesim = |ray: &Ray3| index.cast(ray.origin, ray.direction, ray.range).map(|hit| hit.distance);
+        let walls = Walls::new(scene.walls.clone());
+        let eyesim_2d = |ray: &Ray3| {
+            let hit = walls.cast(ray.origin.truncate(), ray.direction.truncate(), ray.range);
+            hit.map(|hit| hit.distance)
+        };
         if is_smoke_test {
             assert_errors(&scene, &timed(eyesim));
+            if !walls.is_empty() {
+                assert_errors(&scene, &timed(eyesim_2d));
+            }
             continue;
         }
         let mut casters: Vec<(&str, Caster)> = vec![
@@ -59,6 +70,10 @@ fn main() {
         if let Some(python) = env::var_os("EMBREE_PYTHON") {
             casters.insert(1, ("embree", embree(&scene.triangles, python.clone(), "fast")));
             casters.insert(2, ("embree-robust", embree(&scene.triangles, python, "robust")));
+        }
+        if !walls.is_empty() {
+            casters.insert(0, ("eyesim 2D", timed(eyesim_2d)));
+            casters.push(("brute force", timed(brute_force(&scene.walls))));
         }
         casters.retain(|(name, _)| filter.is_none_or(|filter| name.contains(filter.as_str())));
         println!("  {:<12} {:<13} {:>9} {:>10} {:>15}", "rays", "caster", "Mrays/s", "error, m", "lost or found");
@@ -92,19 +107,26 @@ fn scenes(is_smoke_test: bool) -> Vec<Scene> {
         .map(|(name, rays)| Set::new(name, &hills, thinned(rays), if is_smoke_test { 20 } else { 250 }))
         .collect();
     let edges = terrain::edge_rays(if is_smoke_test { 1000 } else { 200_000 });
-    let walls = terrain::extruded(&benches::walls());
+    let walls = benches::walls();
+    let triangles = terrain::extruded(&walls);
     let level = |rays: &[benches::Ray]| thinned(terrain::level_rays(rays));
     let wall_sets = vec![
-        Set::new("psd", &walls, level(&benches::psd_rays(100_000)), 20),
-        Set::new("lidar", &walls, level(&benches::lidar_rays(280)), 20),
+        Set::new("psd", &triangles, level(&benches::psd_rays(100_000)), 20),
+        Set::new("lidar", &triangles, level(&benches::lidar_rays(280)), 20),
     ];
     let maze = benches::maze();
     let diagonals = terrain::diagonal_rays(&maze, if is_smoke_test { 1000 } else { 200_000 });
     let maze = terrain::extruded(&maze);
     vec![
-        Scene { name: "terrain", triangles: hills, sets, edges },
-        Scene { name: "300 walls, extruded", triangles: walls, sets: wall_sets, edges: Vec::new() },
-        Scene { name: "maze on a grid, extruded", triangles: maze, sets: Vec::new(), edges: diagonals },
+        Scene { name: "terrain", triangles: hills, walls: Vec::new(), sets, edges },
+        Scene { name: "300 walls, extruded", triangles, walls, sets: wall_sets, edges: Vec::new() },
+        Scene {
+            name: "maze on a grid, extruded",
+            triangles: maze,
+            walls: Vec::new(),
+            sets: Vec::new(),
+            edges: diagonals,
+        },
     ]
 }
 
@@ -142,6 +164,14 @@ fn timed<'a>(cast: impl Fn(&Ray3) -> Option<f64> + 'a) -> Caster<'a> {
         }
         (seconds, distances)
     })
+}
+
+/// Each wall in doubles, by Cramer's rule.
+fn brute_force(walls: &[Segment]) -> impl Fn(&Ray3) -> Option<f64> {
+    |ray| {
+        let (origin, direction) = (ray.origin.truncate(), ray.direction.truncate());
+        oracle::nearest_wall(walls, origin, direction, ray.range, 0.0).map(|(metres, _)| metres)
+    }
 }
 
 /// Corners as a list, three for each triangle; parry has its triangles by corner numbers.
