@@ -14,6 +14,7 @@ use super::code::Code;
 use super::diagnostic::Diagnostic;
 use super::given::Given;
 use super::line::{self, Quantity};
+use super::noise::LIDAR;
 use super::range::{PITCH, model_name};
 use super::robi::{LIDAR_SWEEP, LIDAR_TILT, MAX_LIDAR_POINTS};
 use super::spec::{BumperSpec, CompassSpec, InfraredSpec, LidarSpec, RobiSpec, SerialLine, SerialSpec, ServoSpec};
@@ -153,7 +154,9 @@ impl Reader<'_> {
                 self.sink.warn(Code::TomlKey, span, message, expected).suggestion = suggestion;
                 continue;
             };
-            if let Some(mut section) = self.as_section("psd", value) {
+            if !matches!(value.get_ref(), DeValue::Table(_)) {
+                self.wrong_type(key.get_ref(), value, "a table");
+            } else if let Some(mut section) = self.as_section("psd", value) {
                 self.set(&mut section, "range_mm", &quantity, &mut psd.range);
                 self.set(&mut section, "pitch_deg", &PITCH, &mut psd.pitch);
                 psd.on = self.on(&mut section).or(psd.on.take());
@@ -320,7 +323,9 @@ impl Reader<'_> {
         let psds = robi.psds.iter().map(|device| ("PSD", &*device.name, device.id, device.span));
         let ranges =
             robi.ranges.iter().map(|device| (model_name(&device.model), &*device.name, device.id, device.span));
-        self.doubles_of(psds.chain(ranges));
+        // Errors know a scanner, which has no name, by this one.
+        let lidar = robi.lidar.iter().map(|lidar| ("lidar", LIDAR, None, lidar.span));
+        self.doubles_of(lidar.chain(psds).chain(ranges));
         let infrareds = robi.infrareds.iter();
         self.doubles_of(infrareds.map(|device| ("infrared", &*device.name, device.id, device.span)));
         self.doubles_of(robi.bumpers.iter().map(|device| ("bumper", &*device.name, device.id, device.span)));

@@ -92,7 +92,8 @@ impl RangeErrors {
         self.model.device * (sigma * self.signals.at(index).normal() + mean)
     }
 
-    /// What the sensor reads at `at` where `exact` is true, in metres; `None` is nothing. A reading lies within `range`.
+    /// What the sensor reads at `at` where `exact` is true, in metres; `None` is nothing. A reading lies within `range`, unless there
+    /// are no errors at all: then it is `exact`.
     ///
     /// A reading is a function of all this and of its [index](Events::index).
     pub fn reading(&self, index: u64, at: Time, range: [f64; 2], exact: Option<f64>) -> Option<f64> {

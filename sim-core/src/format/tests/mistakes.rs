@@ -63,6 +63,7 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (Code::RobiDeviceTwice, "a.robi", "psd PSD_A 1 0 0 0 0\npsd PSD_B 1 0 0 0 0\n"),
     (Code::RobiDeviceTwice, "a.toml", "[[servo]]\nname = \"S\"\n[[servo]]\nname = \"S\"\n"),
     (Code::RobiDeviceTwice, "a.toml", "[[laser]]\nname = \"S\"\n[[sonar]]\nname = \"S\"\n"),
+    (Code::RobiDeviceTwice, "a.toml", "[lidar]\n[[sonar]]\nname = \"LIDAR\"\n"),
     (Code::RobiDriveArity, "a.robi", "drive OMNI_DRIVE MOTOR_FL QUAD_FL\n"),
     (Code::RobiDriveFirst, "a.robi", "name A\ndiameter 180\ndrive DIFFERENTIAL_DRIVE\n"),
     (Code::RobiDriveKind, "a.robi", "drive DIFERENTIAL_DRIVE A B C D\n"),
