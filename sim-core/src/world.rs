@@ -20,7 +20,7 @@ use crate::{
     drive::{HISTORY, Leg, Motion},
     object::{Properties, State, cast_disc},
     pose::{PlaceError, Pose},
-    scene::{Bounds, Hit, Moving, RayFan, Walls},
+    scene::{Bounds, Hit, Moving, Walls},
     time::Time,
 };
 use objects::Objects;
@@ -254,24 +254,21 @@ impl World {
         self.cast_bodies(by, origin, direction, range, at, self.walls.cast(origin, direction, range))
     }
 
-    /// As [`World::cast`] for each ray of a fan whose x axis is turned to `ahead`, in the order of its directions, where the rays rise
-    /// or fall, with distances along the floor: they pass over walls that are [lower](Walls::height) than the ray where it
-    /// comes to them. Bodies are met at any height.
-    pub fn cast_fan(
+    /// As [`World::cast`] for a ray that rises or falls, with distances along the floor: it passes over walls that are
+    /// [lower](Walls::height) than the ray where it comes to them. Bodies are met at any height.
+    pub fn cast_sloping(
         &self,
         by: RobotId,
         origin: DVec2,
-        ahead: DVec2,
-        fan: &RayFan,
+        direction: DVec2,
         range: f64,
         slope: Slope,
         at: Time,
-    ) -> Vec<Option<RayHit>> {
-        let counts = |wall, distance| slope.height_at(distance) <= self.walls.height(wall);
-        let walls = self.walls.cast_fan(origin, ahead, fan, range, counts);
-        let along =
-            |(wall, direction): (_, &DVec2)| self.cast_bodies(by, origin, ahead.rotate(*direction), range, at, wall);
-        walls.into_iter().zip(fan.directions()).map(along).collect()
+    ) -> Option<RayHit> {
+        let wall = self.walls.cast_where(origin, direction, range, |wall, distance| {
+            slope.height_at(distance) <= self.walls.height(wall)
+        });
+        self.cast_bodies(by, origin, direction, range, at, wall)
     }
 
     /// What a ray meets first of this wall and the bodies.

@@ -21,4 +21,4 @@ pub use mesh::{Mesh, Triangle};
 pub use moving::Moving;
 pub use segment::Segment;
 pub use surface::Surface;
-pub use walls::{Hit, RayFan, WallId, Walls};
+pub use walls::{Hit, WallId, Walls};

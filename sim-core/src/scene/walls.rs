@@ -1,7 +1,6 @@
 //! Walls that do not move, and the nearest of them along a ray.
 
 mod block;
-mod fan;
 mod ray;
 
 use glam::{DVec2, Vec2Swizzles};
@@ -9,7 +8,6 @@ use glam::{DVec2, Vec2Swizzles};
 use super::grid::{Cells, Grid, doubt, is_ray, is_usable, rounding_margin};
 use super::{Bounds, Segment};
 use block::Blocks;
-pub use fan::RayFan;
 use ray::{Nearest, Ray};
 
 /// A wall's number: its place in the list that [`Walls::new`] was given.

@@ -6,9 +6,8 @@ use super::Mount;
 use crate::{
     RobotId, math,
     pose::{Pose, Pose3},
-    scene::RayFan,
     time::Time,
-    world::{RayHit, Slope, World},
+    world::{Slope, World},
 };
 
 /// A laser scanner: a fan of rays in the robot's frame, from left to right.
@@ -31,8 +30,8 @@ pub struct Scan {
     cos_tilt: f64,
     /// Gain in height over distance along a ray.
     sin_tilt: f64,
-    /// In the sensor's frame.
-    rays: RayFan,
+    /// Unit vectors in the sensor's frame.
+    rays: Vec<DVec2>,
 }
 
 /// How a [`Scan`] is made.
@@ -65,8 +64,7 @@ impl Scan {
         let tilt = tilt.clamp(-STEEPEST, STEEPEST);
         let slope = Slope { height: height.max(0.0), rise: math::tan(tilt) };
         let bearing = |ray| bearing(points, spacing, ray);
-        let rays = (0..points).map(|ray| Pose::new(0.0, 0.0, bearing(ray)).heading.direction());
-        let rays = RayFan::new(rays.collect());
+        let rays = (0..points).map(|ray| Pose::new(0.0, 0.0, bearing(ray)).heading.direction()).collect();
         Self { mount, spacing, range, slope, cos_tilt: math::cos(tilt), sin_tilt: math::sin(tilt), rays }
     }
 
@@ -112,16 +110,16 @@ impl Scan {
         let floor = if world.floor_surface().is_some() { self.slope.floor() } else { f64::INFINITY };
         let reach = (self.range * self.cos_tilt).min(floor);
         let is_floor_in_range = floor / self.cos_tilt <= self.range;
-        let hits = world.cast_fan(by, origin, ahead, &self.rays, reach, self.slope, at);
-        let measure = |(hit, ray): (Option<RayHit>, &DVec2)| {
+        let measure = |ray: &DVec2| {
             let direction = ahead.rotate(*ray);
+            let hit = world.cast_sloping(by, origin, direction, reach, self.slope, at);
             let horizontal = hit.map(|hit| hit.distance).or(is_floor_in_range.then_some(floor));
             let distance = horizontal.map(|horizontal| (horizontal / self.cos_tilt).min(self.range));
             let (start, way) = (origin.extend(self.slope.height), (direction * self.cos_tilt).extend(self.sin_tilt));
             let nearer = world.sight_off_plane(by, start, way, distance.unwrap_or(self.range), at);
             nearer.map(|met| met.distance).or(distance)
         };
-        hits.into_iter().zip(self.rays.directions()).map(measure).collect()
+        self.rays.iter().map(measure).collect()
     }
 
     /// As [`Scan::distances`] of a scanner that sits at `world_from_sensor`, rolled and pitched as it may be, instead of at
@@ -133,7 +131,7 @@ impl Scan {
             let direction = world_from_sensor.rotation * DVec3::from(((*ray * self.cos_tilt), self.sin_tilt));
             world.sight(by, world_from_sensor.position, direction, self.range, at).map(|sighting| sighting.distance)
         };
-        self.rays.directions().iter().map(measure).collect()
+        self.rays.iter().map(measure).collect()
     }
 }
 
