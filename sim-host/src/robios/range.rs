@@ -1,7 +1,7 @@
 //! Range sensors: what each of them measures at an instant.
 //!
 //! PSDs come first, then the sensors of the other kinds: to programs all are of the kind PSD. [`Ranges::read`] is the one place
-//! where the world becomes a reading; [`super::psd`] and [`super::psd7`] give it to programs.
+//! where the world becomes a reading; `psd.rs` and `psd7.rs` give it to programs.
 
 use sim_core::RobotId;
 use sim_core::build;
