@@ -17,7 +17,6 @@ mod line;
 mod load;
 mod maze;
 mod mesh;
-mod mount;
 mod noise;
 pub mod path;
 mod place;

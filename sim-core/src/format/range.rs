@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use super::Span;
 use super::code::Code;
 use super::line::{self, Quantity};
-use super::mount::{BODY, LinkSpec, MountSpec, RangeSpec, TurnSpec};
-use super::spec::{Axis, PathRef, RobiSpec, Surface};
+use super::spec::{Axis, BODY, LinkSpec, MountSpec, PathRef, RangeSpec, RobiSpec, Surface, TurnSpec};
 use super::table::{Reader, Section};
 use crate::sensor::{Echo, PAPER_SIGMA, RangeModel, SideLobes, Sonar};
 

@@ -16,9 +16,8 @@ use crate::format::scene::form::{
     ArcForm, BodyForm, CameraForm, ColliderForm, CompassForm, CostsForm, DriveForm, DriveKindForm, GenerationsForm,
     InfraredForm, InputForm, JointForm, LayoutForm, LcdForm, LetterForm, LidarForm, MarkerForm, ModelForm, MotorForm,
     ObjectForm, ObjectTypeForm, PsdForm, RobotForm, RobotTypeForm, RunForm, SceneForm, SerialForm, SerialWord,
-    ServoForm, SettingsForm, StartForm, WallForm, WheelForm, WorldForm, WorldKindForm,
+    ServoForm, SettingsForm, SolidForm, StartForm, WallForm, WheelForm, WorldForm, WorldKindForm,
 };
-use crate::format::scene::sensor_form::SolidForm;
 use crate::format::spec::{
     CameraSpec, Collider, CostEntry, CostsRef, DEFAULT_MICROPHONE, DEFAULT_VOLTAGE, DEFAULT_WALL_HEIGHT, InfraredSpec,
     InputSpec, JointSpec, Layout, LcdSpec, LidarSpec, ModelSpec, ObjectLine, ObjectType, PsdSpec, RobiSpec, RobotLine,

@@ -4,9 +4,8 @@ use glam::DVec3;
 
 use super::number::{degrees, mm};
 use super::scene::{place, unless};
-use crate::format::scene::form::AxisForm;
-use crate::format::scene::sensor_form::{
-    EchoForm, LinkForm, MountForm, PlacedTerrainForm, SideLobesForm, SonarForm, SurfaceForm, TerrainForm,
+use crate::format::scene::form::{
+    AxisForm, EchoForm, LinkForm, MountForm, PlacedTerrainForm, SideLobesForm, SonarForm, SurfaceForm, TerrainForm,
 };
 use crate::format::spec::{Axis, DEFAULT_TERRAIN_SCALE, LinkSpec, MountSpec, RangeSpec, Surface, TerrainSpec};
 use crate::sensor::{Echo, PAPER_SIGMA, RangeModel, Sonar};

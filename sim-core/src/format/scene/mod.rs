@@ -6,7 +6,6 @@
 pub(super) mod form;
 mod place;
 mod room;
-pub(super) mod sensor_form;
 mod types;
 mod world;
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::form::{AxisForm, Number};
+use super::{AxisForm, Number};
 
 /// How a surface reflects.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]

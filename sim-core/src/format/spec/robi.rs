@@ -1,0 +1,156 @@
+//! Robot types: body, drive, and all that is on them.
+
+use std::collections::BTreeMap;
+use std::collections::BTreeSet;
+
+use glam::DVec3;
+
+use super::{
+    BumperSpec, CameraSpec, Collider, CompassSpec, DriveKind, InfraredSpec, InputSpec, JointSpec, LcdSpec, LidarSpec,
+    LinkSpec, ModelSpec, PsdSpec, RangeSpec, SerialSpec, ServoSpec, Surface,
+};
+
+/// Mass of a robot type that does not say, in kg. Source: our choice.
+pub const DEFAULT_ROBOT_MASS: f64 = 1.0;
+
+/// Friction between wheels and floor of a robot type that does not say: rubber on a hard floor. Source: our choice.
+pub const DEFAULT_TRACTION: f64 = 0.6;
+
+/// A motor of the drive and what belongs to it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MotorSpec {
+    /// Name of the motor, `MOTOR_LEFT`.
+    pub motor: String,
+    /// Name of its encoder, `QUAD_LEFT`; `None` where the file names none.
+    pub encoder: Option<String>,
+}
+
+/// The drive: its kind and the names of its devices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DriveSpec {
+    /// How the robot drives.
+    pub kind: DriveKind,
+    /// Motors in the order that [`DriveKind`] gives.
+    pub motors: Vec<MotorSpec>,
+    /// Name of the servo that steers; only for [`DriveKind::Ackermann`].
+    pub steering: Option<String>,
+    /// Distance between front and rear axle in metres; for [`DriveKind::Differential`] without meaning.
+    pub wheelbase: f64,
+    /// Steering angle at the servo's ends (0 and 255), in radians; for [`DriveKind::Ackermann`].
+    pub max_steer: f64,
+    /// Time constant of the first-order lag between a wheel's command and its speed, in seconds; 0 for none.
+    pub wheel_lag: f64,
+}
+
+/// The wheels, all alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelSpec {
+    /// Diameter in metres.
+    pub diameter: f64,
+    /// Largest turning rate in rad/s.
+    pub max_rate: f64,
+    /// Encoder ticks per turn of the wheel.
+    pub ticks_per_turn: f64,
+    /// Distance between left and right wheels in metres.
+    pub track: f64,
+}
+
+/// A robot type: a `.robi` and the `.toml` beside it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobiSpec {
+    /// Name of the `.robi` file; of a built-in type, its name.
+    pub file: String,
+    /// Name of the robot type; the file's stem where it does not say.
+    pub name: String,
+    /// Diameter of the body, a circle about the robot's centre, in metres.
+    pub diameter: f64,
+    /// Largest speed in m/s.
+    pub max_speed: f64,
+    /// Largest turning speed in rad/s.
+    pub max_turn: f64,
+    /// Place of the wheel axis on the robot's x axis, in metres; positive: ahead of the centre.
+    pub axis_offset: f64,
+    /// The wheels.
+    pub wheel: WheelSpec,
+    /// The drive.
+    pub drive: DriveSpec,
+    /// Links in the order of the file; none hangs on itself.
+    pub links: Vec<LinkSpec>,
+    /// PSD sensors in the order of the file.
+    pub psds: Vec<PsdSpec>,
+    /// Range sensors beside the PSDs: lasers, ultrasonic, reflectance sensors, sonars, each in the order of the file.
+    pub ranges: Vec<RangeSpec>,
+    /// The camera.
+    pub camera: Option<CameraSpec>,
+    /// The laser scanner.
+    pub lidar: Option<LidarSpec>,
+    /// The body's looks.
+    pub model: Option<ModelSpec>,
+    /// The body's shape in space where the file gives it; contacts are those of the disc of `diameter`.
+    pub colliders: Vec<Collider>,
+    /// How the body reflects.
+    pub surface: Surface,
+    /// Mass in kg; positive.
+    pub mass: f64,
+    /// Centre of mass in the robot's frame, in metres.
+    pub centre_of_mass: DVec3,
+    /// Coefficient of friction between wheels and floor: what the robot can push with, over its weight.
+    pub traction: f64,
+    /// Infrared switches.
+    pub infrareds: Vec<InfraredSpec>,
+    /// Bumpers.
+    pub bumpers: Vec<BumperSpec>,
+    /// Servos beyond those of camera and steering, and those two where the companion says more about them.
+    pub servos: Vec<ServoSpec>,
+    /// The compass.
+    pub compass: Option<CompassSpec>,
+    /// The colour display of RoBIOS-7.
+    pub lcd: LcdSpec,
+    /// What unconnected inputs read.
+    pub inputs: InputSpec,
+    /// What is connected to the serial interfaces, in order of their numbers; nothing where none is listed.
+    pub serials: Vec<SerialSpec>,
+    /// Further entries of the hardware description table: (name of a device, number under which programs ask for it), in
+    /// order of the names. They go before `hdt_sem.h`.
+    pub hdt: Vec<(String, i32)>,
+}
+
+/// A servo of a robot, wherever its files name it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ServoRef<'r> {
+    /// Its name.
+    pub name: &'r str,
+    /// Number under which programs ask for it, where the files give one.
+    pub id: Option<i32>,
+    /// Angles at positions 0 and 255, in radians.
+    pub swing: [f64; 2],
+}
+
+impl RobiSpec {
+    /// All servos: that of the steering first, then those of the companion, then the camera's. That is the order in which
+    /// programs number them.
+    ///
+    /// Where a servo is named twice, what its own table says counts.
+    pub fn all_servos(&self) -> Vec<ServoRef<'_>> {
+        let camera = self.camera.iter().flat_map(|camera| [&camera.pan, &camera.tilt]);
+        let joints = camera.filter_map(|joint| match joint {
+            JointSpec::Servo { name, from, to } => Some((name.as_str(), [*from, *to])),
+            JointSpec::Fixed(_) => None,
+        });
+        // Position 0 steers to the left.
+        let steer = self.drive.max_steer;
+        let steering = self.drive.steering.iter().map(|name| (name.as_str(), [steer, -steer]));
+        let own = self.servos.iter().map(|servo| (servo.name.as_str(), [servo.from, servo.to]));
+        let mut servos: Vec<ServoRef<'_>> = Vec::new();
+        let mut places: BTreeSet<&str> = BTreeSet::new();
+        let tables: BTreeMap<&str, &ServoSpec> = self.servos.iter().rev().map(|servo| (&*servo.name, servo)).collect();
+        for (name, swing) in steering.chain(own).chain(joints) {
+            if places.insert(name) {
+                let table = tables.get(name);
+                let swing = table.map_or(swing, |servo| [servo.from, servo.to]);
+                servos.push(ServoRef { name, id: table.and_then(|servo| servo.id), swing });
+            }
+        }
+        servos
+    }
+}

@@ -1,0 +1,99 @@
+//! Shapes and looks of bodies: those of robots and of objects.
+
+use glam::{DVec2, DVec3};
+
+use super::PathRef;
+
+/// A mesh file and how it is put into the frame of the body that it shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelSpec {
+    /// The mesh file.
+    pub path: PathRef,
+    /// Place of the mesh's origin in the body's frame (x forward, y left, z up), in metres.
+    pub offset: DVec3,
+    /// Turns about the axes of the mesh file (X right, Y up, Z forward), in radians, as the line gives them.
+    pub turns: DVec3,
+}
+
+/// An axis of a body's frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// Forward.
+    X,
+    /// To the left.
+    Y,
+    /// Upwards.
+    Z,
+}
+
+/// A part of a body's shape, in the body's frame (x forward, y left, z up), in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Collider {
+    /// A box along the axes.
+    Box {
+        /// Its centre.
+        centre: DVec3,
+        /// Its full sizes; all positive.
+        size: DVec3,
+    },
+    /// A sphere.
+    Sphere {
+        /// Its centre.
+        centre: DVec3,
+        /// Its radius; positive.
+        radius: f64,
+    },
+    /// A cylinder with half spheres at its ends.
+    Capsule {
+        /// Its centre.
+        centre: DVec3,
+        /// Its radius; positive.
+        radius: f64,
+        /// Its full length with the half spheres; at least twice the radius.
+        height: f64,
+        /// Along which it lies.
+        axis: Axis,
+    },
+    /// An upright cylinder.
+    Cylinder {
+        /// Its centre.
+        centre: DVec3,
+        /// Its radius; positive.
+        radius: f64,
+        /// Its full height; positive.
+        height: f64,
+    },
+}
+
+impl Collider {
+    /// Height of its highest point in the frame of its body, in metres.
+    pub fn top(&self) -> f64 {
+        match *self {
+            Collider::Box { centre, size } => centre.z + 0.5 * size.z,
+            Collider::Sphere { centre, radius } => centre.z + radius,
+            Collider::Capsule { centre, height, axis: Axis::Z, .. } | Collider::Cylinder { centre, height, .. } => {
+                centre.z + 0.5 * height
+            }
+            Collider::Capsule { centre, radius, .. } => centre.z + radius,
+        }
+    }
+
+    /// Radius of the smallest disc about the origin of the floor plane that holds all of it, seen from above, in metres.
+    pub fn reach(&self) -> f64 {
+        match *self {
+            Collider::Box { centre, size } => (centre.truncate().abs() + 0.5 * size.truncate()).length(),
+            Collider::Sphere { centre, radius } | Collider::Cylinder { centre, radius, .. } => {
+                centre.truncate().length() + radius
+            }
+            Collider::Capsule { centre, radius, height, axis } => {
+                let half = (0.5 * height - radius).max(0.0);
+                let core = match axis {
+                    Axis::X => DVec2::new(half, 0.0),
+                    Axis::Y => DVec2::new(0.0, half),
+                    Axis::Z => DVec2::ZERO,
+                };
+                (centre.truncate().abs() + core).length() + radius
+            }
+        }
+    }
+}

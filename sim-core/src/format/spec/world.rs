@@ -1,0 +1,92 @@
+//! Worlds: walls, starts, the ground.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use super::{ModelSpec, ObjectLine, PathRef, Surface};
+use crate::format::Span;
+use crate::pose::Pose;
+use crate::scene::Mesh;
+
+/// Height of a wall whose line does not say, in metres: what EyeSim VR shows of its walls.
+pub const DEFAULT_WALL_HEIGHT: f64 = 0.2;
+
+/// Cell size of a maze that does not say, in metres.
+pub const DEFAULT_CELL: f64 = 0.36;
+
+/// Metres per unit of a terrain's mesh that does not say. Source: our choice, as meshes of robots have.
+pub const DEFAULT_TERRAIN_SCALE: f64 = 1.0;
+
+/// A wall: the straight piece from `from` to `to`, standing on the floor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallSpec {
+    /// One end, in metres, world frame.
+    pub from: DVec2,
+    /// The other end; never equal to `from`.
+    pub to: DVec2,
+    /// Thickness in metres, half of it on either side; 0 for a wall given by four numbers, which is a mere line.
+    pub thickness: f64,
+    /// Height of the upper edge above the floor, in metres; positive.
+    pub height: f64,
+    /// Red, green, blue.
+    pub colour: Option<[u8; 3]>,
+    /// How it reflects; `None`: as the world says.
+    pub surface: Option<Surface>,
+    /// The wall's line (in a maze: its first character).
+    pub span: Span,
+}
+
+/// A place where a robot may start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StartSpec {
+    /// Pose of the robot's centre in the world frame.
+    pub pose: Pose,
+    /// The maze's letter, in upper case; `None` for a `position` line.
+    pub letter: Option<char>,
+    /// Where it is written.
+    pub span: Span,
+}
+
+/// A world (`.wld`) or a maze (`.maz`).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WorldSpec {
+    /// Name of the file.
+    pub file: String,
+    /// Width (along x) and height (along y) of the floor, in metres; one corner is the origin.
+    pub floor: DVec2,
+    /// Image stretched over the whole floor.
+    pub texture: Option<PathRef>,
+    /// How the floor reflects, and walls that do not say; else the floor is smooth and walls are rough.
+    pub surface: Option<Surface>,
+    /// A mesh that range sensors see as the ground; robots drive on the plane z = 0 all the same.
+    pub terrain: Option<TerrainSpec>,
+    /// Side of a maze's cells, in metres; `None` for a `.wld`.
+    pub cell: Option<f64>,
+    /// Walls in the order of the file; in a maze, the vertical ones from left to right, then the horizontal ones from
+    /// top to bottom.
+    pub walls: Vec<WallSpec>,
+    /// Start places in the order of the file.
+    pub starts: Vec<StartSpec>,
+    /// Objects in the order of the file.
+    pub objects: Vec<ObjectLine>,
+}
+
+impl WorldSpec {
+    /// Lower left and upper right corner of the box around floor and walls, in metres.
+    pub fn bounds(&self) -> (DVec2, DVec2) {
+        let ends = self.walls.iter().flat_map(|wall| [wall.from, wall.to]);
+        ends.fold((DVec2::ZERO, self.floor), |(low, high), end| (low.min(end), high.max(end)))
+    }
+}
+
+/// A mesh that range sensors see as the ground.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TerrainSpec {
+    /// The mesh file and its place in the world.
+    pub model: ModelSpec,
+    /// Factor on the lengths of the mesh, in metres per unit of the mesh file; positive.
+    pub scale: f64,
+    /// The mesh in the world frame; `None` as long as it has not been read.
+    pub mesh: Option<Arc<Mesh>>,
+}
