@@ -28,9 +28,6 @@ const RAW_MM: f64 = 20_400.0;
 /// What `PSDGetSignal` answers where there is no sensor, or no value yet.
 pub(super) const NO_SIGNAL: f32 = -1.0;
 
-/// What a sensor reads that sees nothing.
-pub(super) const NOTHING: Reading = Reading { distance: None, signal: 0.0 };
-
 /// The driver of all PSD sensors of a robot.
 #[derive(Clone, Debug, Default)]
 pub struct Psds {
@@ -297,7 +294,7 @@ fn with_sensors<R>(
     act: impl FnOnce(&mut Psds, &mut dyn FnMut(usize, Time) -> Reading) -> R,
 ) -> R {
     let Devices { psds, servos, ranges, .. } = devices;
-    act(psds, &mut |index, at| ranges.read(index, servos, motion, world, at).unwrap_or(NOTHING))
+    act(psds, &mut |index, at| ranges.read(index, servos, motion, world, at))
 }
 
 /// Records that a program reads a distance.

@@ -8,7 +8,7 @@ use sim_core::sensor::Reading;
 use sim_core::world::World;
 
 use super::Devices;
-use super::psd::{NO_SIGNAL, NOTHING, mm_from_distance, raw_from_distance, record_distance, record_signal};
+use super::psd::{NO_SIGNAL, mm_from_distance, raw_from_distance, record_distance, record_signal};
 use super::robot::Robot;
 
 /// The sensors 1 to 7 by name. Source: EyeSim VR; RoBIOS-7's header has the first four.
@@ -47,5 +47,5 @@ fn read(robot: &mut Robot, world: &World, call: Call, psd: i32) -> Option<(usize
     };
     let Robot { now, motion, devices, .. } = robot;
     let Devices { ranges, servos, .. } = devices;
-    Some((index, ranges.read(index, servos, motion, world, *now).unwrap_or(NOTHING)))
+    Some((index, ranges.read(index, servos, motion, world, *now)))
 }

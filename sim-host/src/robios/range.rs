@@ -38,6 +38,9 @@ struct Errors {
 /// same errors, however often that is. Source: the cycle of the PSDs; for the others our choice.
 const CYCLE: Time = super::psd::CYCLE;
 
+/// What is read where there is no sensor.
+const NOTHING: Reading = Reading { distance: None, signal: 0.0 };
+
 /// A laser scanner measures when it is told to.
 const SCAN: Time = Time(1);
 
@@ -79,17 +82,17 @@ impl Ranges {
         Self { errors: Some(Box::new(errors)), ..self }
     }
 
-    /// What sensor `index` reads at `at`; `None` if there is no such sensor. Its servos stand as they did just before.
-    pub fn read(&self, index: usize, servos: &Servos, motion: &mut Motion, world: &World, at: Time) -> Option<Reading> {
+    /// What sensor `index` reads at `at`, nothing if there is no such sensor. Its servos stand as they did just before.
+    pub fn read(&self, index: usize, servos: &Servos, motion: &mut Motion, world: &World, at: Time) -> Reading {
         let world_from_robot = motion.pose(at);
         let event = Events::index(at, CYCLE);
         let errors = self.errors.as_ref().and_then(|errors| errors.sensors.get(index));
-        let sensor = self.sensors.get(index)?;
+        let Some(sensor) = self.sensors.get(index) else { return NOTHING };
         let angles = self.angles(sensor.link, servos, at);
         let posture = Posture { world_from_robot, links: &self.links, angles: &angles };
         let own = errors.map_or(0.0, |(errors, [sigma, mean])| errors.own(event, *sigma, *mean));
         let reading = sensor.read(world, motion.id(), &posture, at, own);
-        Some(errors.map_or(reading, |(errors, _)| errors.reading_of(event, at, &sensor.model, reading)))
+        errors.map_or(reading, |(errors, _)| errors.reading_of(event, at, &sensor.model, reading))
     }
 
     /// What the rays of the scanner measure at `at`, in metres from left to right; `None` for nothing within range.
@@ -101,29 +104,18 @@ impl Ranges {
         world: &World,
         at: Time,
     ) -> Vec<Option<f64>> {
-        let exact = self.exact_scan(scanner, servos, motion, world, at);
-        let Some(errors) = &self.errors else { return exact };
-        let mut erring = errors.lidar.scan(Events::index(at, SCAN), at, [0.0, scanner.fan().range()]);
-        exact.into_iter().map(|point| erring.point(point)).collect()
-    }
-
-    fn exact_scan(
-        &self,
-        scanner: &Scanner,
-        servos: &Servos,
-        motion: &mut Motion,
-        world: &World,
-        at: Time,
-    ) -> Vec<Option<f64>> {
         let world_from_robot = motion.pose(at);
-        match scanner {
+        let exact = match scanner {
             Scanner::Level(scan) => scan.distances(world, motion.id(), &world_from_robot, at),
             Scanner::InSpace { scan, mount, link } => {
                 let angles = self.angles(*link, servos, at);
                 let posture = Posture { world_from_robot, links: &self.links, angles: &angles };
                 scan.distances_from(world, motion.id(), &posture.world_from(mount, *link), at)
             }
-        }
+        };
+        let Some(errors) = &self.errors else { return exact };
+        let mut erring = errors.lidar.scan(Events::index(at, SCAN), at, [0.0, scanner.fan().range()]);
+        exact.into_iter().map(|point| erring.point(point)).collect()
     }
 
     /// Angles of all servos just before `at`; none where nothing asks for them.
@@ -138,14 +130,12 @@ impl Scanner {
     /// The scanner that a robi describes, with `points` rays over `sweep` rad, raised by `tilt` rad.
     pub fn new(spec: &RobiSpec, lidar: &LidarSpec, [sweep, tilt]: [f64; 2], points: u32) -> Self {
         let LidarSpec { mount, range, .. } = lidar;
-        let (position, range) = (mount.position, *range);
+        let fan = Fan { sweep, points, tilt, height: mount.position.z, range: *range };
         if mount.is_level() {
-            let fan = Fan { sweep, points, tilt, height: position.z, range };
-            return Self::Level(Scan::new(Mount::new(position.x, position.y, mount.yaw), fan));
+            return Self::Level(Scan::new(Mount::new(mount.position.x, mount.position.y, mount.yaw), fan));
         }
-        let scan = Scan::new(Mount::default(), Fan { sweep, points, tilt, height: position.z, range });
         let (mount, link) = build::scanner_mount(spec, lidar);
-        Self::InSpace { scan, mount, link }
+        Self::InSpace { scan: Scan::new(Mount::default(), fan), mount, link }
     }
 
     /// Its fan: how many rays, and where each looks.

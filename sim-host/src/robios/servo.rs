@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 
 use robios_sys::Robios6Call as Call;
 use robios_sys::robios6::hdt_type::HDT_SERVO;
-use sim_core::drive::Command;
+use sim_core::drive::{Command, HISTORY};
 use sim_core::time::Time;
 use sim_core::world::World;
 
@@ -35,9 +35,6 @@ struct Change {
     from: u8,
 }
 
-/// For how long changes are kept: sensors on servos are read as late as the world remembers what they saw.
-const MEMORY: Time = Time::from_millis(100);
-
 /// All that a servo can do.
 const WHOLE_RANGE: [u8; 2] = [0, 255];
 
@@ -62,7 +59,8 @@ impl Servos {
     /// Turns servo `index` at `now`.
     fn turn(&mut self, index: usize, position: u8, now: Time) {
         let change = Change { at: now, servo: index, from: self.position(index) };
-        while self.changes.front().is_some_and(|oldest| oldest.at + MEMORY < now) {
+        // Sensors on servos are read as late as the world remembers what they saw.
+        while self.changes.front().is_some_and(|oldest| oldest.at + HISTORY < now) {
             self.changes.pop_front();
         }
         self.changes.push_back(change);
