@@ -22,6 +22,11 @@ pub fn nearest_wall(
     longer: f64,
 ) -> Option<(f64, usize)> {
     let distances = segments.iter().map(|segment| distance_along_ray(segment, origin, direction, longer));
+    nearest(distances, range)
+}
+
+/// The least of these distances that is not above `range`, and its place; the first of equal ones.
+fn nearest(distances: impl Iterator<Item = Option<f64>>, range: f64) -> Option<(f64, usize)> {
     distances
         .enumerate()
         .filter_map(|(place, distance)| distance.filter(|&metres| metres <= range).map(|metres| (metres, place)))
@@ -66,10 +71,7 @@ pub fn nearest_triangle(
     wider: f64,
 ) -> Option<(f64, usize)> {
     let distances = triangles.iter().map(|corners| distance_to_triangle(corners, origin, direction, wider));
-    distances
-        .enumerate()
-        .filter_map(|(place, distance)| distance.filter(|&metres| metres <= range).map(|metres| (metres, place)))
-        .min_by(|one, other| one.0.total_cmp(&other.0))
+    nearest(distances, range)
 }
 
 fn distance_to_triangle(&[a, b, c]: &[DVec3; 3], origin: DVec3, direction: DVec3, wider: f64) -> Option<f64> {
