@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 use sim_core::math;
@@ -43,6 +43,12 @@ impl Random {
         let (sin, cos) = math::sin_cos(self.between(0.0, TAU));
         DVec2::new(cos, sin)
     }
+
+    /// A unit vector of uniform direction in space.
+    pub fn direction_in_space(&mut self) -> DVec3 {
+        let up = self.between(-1.0, 1.0);
+        (self.direction() * (1.0 - up * up).sqrt()).extend(up)
+    }
 }
 
 /// A closed square room of `side` metres with its lower left corner at `corner`, and `boxes` boxes in it with sides of
@@ -78,4 +84,38 @@ pub fn maze(seed: u64, corner: DVec2, size: usize, cell: f64) -> Vec<Segment> {
         }
     }
     walls
+}
+
+/// The walls as upright rectangles of 1 m, two triangles each.
+pub fn extruded(walls: &[Segment]) -> Vec<[DVec3; 3]> {
+    let side = |wall: &Segment| {
+        let [a, b] = [wall.a, wall.b].map(|end| end.extend(0.0));
+        let [c, d] = [b, a].map(|foot| foot + DVec3::Z);
+        [[a, b, c], [a, c, d]]
+    };
+    walls.iter().flat_map(side).collect()
+}
+
+/// The faces of a box around the origin with these half sides, each parted in so many squares along both of its sides, of two
+/// triangles each; `place` puts its points where they belong.
+pub fn cuboid(half: DVec3, squares: u32, place: impl Fn(DVec3) -> DVec3) -> Vec<[DVec3; 3]> {
+    let share = |step: u32| (2.0 * f64::from(step) - f64::from(squares)) / f64::from(squares);
+    let mut triangles = Vec::new();
+    for axis in 0..3 {
+        for side in [-1.0, 1.0] {
+            let corner = |column: u32, row: u32| {
+                let mut shares = DVec3::splat(side);
+                shares[(axis + 1) % 3] = share(column);
+                shares[(axis + 2) % 3] = share(row);
+                place(shares * half)
+            };
+            for cell in 0..squares * squares {
+                let (column, row) = (cell % squares, cell / squares);
+                let [a, b] = [corner(column, row), corner(column + 1, row)];
+                let [c, d] = [corner(column, row + 1), corner(column + 1, row + 1)];
+                triangles.extend([[a, b, d], [a, d, c]]);
+            }
+        }
+    }
+    triangles
 }

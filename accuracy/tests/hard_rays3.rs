@@ -1,7 +1,7 @@
 //! Rays where triangles are hard to meet: through shared edges and corners, along their planes, tiny ones in a wide world.
 
 use accuracy::oracle;
-use accuracy::world::Random;
+use accuracy::world::{Random, cuboid};
 use glam::{DMat3, DVec3};
 use sim_core::math;
 use sim_core::scene::MeshIndex;
@@ -10,11 +10,6 @@ type Triangle = [DVec3; 3];
 
 /// What a distance may differ by, m.
 const TOLERANCE: f64 = 1e-9;
-
-fn unit(random: &mut Random) -> DVec3 {
-    let z = random.between(-1.0, 1.0);
-    (random.direction() * (1.0 - z * z).sqrt()).extend(z)
-}
 
 /// A surface of squares that closes in both directions: `at` is given the numbers of column and row.
 fn closed(columns: usize, rows: usize, at: impl Fn(usize, usize) -> DVec3) -> Vec<Triangle> {
@@ -34,26 +29,6 @@ fn torus() -> Vec<Triangle> {
         let ((sin, cos), (up, out)) = (math::sin_cos(angle(column, 24)), math::sin_cos(angle(row, 12)));
         DVec3::new((3.0 + out) * cos, (3.0 + out) * sin, up)
     })
-}
-
-/// A box around the origin, each face in squares, turned and moved.
-fn cuboid(half: DVec3, squares: i32, place: impl Fn(DVec3) -> DVec3) -> Vec<Triangle> {
-    let mut triangles = Vec::new();
-    for axis in 0..3 {
-        for side in [-1.0, 1.0] {
-            for cell in 0..squares * squares {
-                let corner = |column: i32, row: i32| {
-                    let mut share = DVec3::splat(side);
-                    share[(axis + 1) % 3] = f64::from(2 * (cell % squares + column) - squares) / f64::from(squares);
-                    share[(axis + 2) % 3] = f64::from(2 * (cell / squares + row) - squares) / f64::from(squares);
-                    place(share * half)
-                };
-                let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
-                triangles.extend([[a, b, d], [a, d, c]]);
-            }
-        }
-    }
-    triangles
 }
 
 /// Corners, middles of edges, quarters and any other points of them.
@@ -142,8 +117,8 @@ fn tiny_things_are_met_in_a_wide_world() {
     let index = MeshIndex::new(&triangles);
     for place in places {
         for _ in 0..50 {
-            let target = place + 9e-4 * unit(&mut random);
-            let origin = place + random.between(0.01, 5.0) * unit(&mut random);
+            let target = place + 9e-4 * random.direction_in_space();
+            let origin = place + random.between(0.01, 5.0) * random.direction_in_space();
             let way = target - origin;
             let hit = index.cast(origin, way.normalize_or(DVec3::X), f64::INFINITY).expect("it is there");
             let (truth, number) =
@@ -159,10 +134,10 @@ fn few_triangles_are_a_mesh() {
     assert_eq!(MeshIndex::new(&[]).cast(DVec3::ZERO, DVec3::X, f64::INFINITY), None);
     let mut random = Random::new(63);
     for count in 1..20 {
-        let triangles: Vec<Triangle> = (0..count).map(|_| [(); 3].map(|()| 3.0 * unit(&mut random))).collect();
+        let triangles: Vec<Triangle> = (0..count).map(|_| [(); 3].map(|()| 3.0 * random.direction_in_space())).collect();
         let index = MeshIndex::new(&triangles);
         for _ in 0..500 {
-            let (origin, direction) = (5.0 * unit(&mut random), unit(&mut random));
+            let (origin, direction) = (5.0 * random.direction_in_space(), random.direction_in_space());
             let by_all =
                 |wider| oracle::nearest_triangle(&triangles, origin, direction, 20.0, wider).map_or(20.0, |met| met.0);
             let distance = index.cast(origin, direction, 20.0).map_or(20.0, |hit| hit.distance);

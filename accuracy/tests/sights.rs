@@ -25,12 +25,6 @@ fn look(world: &World, origin: [f64; 3], direction: [f64; 3]) -> Option<Sighting
     world.sight(ME, DVec3::from(origin), DVec3::from(direction).normalize_or_zero(), 9.0, Time::ZERO)
 }
 
-/// A uniform direction in space.
-fn direction(random: &mut Random) -> DVec3 {
-    let z = random.between(-1.0, 1.0);
-    (random.direction() * (1.0 - z * z).sqrt()).extend(z)
-}
-
 /// A random body of the oracle, and the same as a fixed body of the world.
 fn body(random: &mut Random, room: DVec3, corner: DVec3) -> (Body, (Pose, Arc<Figure>)) {
     let mut point =
@@ -69,7 +63,7 @@ fn rays_meet_the_bodies_that_brute_force_meets() {
         for _ in 0..500 {
             let origin =
                 corner + DVec3::new(random.between(-1.0, 9.0), random.between(-1.0, 7.0), random.between(0.0, 3.0));
-            let direction = direction(&mut random);
+            let direction = random.direction_in_space();
             let found = world.sight(ME, origin, direction, 4.0, Time::ZERO).filter(|met| met.thing != Seen::Floor);
             match nearest_body(&bodies, origin, direction, 4.0, 1e-11) {
                 Some((metres, place)) => match found {
@@ -103,7 +97,7 @@ fn normals_are_those_of_the_distance_and_point_to_the_ray() {
         let (body, fixed) = body(&mut random, room, DVec3::ZERO);
         let world = world(Walls::new(Vec::new()), Space { fixed: vec![fixed], ..Space::default() });
         let origin = DVec3::new(random.between(-1.0, 5.0), random.between(-1.0, 5.0), random.between(0.0, 3.0));
-        let direction = direction(&mut random);
+        let direction = random.direction_in_space();
         let Some(met) = world.sight(ME, origin, direction, 9.0, Time::ZERO) else { continue };
         assert!((met.normal.length() - 1.0).abs() < 1e-12 && met.normal.dot(direction) <= 1e-12, "{met:?}");
         if met.distance == 0.0 || met.thing == Seen::Floor {

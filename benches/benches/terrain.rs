@@ -10,7 +10,7 @@ use std::process::Command;
 use std::time::Instant;
 use std::{env, fs};
 
-use accuracy::oracle;
+use accuracy::{oracle, world};
 use benches::terrain::{self, Ray3, Triangle};
 use glam::DVec3;
 use sim_core::scene::{MeshIndex, Segment, Walls};
@@ -108,7 +108,7 @@ fn scenes(is_smoke_test: bool) -> Vec<Scene> {
         .collect();
     let edges = terrain::edge_rays(if is_smoke_test { 1000 } else { 200_000 });
     let walls = benches::walls();
-    let triangles = terrain::extruded(&walls);
+    let triangles = world::extruded(&walls);
     let level = |rays: &[benches::Ray]| thinned(terrain::level_rays(rays));
     let wall_sets = vec![
         Set::new("psd", &triangles, level(&benches::psd_rays(100_000)), 20),
@@ -116,7 +116,7 @@ fn scenes(is_smoke_test: bool) -> Vec<Scene> {
     ];
     let maze = benches::maze();
     let diagonals = terrain::diagonal_rays(&maze, if is_smoke_test { 1000 } else { 200_000 });
-    let maze = terrain::extruded(&maze);
+    let maze = world::extruded(&maze);
     vec![
         Scene { name: "terrain", triangles: hills, walls: Vec::new(), sets, edges },
         Scene { name: "300 walls, extruded", triangles, walls, sets: wall_sets, edges: Vec::new() },

@@ -27,7 +27,7 @@ const CELL: f64 = 0.5;
 const SIDE: f64 = CELLS as f64 * CELL;
 
 /// Height of the terrain at a place on it: hills of several sizes, 6 m from lowest to highest.
-pub fn height(x: f64, y: f64) -> f64 {
+fn height(x: f64, y: f64) -> f64 {
     let wave = |a: f64, b: f64, phase: f64| math::sin(a * x + b * y + phase);
     1.5 * wave(0.11, 0.07, 0.3) + 0.8 * wave(-0.21, 0.33, 1.0) + 0.3 * wave(0.9, 0.7, 2.0) + 0.1 * wave(2.9, -3.7, 0.5)
 }
@@ -46,16 +46,6 @@ pub fn terrain() -> Vec<Triangle> {
         [[a, b, d], [a, d, c]]
     };
     (0..CELLS * CELLS).flat_map(square).collect()
-}
-
-/// The walls as upright rectangles of 1 m, two triangles each.
-pub fn extruded(walls: &[Segment]) -> Vec<Triangle> {
-    let side = |wall: &Segment| {
-        let [a, b] = [wall.a, wall.b].map(|end| end.extend(0.0));
-        let [c, d] = [b, a].map(|foot| foot + DVec3::Z);
-        [[a, b, c], [a, c, d]]
-    };
-    walls.iter().flat_map(side).collect()
 }
 
 /// A place `above` the terrain, at least 6 m from its border.
@@ -123,8 +113,7 @@ fn incoherent() -> Vec<Ray3> {
     let mut ray = move || {
         let above = random.between(0.1, 5.0);
         let origin = over_terrain(&mut random, above);
-        let up = random.between(-1.0, 1.0);
-        let direction = (random.direction() * (1.0 - up * up).sqrt()).extend(up).normalize_or_zero();
+        let direction = random.direction_in_space().normalize_or_zero();
         Ray3 { origin, direction, range: 100.0 }
     };
     (0..100_000).map(|_| ray()).collect()

@@ -12,7 +12,7 @@ use crate::format::{
     WorldSpec,
 };
 use crate::object::{Figure, Part, Properties, Resistance, Shape, Solid};
-use crate::pose::{Heading, Pose, Pose3};
+use crate::pose::{Pose, Pose3};
 use crate::scene::{Mesh, MeshIndex, Segment, Surface, WallId, Walls};
 use crate::sensor::{Link, RangeModel, RangeSensor};
 use crate::world::{Block, Space};
@@ -205,8 +205,7 @@ pub fn links(robi: &RobiSpec) -> Vec<Link> {
 pub fn range_sensors(robi: &RobiSpec) -> Vec<RangeSensor> {
     let places = link_places(robi, &link_order(robi));
     let psds = robi.psds.iter().map(|psd| RangeSensor {
-        // The part of a turn, as headings have it: a level PSD sees what its beam in the plane sees, to the bit.
-        mount: Pose3::from_angles(psd.position, 0.0, psd.pitch, Heading::new(psd.angle).remainder()),
+        mount: Pose3::from_angles(psd.position, 0.0, psd.pitch, psd.angle),
         link: bearer(psd.on.as_ref(), &places),
         model: RangeModel::Psd { range: psd.range },
     });

@@ -11,7 +11,7 @@ pub const STUDY: Study =
     Study { name: "rays-3d", title: "Distance along a ray among triangles, against their number", run };
 
 /// Squares along an edge of each of the six faces of the room: 12 triangles for each of their squares.
-const SQUARES: [usize; 4] = [3, 9, 29, 91];
+const SQUARES: [u32; 4] = [3, 9, 29, 91];
 /// Boxes in the room, of 4 walls each besides the room's own.
 const BOXES: [usize; 4] = [4, 24, 249, 2_499];
 /// Half of the sizes of the room, m.
@@ -44,8 +44,8 @@ fn row(method: &str, setting: String, effort: Effort, cases: &[Case], cast: impl
 }
 
 /// Rays from anywhere within the room in any direction.
-fn in_room(effort: Effort, squares: usize) -> [Row; 2] {
-    let triangles = room(squares);
+fn in_room(effort: Effort, squares: u32) -> [Row; 2] {
+    let triangles = world::cuboid(HALF, squares, turned);
     let setting = format!("{} triangles", triangles.len());
     let index = MeshIndex::new(&triangles);
     let by_index = row("index", setting.clone(), effort, &room_cases(effort.of(20_000)), |case| {
@@ -65,36 +65,11 @@ fn turned(local: DVec3) -> DVec3 {
     DVec3::new(2.0 * x - y + 2.0 * z, 2.0 * x + 2.0 * y - z, -x + 2.0 * y + 2.0 * z) / 3.0
 }
 
-/// The faces of a turned box, each parted in so many squares along both of its sides.
-fn room(squares: usize) -> Vec<[DVec3; 3]> {
-    let count = squares as f64;
-    let place = |step: usize| (2.0 * step as f64 - count) / count;
-    let mut triangles = Vec::with_capacity(12 * squares * squares);
-    for axis in 0..3 {
-        for side in [-1.0, 1.0] {
-            let corner = |column: usize, row: usize| {
-                let mut share = DVec3::splat(side);
-                share[(axis + 1) % 3] = place(column);
-                share[(axis + 2) % 3] = place(row);
-                turned(share * HALF)
-            };
-            for cell in 0..squares * squares {
-                let (column, row) = (cell % squares, cell / squares);
-                let [a, b] = [corner(column, row), corner(column + 1, row)];
-                let [c, d] = [corner(column, row + 1), corner(column + 1, row + 1)];
-                triangles.extend([[a, b, d], [a, d, c]]);
-            }
-        }
-    }
-    triangles
-}
-
 fn room_cases(count: usize) -> Vec<Case> {
     let mut random = Random::new(41);
     let mut case = || {
         let share = DVec3::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0));
-        let up = random.between(-1.0, 1.0);
-        let direction = (random.direction() * (1.0 - up * up).sqrt()).extend(up).normalize_or(DVec3::X);
+        let direction = random.direction_in_space().normalize_or(DVec3::X);
         // To the nearest of the three walls ahead.
         let origin = 0.99 * share * HALF;
         let ahead = (HALF.copysign(direction) - origin) / direction;
@@ -108,7 +83,7 @@ fn among_walls(effort: Effort, boxes: usize) -> [Row; 2] {
     let segments = world::room_with_boxes(42, DVec2::ZERO, SIDE, boxes);
     let cases = wall_cases(&segments, effort.of(5_000));
     let setting = format!("{} walls", segments.len());
-    let index = MeshIndex::new(&segments.iter().flat_map(upright).collect::<Vec<_>>());
+    let index = MeshIndex::new(&world::extruded(&segments));
     let walls = Walls::new(segments);
     let in_2d = row("walls in 2D", setting.clone(), effort, &cases, |case| {
         walls.cast(case.origin.truncate(), case.direction.truncate(), RANGE).map(|hit| hit.distance)
@@ -117,12 +92,6 @@ fn among_walls(effort: Effort, boxes: usize) -> [Row; 2] {
         index.cast(case.origin, case.direction, RANGE).map(|hit| hit.distance)
     });
     [in_2d, in_3d]
-}
-
-/// A wall of 1 m.
-fn upright(wall: &Segment) -> [[DVec3; 3]; 2] {
-    let [a, b, c, d] = [(wall.a, 0.0), (wall.b, 0.0), (wall.b, 1.0), (wall.a, 1.0)].map(|(at, z)| at.extend(z));
-    [[a, b, c], [a, c, d]]
 }
 
 fn wall_cases(walls: &[Segment], count: usize) -> Vec<Case> {
@@ -157,7 +126,7 @@ mod tests {
 
     #[test]
     fn the_room_has_its_faces_around_its_middle() {
-        let [small, large] = [1, 5].map(room);
+        let [small, large] = [1, 5].map(|squares| world::cuboid(HALF, squares, turned));
         assert_eq!((small.len(), large.len()), (12, 300));
         let area = |triangles: &[[DVec3; 3]]| -> f64 {
             triangles.iter().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum()

@@ -77,9 +77,7 @@ impl RangeModel {
             Self::Sonar(sonar) => sonar.listen(world, by, world_from_sensor, at, noise),
         }
     }
-}
 
-impl RangeModel {
     /// The least and the greatest distance that it measures, m.
     pub fn limits(&self) -> [f64; 2] {
         match self {
@@ -145,7 +143,7 @@ impl RangeSensor {
 }
 
 impl Reading {
-    fn of_distance(distance: Option<f64>, noise: f64) -> Self {
+    pub(super) fn of_distance(distance: Option<f64>, noise: f64) -> Self {
         let distance = distance.map(|distance| (distance * (1.0 + noise)).max(0.0));
         Self { distance, signal: if distance.is_some() { 1.0 } else { 0.0 } }
     }
