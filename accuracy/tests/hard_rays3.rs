@@ -134,7 +134,8 @@ fn few_triangles_are_a_mesh() {
     assert_eq!(MeshIndex::new(&[]).cast(DVec3::ZERO, DVec3::X, f64::INFINITY), None);
     let mut random = Random::new(63);
     for count in 1..20 {
-        let triangles: Vec<Triangle> = (0..count).map(|_| [(); 3].map(|()| 3.0 * random.direction_in_space())).collect();
+        let triangles: Vec<Triangle> =
+            (0..count).map(|_| [(); 3].map(|()| 3.0 * random.direction_in_space())).collect();
         let index = MeshIndex::new(&triangles);
         for _ in 0..500 {
             let (origin, direction) = (5.0 * random.direction_in_space(), random.direction_in_space());

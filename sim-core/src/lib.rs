@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 pub mod build;
+pub mod camera;
 pub mod contact;
 pub mod drive;
 pub mod format;

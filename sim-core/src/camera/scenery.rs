@@ -1,0 +1,222 @@
+//! All that cameras can see of a scene, and where it stands at an instant.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+
+use super::texture::{Pyramid, Wrap};
+use crate::pose::Pose3;
+use crate::scene::{Material, Mesh, Texture};
+use crate::time::Time;
+use crate::world::World;
+use crate::{ObjectId, RobotId};
+
+/// What a pixel shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Label {
+    /// Nothing.
+    Sky,
+    /// The plane z = 0, with all that is painted on it; or the terrain in its place.
+    Ground,
+    /// A wall, by its place in the world file, from 0.
+    Wall(u32),
+    /// An object that nothing moves, by its place among all objects of the scene, from 0.
+    Fixed(u32),
+    /// A movable object.
+    Object(ObjectId),
+    /// A robot.
+    Robot(RobotId),
+}
+
+/// Where a part stands: the part's frame in that of the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// Always at this pose.
+    Fixed(Pose3),
+    /// Where the movable object stands.
+    Object(ObjectId),
+    /// Where the robot stands.
+    Robot(RobotId),
+}
+
+/// A part of what can be seen. Parts that look alike share their mesh.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// Its surface, seen from both sides.
+    pub mesh: Arc<Mesh>,
+    /// What it is.
+    pub label: Label,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// A light infinitely far away, the sun, and what comes from everywhere. The three shares should add up to 1: then white in
+/// full light is white.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Unit vector towards the sun, world frame.
+    pub towards: DVec3,
+    /// Share of light that reaches every surface alike.
+    pub ambient: f64,
+    /// Share that comes, without shadows, from the side opposite to the sun, so that surfaces in the shade differ, too.
+    pub fill: f64,
+    /// Share of the sun on a surface that looks straight at it.
+    pub diffuse: f64,
+    /// Whether what stands between the sun and a surface takes away the sun's share.
+    pub shadows: bool,
+}
+
+/// Colours of the sky; between horizon and zenith they change with the sine of the elevation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sky {
+    /// Red, green, blue at the horizon and below it.
+    pub horizon: [u8; 3],
+    /// Straight above.
+    pub zenith: [u8; 3],
+}
+
+/// The plane z = 0, seen from above.
+#[derive(Clone, Debug)]
+pub struct Ground {
+    /// Red, green, blue around the floor, as far as the horizon.
+    pub colour: [u8; 3],
+    /// The world's floor.
+    pub floor: Option<Floor>,
+    /// What is painted on it; later ones cover earlier ones.
+    pub spots: Vec<Spot>,
+}
+
+/// A rectangle on the ground with one corner in the origin.
+#[derive(Clone, Debug)]
+pub struct Floor {
+    /// Its width (along x) and height (along y), m.
+    pub size: DVec2,
+    /// Red, green, blue where it has no image.
+    pub colour: [u8; 3],
+    /// Image stretched over it: its lower left corner is the origin.
+    pub texture: Option<Arc<Texture>>,
+}
+
+/// A disc painted on the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Its middle, m.
+    pub centre: DVec2,
+    /// Its radius, m.
+    pub radius: f64,
+    /// Red, green, blue and opacity.
+    pub colour: [u8; 4],
+}
+
+/// All that cameras can see of a scene: immutable, and the same for all of them.
+#[derive(Debug)]
+pub struct Scenery {
+    parts: Vec<Part>,
+    /// By part where its materials begin in `looks`.
+    first_look: Vec<usize>,
+    looks: Vec<Look>,
+    ground: Option<Ground>,
+    floor: Option<Pyramid>,
+    light: Light,
+    sky: Sky,
+}
+
+/// A material with its image made ready.
+#[derive(Clone, Debug)]
+pub(super) struct Look {
+    /// Red, green, blue, 0 to 255.
+    pub colour: [f32; 3],
+    pub texture: Option<Arc<Pyramid>>,
+    pub is_seen: bool,
+}
+
+impl Scenery {
+    /// The scenery of these parts over `ground` (`None`: there is none) in this light.
+    pub fn new(parts: Vec<Part>, ground: Option<Ground>, light: Light, sky: Sky) -> Self {
+        let mut pyramids: BTreeMap<*const Texture, Arc<Pyramid>> = BTreeMap::new();
+        let mut of_meshes: BTreeMap<*const Mesh, usize> = BTreeMap::new();
+        let mut looks = Vec::new();
+        let first_look = parts.iter().map(|part| {
+            *of_meshes.entry(Arc::as_ptr(&part.mesh)).or_insert_with(|| {
+                let first = looks.len();
+                looks.extend(part.mesh.materials.iter().map(|material| Look::new(material, &mut pyramids)));
+                first
+            })
+        });
+        let first_look = first_look.collect();
+        let image = ground.as_ref().and_then(|ground| ground.floor.as_ref()?.texture.as_ref());
+        let floor = image.map(|image| Pyramid::new(image, Wrap::Clamp));
+        Self { parts, first_look, looks, ground, floor, light, sky }
+    }
+
+    /// The parts.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// The ground; `None` where a part is the ground, or there is none.
+    pub fn ground(&self) -> Option<&Ground> {
+        self.ground.as_ref()
+    }
+
+    /// The light.
+    pub fn light(&self) -> &Light {
+        &self.light
+    }
+
+    /// The sky.
+    pub fn sky(&self) -> &Sky {
+        &self.sky
+    }
+
+    /// The image on the floor.
+    pub(super) fn floor(&self) -> Option<&Pyramid> {
+        self.floor.as_ref()
+    }
+
+    /// The looks of a part's materials.
+    pub(super) fn look(&self, part: usize, material: u32) -> &Look {
+        &self.looks[self.first_look[part] + material as usize]
+    }
+
+    /// Where all parts stand at `at`, as it was public then: not more than 100 ms before the world's present slot.
+    pub fn still(&self, world: &World, at: Time) -> Still<'_> {
+        let pose = |part: &Part| match part.place {
+            Place::Fixed(pose) => pose,
+            Place::Object(object) => Pose3::from_planar(&world.object_pose(object, at), 0.0),
+            Place::Robot(robot) => Pose3::from_planar(&world.robot_pose(robot, at), 0.0),
+        };
+        Still { scenery: self, poses: self.parts.iter().map(pose).collect() }
+    }
+}
+
+/// A scenery at an instant.
+#[derive(Clone, Debug)]
+pub struct Still<'s> {
+    scenery: &'s Scenery,
+    poses: Vec<Pose3>,
+}
+
+impl<'s> Still<'s> {
+    /// What can be seen.
+    pub fn scenery(&self) -> &'s Scenery {
+        self.scenery
+    }
+
+    /// Poses of the parts, in their order: the part's frame in that of the world.
+    pub fn poses(&self) -> &[Pose3] {
+        &self.poses
+    }
+}
+
+impl Look {
+    fn new(material: &Material, pyramids: &mut BTreeMap<*const Texture, Arc<Pyramid>>) -> Self {
+        let texture = material.texture.as_ref().map(|texture| {
+            let new = || Arc::new(Pyramid::new(texture, Wrap::Repeat));
+            Arc::clone(pyramids.entry(Arc::as_ptr(texture)).or_insert_with(new))
+        });
+        let colour = material.colour.map(|share| 255.0 * share.clamp(0.0, 1.0));
+        Self { colour, texture, is_seen: material.opacity >= 0.5 }
+    }
+}

@@ -1,0 +1,200 @@
+//! Where a camera is, how its lens maps directions to places in the image, and the way back.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::{DVec2, DVec3};
+
+use crate::math;
+use crate::pose::Pose3;
+
+/// How a lens maps directions to places in the image. Both have the middle of the image on the optical axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lens {
+    /// Straight lines stay straight: the distance from the middle is proportional to the tangent of the angle off the axis.
+    Pinhole {
+        /// Horizontal field of view over the width of the image, rad; below pi.
+        fov: f64,
+    },
+    /// The distance from the middle is proportional to the angle off the axis (equidistant projection).
+    Fisheye {
+        /// Horizontal field of view over the width of the image, rad; up to 2 pi.
+        fov: f64,
+    },
+}
+
+/// A camera's pose, its lens and the size of its image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    world_from_camera: Pose3,
+    lens: Lens,
+    size: [u32; 2],
+    /// Pixels per unit of the lens: of the tangent, or of the angle.
+    focal: f64,
+}
+
+/// No view: what a camera cannot be.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ViewError {
+    /// The size of the image.
+    #[error("an image of {0} x {1} pixels, accepted: 1 to {MAX_SIDE} on either side")]
+    Size(u32, u32),
+    /// The field of view.
+    #[error("a field of view of {0} rad, accepted: above 0, below pi for a pinhole, up to 2 pi for a fisheye")]
+    Field(f64),
+    /// The pose.
+    #[error("a camera's place or direction is not finite, or farther than 1e9 m away")]
+    Pose,
+}
+
+/// Most pixels on either side of an image.
+pub const MAX_SIDE: u32 = 8192;
+
+impl View {
+    /// The view of a camera at `world_from_camera` through `lens`, `size` (width, height) pixels large.
+    ///
+    /// # Errors
+    /// [`ViewError`] for what no camera can be.
+    pub fn new(world_from_camera: Pose3, lens: Lens, size: [u32; 2]) -> Result<Self, ViewError> {
+        let [width, height] = size;
+        if !size.iter().all(|side| (1..=MAX_SIDE).contains(side)) {
+            return Err(ViewError::Size(width, height));
+        }
+        let is_place = world_from_camera.position.abs().max_element() <= 1e9 && world_from_camera.position.is_finite();
+        if !is_place || !world_from_camera.rotation.is_finite() {
+            return Err(ViewError::Pose);
+        }
+        let half_width = 0.5 * f64::from(width);
+        let focal = match lens {
+            Lens::Pinhole { fov } if fov > 0.0 && fov < PI => half_width / math::tan(0.5 * fov),
+            Lens::Fisheye { fov } if fov > 0.0 && fov <= TAU => half_width / (0.5 * fov),
+            Lens::Pinhole { fov } | Lens::Fisheye { fov } => return Err(ViewError::Field(fov)),
+        };
+        if !(focal.is_finite() && focal > 0.0) {
+            let (Lens::Pinhole { fov } | Lens::Fisheye { fov }) = lens;
+            return Err(ViewError::Field(fov));
+        }
+        Ok(Self { world_from_camera, lens, size, focal })
+    }
+
+    /// The camera's pose: x along the optical axis, y to the left of the image, z up in it.
+    pub fn world_from_camera(&self) -> &Pose3 {
+        &self.world_from_camera
+    }
+
+    /// The lens.
+    pub fn lens(&self) -> Lens {
+        self.lens
+    }
+
+    /// Width and height of the image in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Pixels per unit of the lens: of the tangent of the angle off the axis for a pinhole, of the angle for a fisheye.
+    pub fn focal(&self) -> f64 {
+        self.focal
+    }
+
+    /// This view with `factor` times as many pixels on either side.
+    ///
+    /// # Errors
+    /// [`ViewError::Size`] if these are too many, or none.
+    pub fn enlarged(&self, factor: u32) -> Result<Self, ViewError> {
+        Self::new(self.world_from_camera, self.lens, self.size.map(|side| side.saturating_mul(factor)))
+    }
+
+    /// The ray through the place `at` (columns to the right, rows downwards), in the camera's frame: (1, y, z) for a
+    /// pinhole, of length 1 for a fisheye; `None` where a fisheye's image ends, pi off the axis.
+    pub fn ray(&self, at: DVec2) -> Option<DVec3> {
+        let [width, height] = self.size.map(f64::from);
+        let (y, z) = ((0.5 * width - at.x) / self.focal, (0.5 * height - at.y) / self.focal);
+        match self.lens {
+            Lens::Pinhole { .. } => Some(DVec3::new(1.0, y, z)),
+            Lens::Fisheye { .. } => {
+                let angle = math::hypot(y, z);
+                let sinc = math::sinc(angle);
+                (angle <= PI).then(|| DVec3::new(math::cos(angle), y * sinc, z * sinc))
+            }
+        }
+    }
+
+    /// The unit vector, in the world frame, in which the place `at` of the image is seen; `None` where it shows nothing.
+    pub fn direction(&self, at: DVec2) -> Option<DVec3> {
+        self.ray(at).map(|ray| self.world_from_camera.rotation * ray.normalize_or_zero())
+    }
+
+    /// The place in the image, or beyond its border, of a point of the world; `None` for one that the lens maps nowhere:
+    /// beside or behind a pinhole, straight behind a fisheye, or in the camera itself.
+    pub fn project(&self, point: DVec3) -> Option<DVec2> {
+        let DVec3 { x, y, z } = self.world_from_camera.inverse_transform_point(point);
+        let across = math::hypot(y, z);
+        let scale = match self.lens {
+            Lens::Pinhole { .. } if x > 0.0 => 1.0 / x,
+            Lens::Fisheye { .. } if across > 0.0 => math::atan2(across, x) / across,
+            Lens::Fisheye { .. } if x > 0.0 => 1.0 / x,
+            _ => return None,
+        };
+        let [width, height] = self.size.map(f64::from);
+        Some(DVec2::new(0.5 * width - self.focal * y * scale, 0.5 * height - self.focal * z * scale))
+    }
+
+    /// The pose of a camera at `from` that looks at `to`, upright: the image's vertical lies in the plane of z. Straight up or
+    /// down, the image's top is towards y. `None` for one point twice or what is not finite.
+    pub fn looking(from: DVec3, to: DVec3) -> Option<Pose3> {
+        let DVec3 { x, y, z } = to - from;
+        let level = math::hypot(x, y);
+        let is_somewhere = from.is_finite() && to.is_finite() && (level > 0.0 || z != 0.0);
+        let yaw = if level > 0.0 { math::atan2(y, x) } else { FRAC_PI_2 };
+        is_somewhere.then(|| Pose3::from_angles(from, 0.0, math::atan2(z, level), yaw))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn view(lens: Lens) -> View {
+        let pose = Pose3::from_angles(DVec3::new(1.0, 2.0, 0.5), 0.1, -0.2, 2.5);
+        View::new(pose, lens, [160, 120]).expect("a view")
+    }
+
+    #[test]
+    fn what_a_place_shows_is_projected_onto_it() {
+        for lens in [Lens::Pinhole { fov: 1.0 }, Lens::Fisheye { fov: 2.5 }, Lens::Fisheye { fov: 5.0 }] {
+            let view = view(lens);
+            for at in [DVec2::new(0.0, 0.0), DVec2::new(80.0, 60.0), DVec2::new(159.5, 3.25), DVec2::new(20.0, 120.0)] {
+                let direction = view.direction(at).expect("within the image");
+                let found = view.project(view.world_from_camera().position + 3.0 * direction).expect("ahead");
+                assert!((found - at).length() < 1e-9, "{lens:?} {at} {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn left_is_left_and_up_is_up() {
+        let ahead = View::new(Pose3::IDENTITY, Lens::Pinhole { fov: FRAC_PI_2 }, [160, 120]).expect("a view");
+        let found = ahead.project(DVec3::new(1.0, 0.5, 0.25)).expect("ahead");
+        assert!((found - DVec2::new(40.0, 40.0)).length() < 1e-9, "{found}");
+        assert_eq!(ahead.project(DVec3::new(-1.0, 0.5, 0.25)), None);
+        let down = View::looking(DVec3::new(0.0, 0.0, 2.0), DVec3::ZERO).expect("a direction");
+        let down = View::new(down, Lens::Pinhole { fov: FRAC_PI_2 }, [100, 100]).expect("a view");
+        let found = down.project(DVec3::new(1.0, 1.0, 0.0)).expect("below");
+        assert!((found - DVec2::new(75.0, 25.0)).length() < 1e-9, "x to the right, y up: {found}");
+    }
+
+    #[test]
+    fn what_no_camera_can_be_is_refused() {
+        let pose = Pose3::IDENTITY;
+        let of = |lens, size| View::new(pose, lens, size);
+        assert_eq!(of(Lens::Pinhole { fov: 1.0 }, [0, 5]), Err(ViewError::Size(0, 5)));
+        assert_eq!(of(Lens::Pinhole { fov: PI }, [5, 5]), Err(ViewError::Field(PI)));
+        assert!(
+            of(Lens::Pinhole { fov: f64::NAN }, [5, 5]).is_err() && of(Lens::Fisheye { fov: 0.0 }, [5, 5]).is_err()
+        );
+        assert!(of(Lens::Pinhole { fov: 1e-320 }, [5, 5]).is_err());
+        let lost = Pose3 { position: DVec3::new(f64::NAN, 0.0, 0.0), ..pose };
+        assert_eq!(View::new(lost, Lens::Pinhole { fov: 1.0 }, [5, 5]), Err(ViewError::Pose));
+        assert_eq!(View::looking(DVec3::ONE, DVec3::ONE), None);
+    }
+}
