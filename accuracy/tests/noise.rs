@@ -330,7 +330,7 @@ fn the_bias_of_the_making_is_normal_between_compasses() {
 fn images_of_every_preset_are_as_they_say() {
     const GREY: u8 = 128;
     let of_presets = Preset::ALL.into_iter().skip(1).map(|preset| preset.spec().profile().camera);
-    let all = Image { sigma: 10.0, salt_and_pepper: 0.02, salt: 0.3, hundreds_and_thousands: 0.03 };
+    let all = Image { blur: 2.0, sigma: 10.0, salt_and_pepper: 0.02, salt: 0.3, hundreds_and_thousands: 0.03 };
     let count = 1_000_000;
     for model in of_presets.chain([all]) {
         let frame = |model: Image| -> Vec<[u8; 3]> {
@@ -367,6 +367,42 @@ fn images_of_every_preset_are_as_they_say() {
                 passes("colours", chi_squared(&counts, &[coloured.len() as f64 / 256.0; 256]));
             }
         }
+    }
+}
+
+/// exp(-t) I_0(t) by its power series: the middle weight of a discrete Gaussian of variance t.
+fn middle_weight(t: f64) -> f64 {
+    let mut term = sim_core::math::exp(-t);
+    let mut sum = 0.0;
+    for k in 1..100 {
+        sum += term;
+        term *= (0.5 * t / f64::from(k)) * (0.5 * t / f64::from(k));
+    }
+    sum
+}
+
+#[test]
+fn the_blur_of_every_preset_is_as_it_says() {
+    const DEVIATION: f64 = 30.0;
+    let of_presets = Preset::ALL.into_iter().map(|preset| preset.spec().profile().camera.blur);
+    for blur in of_presets.chain([2.0, 5.0]) {
+        // White noise, of which a filter leaves the sum of its squared weights in each direction; of a discrete Gaussian that sum is
+        // the middle weight of one of twice the variance.
+        let white = Image { sigma: DEVIATION, ..Image::default() };
+        let mut pixels = vec![[128_u8]; 1_000_000];
+        ImageErrors::new(white, SEED, ROBOT, "CAMERA").expose(0, 1000, &mut pixels);
+        let model = Image { blur, ..Image::default() };
+        ImageErrors::new(model, SEED, ROBOT, "CAMERA").expose(0, 1000, &mut pixels);
+        let levels: Vec<f64> = pixels.as_flattened().iter().map(|level| f64::from(*level)).collect();
+        let share = middle_weight(2.0 * blur * blur);
+        let rounding = 1.0 / 12.0;
+        let expected = (DEVIATION * DEVIATION + rounding) * share * share + if blur > 0.0 { rounding } else { 0.0 };
+        // Five standard deviations of the variance of so many pixels, of which neighbours are alike.
+        let independent = 1e6 / (std::f64::consts::TAU * blur * blur).max(1.0);
+        let tolerance = 5.0 * (2.0 / independent).sqrt();
+        let Moments { mean, variance, .. } = Moments::of(&levels);
+        assert!((mean - 128.0).abs() < 0.2, "blur {blur}: mean {mean}");
+        assert!((variance / expected - 1.0).abs() < tolerance, "blur {blur}: variance {variance}, not {expected}");
     }
 }
 

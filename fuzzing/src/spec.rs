@@ -6,8 +6,8 @@ use std::fmt::{self, Debug, Write};
 use glam::{DVec2, DVec3};
 use sim_core::RobotId;
 use sim_core::format::{
-    Collider, CostTable, CostsRef, DriveKind, JointSpec, Layout, MAX_LENGTH, ModelSpec, NoiseRef, NoiseSpec,
-    ObjectLine, ObjectType, RobiSpec, SceneSpec, SimSpec, Span, StartRef, WorldSpec,
+    Collider, CostTable, CostsRef, DriveKind, JointSpec, Layout, Lens, LightSpec, MAX_LENGTH, MAX_SAMPLES, ModelSpec,
+    NoiseRef, NoiseSpec, ObjectLine, ObjectType, RobiSpec, SceneSpec, SimSpec, Span, StartRef, WorldSpec,
 };
 use sim_core::noise::{RangeErrors, RangeKind};
 use sim_core::pose::Pose;
@@ -33,6 +33,7 @@ pub fn world(world: &WorldSpec, lines: &Lines<'_>) {
     if let Some(cell) = world.cell {
         size(cell, "cell");
     }
+    light(&world.looks.light);
     for wall in &world.walls {
         place(wall.from, &wall);
         place(wall.to, &wall);
@@ -180,7 +181,12 @@ pub fn robi(robi: &RobiSpec) {
             camera.image.is_none_or(|image| image.iter().all(|pixels| (1..=65_536).contains(pixels))),
             "{camera:?}"
         );
-        assert!(camera.fisheye.is_none_or(|angle| angle > 0.0 && angle <= TAU), "{camera:?}");
+        let widest = match camera.lens {
+            Lens::Pinhole { .. } => TAU / 2.0,
+            Lens::Fisheye { .. } => TAU * ROUNDING,
+        };
+        assert!(camera.lens.fov() > 0.0 && camera.lens.fov() <= widest, "{camera:?}");
+        assert!((1..=MAX_SAMPLES).contains(&camera.samples), "{camera:?}");
     }
     if let Some(lidar) = &robi.lidar {
         assert!(lidar.points > 0, "{lidar:?}");
@@ -285,6 +291,12 @@ fn objects(objects: &[ObjectLine], lines: &Lines<'_>) {
         assert!(!object.kind.written().text.is_empty(), "{object:?}");
         inside(object.span, lines, &object);
     }
+}
+
+fn light(light: &LightSpec) {
+    assert!(light.azimuth.abs() <= TAU * ROUNDING, "{light:?}");
+    assert!(light.elevation > 0.0 && light.elevation <= TAU / 4.0 * ROUNDING, "{light:?}");
+    assert!((0.0..=1.0).contains(&light.ambient), "{light:?}");
 }
 
 fn model(model: &ModelSpec) {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
 use sim_core::format::{
-    Code, Diagnostic, DriveKind, JointSpec, MotorSpec, RobiSpec, Severity, TypeRef, WorldSpec, decode, read_maze,
+    Code, Diagnostic, DriveKind, JointSpec, Lens, MotorSpec, RobiSpec, Severity, TypeRef, WorldSpec, decode, read_maze,
     read_robi, read_world,
 };
 
@@ -75,7 +75,7 @@ fn every_robot_file_keeps_its_devices() {
             (robi.camera.is_some(), "camera"),
             (robi.lidar.is_some(), "lidar"),
             (robi.model.is_some(), "model"),
-            (robi.camera.is_some_and(|camera| camera.fisheye.is_some()), "fisheye"),
+            (robi.camera.is_some_and(|camera| matches!(camera.lens, Lens::Fisheye { .. })), "fisheye"),
         ] {
             assert_eq!(usize::from(has), count(&text, keyword), "{name}: {keyword}");
         }
@@ -173,7 +173,7 @@ fn devices_of_every_dialect_are_what_their_files_say() {
     let (blue, _) = robi(&corpus, "vr-2025/Sims/Updated_Robots/S4blue.robi");
     let camera = blue.camera.expect("a camera");
     near(camera.position, [62.0, 0.0, 60.0]);
-    assert_eq!((camera.image, camera.fisheye), (Some([482, 162]), Some(150.0_f64.to_radians())));
+    assert_eq!((camera.image, camera.lens), (Some([482, 162]), Lens::Fisheye { fov: 150.0_f64.to_radians() }));
     let ids: Vec<_> = blue.psds.iter().map(|psd| (psd.id, psd.angle.to_degrees().round())).collect();
     assert_eq!(ids, [(Some(1), 0.0), (Some(2), 90.0), (Some(3), -90.0), (Some(4), 180.0)]);
 

@@ -11,8 +11,8 @@ use sim_core::format::print::{
     print_companion, print_esobj, print_maze, print_robi, print_scene, print_world, scene_schema,
 };
 use sim_core::format::{
-    self, Code, FileError, Files, Severity, SimSpec, convert, load_scene, load_scene_with, read_companion, read_esobj,
-    read_maze, read_robi, read_scene, read_world, same,
+    self, CameraSpec, Code, FileError, Files, Lens, Severity, SimSpec, convert, load_scene, load_scene_with,
+    read_companion, read_esobj, read_maze, read_robi, read_scene, read_world, same,
 };
 
 /// Files below a folder, and before them those that were written here.
@@ -239,6 +239,8 @@ fn schema_and_reader_know_the_same_keys() {
         ("SurfaceForm", vec![robot("surface = { zzz = 1 }"), object("surface = { zzz = 1 }")]),
         ("PlacedTerrainForm", vec!["[world.terrain]\nzzz = 1".into()]),
         ("CameraForm", vec![robot("camera = { zzz = 1 }")]),
+        ("LightForm", vec!["[world.light]\nzzz = 1".into(), "[world]\nfile = \"a.wld\"\nlight = { zzz = 1 }".into()]),
+        ("SkyForm", vec!["[world.sky]\nzzz = 1".into()]),
         ("JointForm", vec![robot("camera = { pan_servo = { zzz = 1 } }")]),
         ("LidarForm", vec![robot("lidar = { zzz = 1 }")]),
         ("ArcForm", vec![robot("bumper = [{ name = \"a\", zzz = 1 }]")]),
@@ -450,6 +452,66 @@ fn references_are_rewritten_for_the_new_folder() {
 }
 
 #[test]
+fn a_companion_changes_the_camera_of_a_robi() {
+    let robi = "drive DIFFERENTIAL_DRIVE\ncamera 0 60 100 0 -10 160 120\nfisheye 150\n";
+    let read = |companion: &str| {
+        let mut robi = read_robi("a.robi", robi).0;
+        let said = read_companion("a.toml", companion, &mut robi);
+        (robi.camera.expect("a camera"), said)
+    };
+    let (camera, said) = read("[camera]\nfov_deg = 90\nsamples = 1\nz_mm = 70\nimage_px = [320, 240]\n");
+    assert_eq!(said, []);
+    assert_eq!(camera.lens, Lens::Pinhole { fov: 90.0_f64.to_radians() });
+    assert_eq!((camera.samples, camera.image, camera.position.to_array()), (1, Some([320, 240]), [0.06, 0.0, 0.07]));
+    assert_eq!(read("[camera]\n").0, read("").0, "nothing said, nothing changed");
+    let mut bare = read_robi("a.robi", "drive DIFFERENTIAL_DRIVE\n").0;
+    assert_eq!(read_companion("a.toml", "[camera]\nz_mm = 100\n", &mut bare), []);
+    assert_eq!(bare.camera.map(|camera| camera.lens), Some(format::DEFAULT_LENS), "a camera of its own");
+}
+
+#[test]
+fn cameras_and_looks_that_cannot_be_are_reported_where_they_stand() {
+    let said = |text: &str| -> Vec<String> {
+        let said = read_scene("a.scene.toml", text).1;
+        said.iter()
+            .map(|said| {
+                format!("{}:{} {} {}; {}", said.span.line, said.span.column, said.code, said.message, said.expected)
+            })
+            .collect()
+    };
+    let camera =
+        |keys: &str| said(&format!("[world]\nfile = \"a.wld\"\n[[robot_type]]\nname = \"A\"\ncamera = {{ {keys} }}\n"));
+    assert_eq!(
+        camera("fov_deg = 180"),
+        ["5:22 number-range field of view `180` is out of range; a number in degrees from 1 to 170"]
+    );
+    assert_eq!(
+        camera("fisheye_deg = 0"),
+        ["5:26 number-range field of view `0` is out of range; a number in degrees from 1 to 360"]
+    );
+    assert_eq!(camera("samples = 9"), ["5:22 number-range samples `9` is out of range; an integer from 1 to 8"]);
+    assert_eq!(
+        camera("fov_deg = 50, fisheye_deg = 150"),
+        ["5:12 toml-conflict `fov_deg` and `fisheye_deg` exclude each other; either `fov_deg` or `fisheye_deg`"]
+    );
+    let world = |keys: &str| said(&format!("[world]\nfile = \"a.wld\"\n{keys}\n"));
+    assert_eq!(
+        world("light = { elevation_deg = 0 }"),
+        ["3:27 number-range elevation of the sun `0` is out of range; a number in degrees from 1 to 90"]
+    );
+    assert_eq!(
+        world("light = { ambient = nan }"),
+        ["3:21 number-range share of ambient light `NaN` is out of range; a number from 0 to 1"]
+    );
+    assert_eq!(world("light = { shadows = 1 }"), ["3:21 toml-type `shadows` is of type integer; true or false"]);
+    assert_eq!(
+        world("sky = { zenith = [0, 0, 256] }"),
+        ["3:25 number-range shade `256` is out of range; a number from 0 to 255"]
+    );
+    assert_eq!(world("colour = \"grey\""), ["3:10 toml-type `colour` is of type string; an array of 3 numbers"]);
+}
+
+#[test]
 fn files_that_cannot_become_each_other_are_refused() {
     let files = Overlay::of(&[("a.wld", "floor 1000 1000\n3 4 500 600\n"), ("a.sim", "")]);
     let code = |from, to| convert(from, to, &files).diagnostics.last().expect("a message").code;
@@ -620,6 +682,65 @@ proptest! {
         let (read, robi) = (same::robi(&read), same::robi(robi));
         prop_assert_eq!((read.links, read.ranges, read.lidar, read.surface, read.psds),
             (robi.links, robi.ranges, robi.lidar, robi.surface, robi.psds), "{}", companion);
+    }
+
+    #[test]
+    fn cameras_read_back_as_they_were_printed(
+        values in prop::collection::vec(number(), 3), angles in prop::collection::vec(-360.0..360.0_f64, 6),
+        image in prop::option::of((1..65_536_u32, 1..65_536_u32)), fov in prop::option::of(1.0..170.0_f64),
+        fisheye in 1.0..360.0_f64, samples in 1..=8_u32, has_servos in any::<bool>(),
+    ) {
+        let [x, y, z] = &values[..] else { unreachable!("three numbers") };
+        let lens = fov.map_or(format!("fisheye_deg = {fisheye}"), |fov| format!("fov_deg = {fov}"));
+        let image = image.map(|(width, height)| format!("image_px = [{width}, {height}]"));
+        let joint = |name: &str, at: usize| match has_servos {
+            true => format!(
+                "{name}_servo = {{ name = \"S{at}\", from_deg = {}, to_deg = {} }}", angles[at], angles[at + 1]
+            ),
+            false => format!("{name}_deg = {}", angles[at]),
+        };
+        let place = [format!("x_mm = {x}"), format!("y_mm = {y}"), format!("z_mm = {z}")];
+        let others = [joint("pan", 0), joint("tilt", 2), lens, format!("samples = {samples}")];
+        let keys: Vec<String> = place.into_iter().chain(others).chain(image).collect();
+        let head = "[world]\nfile = \"a.wld\"\n[[robot_type]]\nname = \"A\"\n";
+        let text = format!("{head}camera = {{ {} }}\n", keys.join(", "));
+        let (sim, said) = read_scene("a.scene.toml", &text);
+        prop_assert_eq!(said, vec![], "{}", text);
+        let printed = print_scene(&sim);
+        prop_assert_eq!(same::sim(&read_scene("a.scene.toml", &printed).0), same::sim(&sim), "{}", printed);
+        let robi = &sim.inline.robot_types[0].0;
+        let camera = robi.camera.as_ref().expect("a camera");
+        prop_assert_eq!((camera.samples, matches!(camera.lens, Lens::Pinhole { .. })), (samples, fov.is_some()));
+        // In a companion the same words on top of a robi that says something else.
+        let mut read = read_robi("a.robi", "camera 1 2 3 4 5\nfisheye 99\ndrive DIFFERENTIAL_DRIVE\n").0;
+        let text = format!("[camera]\n{}\n", keys.join("\n"));
+        prop_assert_eq!(read_companion("a.toml", &text, &mut read), vec![], "{}", text);
+        let expected = CameraSpec { span: format::Span::default(), ..camera.clone() };
+        prop_assert_eq!(same::robi(&read).camera, Some(expected), "{}", text);
+    }
+
+    #[test]
+    fn looks_read_back_as_they_were_printed(
+        azimuth in -360.0..360.0_f64, elevation in 1.0..90.0_f64, ambient in 0.0..=1.0_f64, shadows in any::<bool>(),
+        colours in prop::collection::vec(any::<[u8; 3]>(), 4), says in any::<[bool; 3]>(), is_file in any::<bool>(),
+    ) {
+        let light = format!("light = {{ azimuth_deg = {azimuth}, elevation_deg = {elevation}, ambient = {ambient}, shadows = {shadows} }}\n");
+        let sky = format!("sky = {{ horizon = {:?}, zenith = {:?}, ground = {:?} }}\n", colours[0], colours[1], colours[2]);
+        let colour = format!("colour = {:?}\n", colours[3]);
+        let lines = [light, sky, colour];
+        let said: String = lines.iter().zip(says).filter(|(_, says)| *says).map(|(line, _)| line.as_str()).collect();
+        let world = if is_file { "file = \"a.wld\"" } else { "floor_mm = [900, 900]" };
+        let text = format!("[world]\n{world}\n{said}");
+        let (sim, said) = read_scene("a.scene.toml", &text);
+        prop_assert_eq!(said, vec![], "{}", text);
+        let printed = print_scene(&sim);
+        let (read, said) = read_scene("a.scene.toml", &printed);
+        prop_assert_eq!(said, vec![], "{}", printed);
+        prop_assert_eq!(same::sim(&read), same::sim(&sim), "{}", printed);
+        let files = Overlay::of(&[("a.scene.toml", &text), ("a.wld", "floor 900 900\n0 0 9 0\n")]);
+        let looks = load_scene("a.scene.toml", &files).scene.world.looks;
+        prop_assert_eq!(looks.light.shadows, says[0] && shadows);
+        prop_assert_eq!(looks.colour, says[2].then_some(colours[3]));
     }
 
     #[test]

@@ -41,6 +41,7 @@ bias_deg = -2
 bias_sigma_deg = 3
 step_deg = 5
 [camera]
+blur = 0.7
 sigma = 4
 salt_and_pepper = 0.1
 salt = 0.3
@@ -101,7 +102,7 @@ fn a_profile_reads_as_it_says() {
     assert_eq!((sonar.step, sonar.sigma), (0.003, 0.002), "the rest is that of the preset");
     let radians = sim_core::unit::radians_from_degrees;
     assert_eq!(profile.compass.bias, radians(-2.0));
-    assert_eq!((profile.camera.salt, profile.camera.sigma), (0.3, 4.0));
+    assert_eq!((profile.camera.blur, profile.camera.salt, profile.camera.sigma), (0.7, 0.3, 4.0));
     let drive = profile.motion.imperfection(DriveKind::Differential, 1, RobotId(1));
     assert_eq!((drive.slip, drive.slip_deviation), (0.05, 0.02));
     assert_eq!((drive.command.speed, drive.command.turn_share), (0.003, 0.13));

@@ -22,6 +22,14 @@ pub enum Lens {
     },
 }
 
+impl Lens {
+    /// Horizontal field of view over the width of the image, rad.
+    pub fn fov(&self) -> f64 {
+        let (Self::Pinhole { fov } | Self::Fisheye { fov }) = *self;
+        fov
+    }
+}
+
 /// A camera's pose, its lens and the size of its image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
@@ -70,8 +78,7 @@ impl View {
             Lens::Pinhole { fov } | Lens::Fisheye { fov } => return Err(ViewError::Field(fov)),
         };
         if !(focal.is_finite() && focal > 0.0) {
-            let (Lens::Pinhole { fov } | Lens::Fisheye { fov }) = lens;
-            return Err(ViewError::Field(fov));
+            return Err(ViewError::Field(lens.fov()));
         }
         Ok(Self { world_from_camera, lens, size, focal })
     }

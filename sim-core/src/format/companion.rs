@@ -71,6 +71,9 @@ impl Reader<'_> {
         }
         self.links(parent, robi);
         self.ranges(parent, robi);
+        if let Some(section) = self.section(parent, "camera") {
+            self.camera(section, robi);
+        }
         if let Some(section) = self.section(parent, "lidar") {
             self.lidar(section, robi);
         }

@@ -5,7 +5,7 @@ use super::diagnostic::{Diagnostic, Sink};
 use super::load::{Files, Loaded};
 use super::print::{self, Printed};
 use super::spec::{
-    ObjectLine, PathRef, RobotLine, SceneForm, SceneSpec, SimSpec, StartRef, TypeRef, WorldKind, WorldLine,
+    LooksSpec, ObjectLine, PathRef, RobotLine, SceneForm, SceneSpec, SimSpec, StartRef, TypeRef, WorldKind, WorldLine,
 };
 use super::{
     Span, decode, load_maze, load_object, load_robi, load_scene, load_world, path, read_scene, read_sim, scene,
@@ -145,7 +145,7 @@ impl Conversion<'_> {
                 None => ("wld", WorldKind::World, print::print_world(&world)),
             };
             let path = self.beside("", extension, printed);
-            sim.world = Some(WorldLine { kind, path });
+            sim.world = Some(WorldLine { kind, path, looks: LooksSpec::default() });
         }
         for (robi, span) in inline.robot_types {
             let companion = print::print_companion(&robi);

@@ -357,7 +357,7 @@ impl<'a> Loader<'a> {
             WorldKind::Maze => read_maze(&path, &text),
         };
         self.diagnostics.extend(diagnostics);
-        Some(world)
+        Some(WorldSpec { looks: line.looks, ..world })
     }
 
     /// The cost table of the scene `file`; one that is a file is read.

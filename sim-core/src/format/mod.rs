@@ -6,6 +6,7 @@
 //! of the values tell apart. The formats are described in docs/formats/.
 
 pub mod builtin;
+mod camera;
 mod clearance;
 mod code;
 mod companion;

@@ -6,7 +6,9 @@
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::line::{self, Quantity, Word};
-use super::spec::{MarkerSpec, ObjectLine, PathRef, RobotLine, SimSpec, StartRef, TypeRef, WorldKind, WorldLine};
+use super::spec::{
+    LooksSpec, MarkerSpec, ObjectLine, PathRef, RobotLine, SimSpec, StartRef, TypeRef, WorldKind, WorldLine,
+};
 use super::{Span, builtin, path};
 use crate::pose::Pose;
 
@@ -71,7 +73,7 @@ impl Reader {
             let message = format!("a second world `{}`; it replaces that of line {}", path.text, old.path.span.line);
             self.sink.warn(Code::SimWorldTwice, path.span, message, "one `world` or `maze` line");
         }
-        self.sim.world = Some(WorldLine { kind, path });
+        self.sim.world = Some(WorldLine { kind, path, looks: LooksSpec::default() });
     }
 
     fn settings(&mut self, rest: &[Word<'_>]) {

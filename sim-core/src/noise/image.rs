@@ -1,20 +1,22 @@
 //! Errors of images.
 
-use super::{Events, Purpose};
+use super::{Events, Purpose, blur};
 use crate::RobotId;
 
 /// How the images of a camera differ from what it sees. The default: not at all.
 ///
-/// Applied in this order, to each pixel:
+/// First the whole picture is blurred with `blur`; then, in this order, to each pixel:
 ///
 /// 1. to each of its channels (red, green, blue, or grey) `sigma` G is added, G standard normal, and the sum is rounded
 ///    and clamped to 0 to 255;
 /// 2. with probability `salt_and_pepper` it becomes white with the probability `salt`, else black;
 /// 3. with probability `hundreds_and_thousands` it becomes a colour of which each channel is uniform over 0 to 255.
 ///
-/// Source: Koestler & Bräunl, section 5; the order is our choice.
+/// Source: Koestler & Bräunl, section 5; the blur and the order are our choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Image {
+    /// Standard deviation of the lens's point spread, in pixels; see [`blur`].
+    pub blur: f64,
     /// Standard deviation, in levels of the 255.
     pub sigma: f64,
     /// Probability of a pixel that is white or black.
@@ -27,7 +29,7 @@ pub struct Image {
 
 impl Default for Image {
     fn default() -> Self {
-        Self { sigma: 0.0, salt_and_pepper: 0.0, salt: 0.5, hundreds_and_thousands: 0.0 }
+        Self { blur: 0.0, sigma: 0.0, salt_and_pepper: 0.0, salt: 0.5, hundreds_and_thousands: 0.0 }
     }
 }
 
@@ -44,11 +46,23 @@ impl ImageErrors {
         Self { model, rows: Events::new(seed, robot, Purpose::Image, device) }
     }
 
+    /// Makes of what the camera sees, in rows of `width` pixels from the top, its frame `frame`: blurred, then with the errors of
+    /// each row.
+    ///
+    /// # Panics
+    /// If the pixels are no whole rows, or more than 65536 of them.
+    pub fn expose<const CHANNELS: usize>(&self, frame: u64, width: usize, pixels: &mut [[u8; CHANNELS]]) {
+        blur(self.model.blur, width, pixels);
+        for (row, pixels) in pixels.chunks_exact_mut(width.max(1)).enumerate() {
+            self.apply(frame, u16::try_from(row).expect("at most 65536 rows"), pixels);
+        }
+    }
+
     /// Adds the errors to row `row` of frame `frame`, whose pixels have `CHANNELS` bytes each.
     ///
     /// What is drawn is a function of frame and row, so rows may be done in any order, and by several threads.
     pub fn apply<const CHANNELS: usize>(&self, frame: u64, row: u16, pixels: &mut [[u8; CHANNELS]]) {
-        let Image { sigma, salt_and_pepper, salt, hundreds_and_thousands } = self.model;
+        let Image { sigma, salt_and_pepper, salt, hundreds_and_thousands, .. } = self.model;
         if sigma > 0.0 {
             let mut stream = self.rows.at(index(frame, row, 0));
             for level in pixels.as_flattened_mut() {
@@ -106,6 +120,25 @@ mod tests {
     }
 
     #[test]
+    fn a_frame_is_blurred_before_its_pixels_err() {
+        let model = Image { blur: 1.0, salt_and_pepper: 0.2, ..Image::default() };
+        let picture: Vec<[u8; 3]> = (0..40 * 30).map(|at| [if at % 40 < 20 { 60 } else { 180 }; 3]).collect();
+        let mut frame = picture.clone();
+        ImageErrors::new(model, 7, RobotId(1), "CAMERA").expose(5, 40, &mut frame);
+        let mut blurred = picture;
+        blur(1.0, 40, &mut blurred);
+        let hit = |pixel: [u8; 3]| pixel == [0; 3] || pixel == [255; 3];
+        let mut hits = 0;
+        for (row, (frame, blurred)) in frame.chunks_exact(40).zip(blurred.chunks_exact_mut(40)).enumerate() {
+            ImageErrors::new(model, 7, RobotId(1), "CAMERA").apply(5, row as u16, blurred);
+            assert_eq!(frame, blurred, "row {row}");
+            hits += frame.iter().filter(|pixel| hit(**pixel)).count();
+        }
+        // Salt and pepper of a frame that was blurred behind them would be grey.
+        assert!((180..300).contains(&hits), "{hits} of 1200");
+    }
+
+    #[test]
     fn levels_are_clamped() {
         let model = Image { sigma: 1e6, ..Image::default() };
         let levels = row::<1>(model, 0, 0);
@@ -131,7 +164,8 @@ mod tests {
 
     #[test]
     fn the_values_are_golden() {
-        let model = Image { sigma: 5.0, salt_and_pepper: 0.3, salt: 0.25, hundreds_and_thousands: 0.3 };
+        let model =
+            Image { sigma: 5.0, salt_and_pepper: 0.3, salt: 0.25, hundreds_and_thousands: 0.3, ..Image::default() };
         let found: Vec<[u8; 3]> = row(model, 2, 1)[6..12].to_vec();
         assert_eq!(found, GOLDEN, "{found:?}");
     }

@@ -1,6 +1,7 @@
 //! Randomness: keyed streams, so that no reader, robot or device changes what another one draws, and the error models on top.
 
 mod angle;
+mod blur;
 mod image;
 mod motion;
 mod normal;
@@ -9,6 +10,7 @@ mod range;
 mod stream;
 
 pub use angle::{Angle, AngleErrors};
+pub use blur::blur;
 pub use image::{Image, ImageErrors};
 pub use motion::Motion;
 pub use normal::normal_quantile;

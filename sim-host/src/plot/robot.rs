@@ -1,6 +1,6 @@
 //! Robots from above: body, heading, wheels, sensors with what they reach.
 
-use std::f64::consts::{FRAC_PI_3, PI, TAU};
+use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
 use plotters::style::RGBColor;
@@ -18,9 +18,6 @@ use super::object::{collider_shape, draw_mesh, footprint};
 
 /// Least radius of the mark of a robot, pixels.
 const MARK: f64 = 4.0;
-
-/// Horizontal field of view of a camera that does not say. Source: our choice, near that of EyeCam; the files do not say.
-const FIELD_OF_VIEW: f64 = FRAC_PI_3;
 
 const PSD_LINE: Line = Line::solid(PSD, 1.25);
 const RANGE_LINE: Line = Line::solid(RANGE, 1.25);
@@ -242,7 +239,7 @@ fn draw_camera(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
         JointSpec::Fixed(pan) => (pan, None),
         JointSpec::Servo { from, to, .. } => (0.5 * (from + to), Some((from, to))),
     };
-    let view = camera.fisheye.unwrap_or(FIELD_OF_VIEW).clamp(0.0, TAU);
+    let view = camera.lens.fov();
     let (place, length) = (camera.position.truncate(), 1.5 * robi.diameter);
     let mut outline = arc(pose, place, length, pan - 0.5 * view, pan + 0.5 * view);
     outline.push(pose.transform_point(place));

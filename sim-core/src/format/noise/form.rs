@@ -153,6 +153,8 @@ sections! {
 
     /// Errors of the images of a camera.
     CameraNoiseForm {
+        /// Standard deviation of the lens's point spread, in pixels.
+        blur: [0, 20],
         /// Standard deviation of each channel of each pixel, of 255 levels.
         sigma: [0, 255],
         /// Probability of a white or black pixel.

@@ -67,6 +67,7 @@ pub(in crate::format) const COMPASS: Keys<Angle> = &[
 ];
 
 pub(in crate::format) const CAMERA: Keys<Image> = &[
+    key("blur", Quantity::number("blur", 0.0, 20.0), |image| &mut image.blur),
     key("sigma", Quantity::number("standard deviation", 0.0, 255.0), |image| &mut image.sigma),
     key("salt_and_pepper", probability("probability of salt and pepper"), |image| &mut image.salt_and_pepper),
     key("salt", probability("share of salt"), |image| &mut image.salt),

@@ -2,8 +2,9 @@
 
 use glam::DVec2;
 
+use super::looks::LOOKS;
 use super::number::written_mm;
-use crate::format::spec::{DEFAULT_CELL, WorldSpec};
+use crate::format::spec::{DEFAULT_CELL, LooksSpec, WorldSpec};
 use crate::format::{read_maze, same};
 
 /// Cells that a drawing may have.
@@ -41,6 +42,7 @@ pub fn print_maze(world: &WorldSpec) -> Result<String, String> {
     read.texture.clone_from(&world.texture);
     read.terrain.clone_from(&world.terrain);
     read.surface = world.surface;
+    read.looks = world.looks;
     let mut wanted = same::world(world);
     wanted.cell.get_or_insert(cell);
     if same::world(&read) == wanted {
@@ -60,7 +62,8 @@ pub(in crate::format) fn beside_maze(world: &WorldSpec) -> Vec<String> {
     let texture = world.texture.as_ref().map(|texture| format!("the texture `{}`", texture.text));
     let surface = world.surface.map(|_| "the surface of floor and walls".to_owned());
     let terrain = world.terrain.as_ref().map(|_| "the terrain".to_owned());
-    [texture, surface, terrain].into_iter().flatten().collect()
+    let looks = (world.looks != LooksSpec::default()).then(|| LOOKS.to_owned());
+    [texture, surface, terrain, looks].into_iter().flatten().collect()
 }
 
 /// The characters of a drawing, row 0 at the bottom.

@@ -10,7 +10,7 @@ use super::scene::robot_type_form;
 use super::sim::quoted;
 use super::{Printed, text};
 use crate::drive::DriveKind;
-use crate::format::spec::{Axis, Collider, JointSpec, RobiSpec};
+use crate::format::spec::{Axis, Collider, JointSpec, Lens, RobiSpec};
 use crate::format::{read_companion, read_robi, same};
 
 /// The text of a robi: a classic one where that says as much as one of EyeSim VR.
@@ -34,8 +34,14 @@ pub fn print_companion(robi: &RobiSpec) -> String {
     for key in ["name", "diameter_mm", "max_speed_mm_per_s", "max_turn_deg_per_s", "axis_mm", "centre_of_mass_mm"] {
         whole.remove(key);
     }
-    for key in ["model", "collider", "wheel", "camera", "psd"] {
+    for key in ["model", "collider", "wheel", "psd"] {
         whole.remove(key);
+    }
+    if let Some(camera) = whole.get_mut("camera").and_then(toml::Value::as_table_mut) {
+        camera.retain(|key, _| matches!(key, "fov_deg" | "samples"));
+        if camera.is_empty() {
+            whole.remove("camera");
+        }
     }
     if let Some(drive) = whole.get_mut("drive").and_then(toml::Value::as_table_mut) {
         for key in ["kind", "motor", "steering"] {
@@ -131,8 +137,8 @@ fn vr(robi: &RobiSpec) -> String {
     let _ = writeln!(out, "axis {} {}", written_mm(0.5 * robi.wheel.diameter), written_mm(robi.axis_offset));
     let is_omni = robi.drive.kind == DriveKind::Omni;
     devices(&mut out, robi, if is_omni { robi.wheel.track } else { 0.5 * robi.wheel.track });
-    if let Some(fisheye) = robi.camera.as_ref().and_then(|camera| camera.fisheye) {
-        let _ = writeln!(out, "fisheye {}", written_degrees(fisheye));
+    if let Some(Lens::Fisheye { fov }) = robi.camera.as_ref().map(|camera| camera.lens) {
+        let _ = writeln!(out, "fisheye {}", written_degrees(fov));
     }
     out
 }

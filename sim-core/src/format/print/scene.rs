@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 use serde::Serialize;
 use toml::{Table, Value};
 
+use super::looks::{light_form, sky_form};
 use super::noise::noise_form;
 use super::number::{degrees, heading, mm, shortest};
 use super::{sensor, text};
@@ -19,9 +20,10 @@ use crate::format::scene::form::{
     ServoForm, SettingsForm, SolidForm, StartForm, WallForm, WheelForm, WorldForm, WorldKindForm,
 };
 use crate::format::spec::{
-    CameraSpec, Collider, CostEntry, CostsRef, DEFAULT_MICROPHONE, DEFAULT_VOLTAGE, DEFAULT_WALL_HEIGHT, InfraredSpec,
-    InputSpec, JointSpec, Layout, LcdSpec, LidarSpec, ModelSpec, ObjectLine, ObjectType, PsdSpec, RobiSpec, RobotLine,
-    RunSpec, SerialLine, SimSpec, Solid, StartRef, WorldKind, WorldSpec,
+    CameraSpec, Collider, CostEntry, CostsRef, DEFAULT_FIELD_OF_VIEW, DEFAULT_MICROPHONE, DEFAULT_SAMPLES,
+    DEFAULT_VOLTAGE, DEFAULT_WALL_HEIGHT, InfraredSpec, InputSpec, JointSpec, Layout, LcdSpec, Lens, LidarSpec,
+    LooksSpec, ModelSpec, ObjectLine, ObjectType, PsdSpec, RobiSpec, RobotLine, RunSpec, SerialLine, SimSpec, Solid,
+    StartRef, WorldKind, WorldSpec,
 };
 use crate::sensor::{Echo, RangeModel};
 
@@ -120,7 +122,8 @@ fn world_of(sim: &SimSpec) -> WorldForm {
                 (WorldKind::Maze, _) => Some(WorldKindForm::Maze),
                 (WorldKind::World, _) => Some(WorldKindForm::World),
             };
-            WorldForm { file: Some(line.path.text.clone()), kind, ..WorldForm::default() }
+            let form = WorldForm { file: Some(line.path.text.clone()), kind, ..WorldForm::default() };
+            with_looks(form, &line.looks)
         }
         (None, None) => WorldForm::default(),
     }
@@ -132,7 +135,8 @@ pub(super) fn world_form(world: &WorldSpec) -> WorldForm {
     let surface = world.surface.map(sensor::explicit_surface);
     let terrain = world.terrain.as_ref().map(sensor::terrain_form);
     if let Some(maze) = super::print_maze(world).ok().filter(|maze| is_drawing(world, maze)) {
-        return WorldForm { maze: Some(maze), texture, surface, terrain, ..WorldForm::default() };
+        let form = WorldForm { maze: Some(maze), texture, surface, terrain, ..WorldForm::default() };
+        return with_looks(form, &world.looks);
     }
     let wall = world.walls.iter().map(|wall| WallForm {
         from_mm: point(wall.from),
@@ -148,7 +152,7 @@ pub(super) fn world_form(world: &WorldSpec) -> WorldForm {
         heading_deg: unless(heading(start.pose.heading), 0.0),
         letter: start.letter.and_then(letter_form),
     });
-    WorldForm {
+    let form = WorldForm {
         floor_mm: Some(point(world.floor)),
         texture,
         surface,
@@ -158,7 +162,12 @@ pub(super) fn world_form(world: &WorldSpec) -> WorldForm {
         start: start.collect(),
         object: world.objects.iter().map(object_line).collect(),
         ..WorldForm::default()
-    }
+    };
+    with_looks(form, &world.looks)
+}
+
+fn with_looks(form: WorldForm, looks: &LooksSpec) -> WorldForm {
+    WorldForm { colour: looks.colour, light: light_form(&looks.light), sky: sky_form(&looks.sky), ..form }
 }
 
 /// Whether reading `maze` gives `world` back, but for what stands beside the drawing.
@@ -167,6 +176,7 @@ fn is_drawing(world: &WorldSpec, maze: &str) -> bool {
     read.texture.clone_from(&world.texture);
     read.terrain.clone_from(&world.terrain);
     read.surface = world.surface;
+    read.looks = world.looks;
     crate::format::same::world(&read) == crate::format::same::world(world)
 }
 
@@ -411,8 +421,12 @@ fn camera_form(camera: &CameraSpec) -> CameraForm {
         }
     };
     let ((pan_deg, pan_servo), (tilt_deg, tilt_servo)) = (joint(&camera.pan), joint(&camera.tilt));
-    let fisheye_deg = camera.fisheye.map(degrees);
-    CameraForm { x_mm, y_mm, z_mm, pan_deg, pan_servo, tilt_deg, tilt_servo, image_px: camera.image, fisheye_deg }
+    let (fov_deg, fisheye_deg) = match camera.lens {
+        Lens::Pinhole { fov } => (unless(fov, DEFAULT_FIELD_OF_VIEW).map(degrees), None),
+        Lens::Fisheye { fov } => (None, Some(degrees(fov))),
+    };
+    let (image_px, samples) = (camera.image, unless(camera.samples, DEFAULT_SAMPLES));
+    CameraForm { x_mm, y_mm, z_mm, pan_deg, pan_servo, tilt_deg, tilt_servo, image_px, fov_deg, fisheye_deg, samples }
 }
 
 fn input_form(input: &InputSpec) -> Option<InputForm> {

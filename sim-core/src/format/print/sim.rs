@@ -3,10 +3,11 @@
 use std::fmt::Write;
 
 use super::Printed;
+use super::looks::LOOKS;
 use super::number::{heading, written, written_degrees, written_mm};
 use crate::format::path;
 use crate::format::spec::{
-    ObjectLine, PathRef, RobotLine, RobotSpec, SceneSpec, SimSpec, StartRef, TypeRef, WorldKind,
+    LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneSpec, SimSpec, StartRef, TypeRef, WorldKind,
 };
 use crate::pose::Pose;
 
@@ -81,6 +82,7 @@ impl Printer<'_> {
     fn run(&mut self, sim: &SimSpec) {
         let run = &sim.run;
         let said = [
+            (sim.world.as_ref().is_some_and(|line| line.looks != LooksSpec::default()), LOOKS),
             (run.seed.is_some(), "the seed"),
             (run.slot.is_some(), "the length of a slot"),
             (run.until.is_some(), "the end of the run"),

@@ -3,9 +3,10 @@
 use std::fmt::Write;
 
 use super::Printed;
+use super::looks::LOOKS;
 use super::number::{heading, written, written_mm};
 use super::sim::quoted;
-use crate::format::spec::{DEFAULT_WALL_HEIGHT, WallSpec, WorldSpec};
+use crate::format::spec::{DEFAULT_WALL_HEIGHT, LooksSpec, WallSpec, WorldSpec};
 
 /// The text of a world file. All walls stand in the frame of the world; there are no `push` lines.
 pub fn print_world(world: &WorldSpec) -> Printed {
@@ -30,6 +31,7 @@ pub fn print_world(world: &WorldSpec) -> Printed {
         (world.surface.is_some(), "the surface of floor and walls".to_owned()),
         (world.walls.iter().any(|wall| wall.surface.is_some()), "the surfaces of single walls".to_owned()),
         (world.terrain.is_some(), "the terrain".to_owned()),
+        (world.looks != LooksSpec::default(), LOOKS.to_owned()),
         (!world.objects.is_empty(), format!("{} objects", world.objects.len())),
     ];
     out.lost.extend(said.into_iter().filter(|(is_said, _)| *is_said).map(|(_, what)| what));

@@ -10,7 +10,7 @@ use super::{Reader, span_of};
 use crate::format::code::Code;
 use crate::format::diagnostic::Severity;
 use crate::format::line::{self, Line, Quantity, Word};
-use crate::format::spec::{CameraSpec, DEFAULT_PSD_RANGE, JointSpec, LidarSpec, PsdSpec};
+use crate::format::spec::{CameraSpec, DEFAULT_PSD_RANGE, JointSpec, Lens, LidarSpec, PsdSpec};
 use crate::unit;
 
 /// Largest pan or tilt that the last two numbers of a VR `camera` line can mean; larger ones are the size of an image.
@@ -126,7 +126,7 @@ impl Reader {
                     (pan.within(PAN_SERVO, max_pan), tilt.within(TILT_SERVO, max_tilt), None)
                 }
             };
-            self.robi.camera = Some(CameraSpec { position, pan, tilt, image, fisheye: None, span });
+            self.robi.camera = Some(CameraSpec { position, pan, tilt, image, ..CameraSpec::new(span) });
         }
     }
 
@@ -171,7 +171,7 @@ impl Reader {
     /// Puts the lens before the camera.
     pub(super) fn mount_fisheye(&mut self) {
         match (&mut self.robi.camera, self.fisheye) {
-            (Some(camera), Some((angle, _))) => camera.fisheye = Some(angle),
+            (Some(camera), Some((fov, _))) => camera.lens = Lens::Fisheye { fov },
             (None, Some((_, span))) => {
                 self.sink.warn(Code::RobiCameraMissing, span, "`fisheye` without a camera", CAMERA_FORM);
             }

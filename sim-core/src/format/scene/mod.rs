@@ -4,6 +4,7 @@
 //! read by [`super::load_scene`].
 
 pub(super) mod form;
+mod looks;
 mod place;
 mod room;
 mod types;

@@ -13,8 +13,8 @@ use crate::format::range::PITCH;
 use crate::format::read_robi;
 use crate::format::robi::WHEELBASE_OF_DIAMETER;
 use crate::format::spec::{
-    Axis, CameraSpec, Collider, DEFAULT_PSD_RANGE, DEFAULT_ROLLING, DriveSpec, JointSpec, ModelSpec, MotorSpec,
-    ObjectType, PsdSpec, RobiSpec, SimSpec, Solid,
+    Axis, Collider, DEFAULT_PSD_RANGE, DEFAULT_ROLLING, DriveSpec, ModelSpec, MotorSpec, ObjectType, PsdSpec, RobiSpec,
+    SimSpec, Solid,
 };
 use crate::format::table::{Reader, Section};
 
@@ -31,9 +31,6 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 const PLACE: [Quantity; 3] = [Quantity::coordinate("x"), Quantity::coordinate("y"), Quantity::coordinate("z")];
 const SIZES: [Quantity; 3] = [Quantity::size("size"), Quantity::size("size"), Quantity::size("size")];
 const TURNS: [Quantity; 3] = [Quantity::angle("turn"), Quantity::angle("turn"), Quantity::angle("turn")];
-
-/// Most pixels of an image's side.
-const MAX_PIXELS: i64 = 65_536;
 
 /// The wheelbase of a type that does not say, as in a robi.
 pub(in crate::format) fn default_wheelbase(robi: &RobiSpec) -> f64 {
@@ -80,9 +77,6 @@ impl Reader<'_> {
         }
         for psd in self.sections(&mut section, "psd") {
             robi.psds.extend(self.psd_of_type(psd));
-        }
-        if let Some(camera) = self.section(&mut section, "camera") {
-            robi.camera = self.camera(camera);
         }
         self.devices(&mut section, &mut robi);
         self.unknown_keys(&section);
@@ -166,47 +160,6 @@ impl Reader<'_> {
         self.set(&mut section, "range_mm", &Quantity::size("range of the sensor"), &mut range);
         self.unknown_keys(&section);
         Some(PsdSpec { name: name?, id, position, angle, pitch, on, range, span: section.span })
-    }
-
-    fn camera(&mut self, mut section: Section<'_, '_>) -> Option<CameraSpec> {
-        let position = self.position(&mut section);
-        let pan = self.joint(&mut section, "pan_deg", "pan_servo");
-        let tilt = self.joint(&mut section, "tilt_deg", "tilt_servo");
-        let image = self.image(&mut section);
-        let fisheye = self.number(&mut section, "fisheye_deg", &Quantity::angle("field of view").within(1.0, 360.0));
-        self.unknown_keys(&section);
-        Some(CameraSpec { position, pan, tilt, image, fisheye, span: section.span })
-    }
-
-    fn joint(&mut self, section: &mut Section<'_, '_>, angle: &'static str, servo: &'static str) -> JointSpec {
-        let fixed = self.number(section, angle, &Quantity::angle("angle of the camera")).unwrap_or_default();
-        let Some(mut servo_section) = self.section(section, servo) else {
-            return JointSpec::Fixed(fixed);
-        };
-        self.exclude(section, servo, &[angle]);
-        let name = self.required_reference(&mut servo_section, "name").map(|name| name.text);
-        let end = Quantity::angle("end of the servo").within(-360.0, 360.0);
-        let from = self.required(&mut servo_section, "from_deg", &end);
-        let to = self.required(&mut servo_section, "to_deg", &end);
-        self.unknown_keys(&servo_section);
-        match (name, from, to) {
-            (Some(name), Some(from), Some(to)) => JointSpec::Servo { name, from, to },
-            _ => JointSpec::Fixed(fixed),
-        }
-    }
-
-    /// `image_px = [WIDTH, HEIGHT]`.
-    fn image(&mut self, section: &mut Section<'_, '_>) -> Option<[u32; 2]> {
-        let items = self.array(section, "image_px", "an array of 2 integers")?;
-        if items.len() != 2 {
-            let span = self.key_span(section, "image_px");
-            let message = format!("`image_px` has {} values", items.len());
-            self.sink.error(Code::TomlType, span, message, "an array of 2 integers");
-            return None;
-        }
-        let width = self.as_integer("image_px", &items[0], 1, MAX_PIXELS);
-        let height = self.as_integer("image_px", &items[1], 1, MAX_PIXELS);
-        Some([width? as u32, height? as u32])
     }
 
     pub(in crate::format) fn position(&mut self, section: &mut Section<'_, '_>) -> DVec3 {

@@ -34,7 +34,7 @@ impl Reader<'_> {
                     ("maz" | "maze", _) | (_, Some(1)) => WorldKind::Maze,
                     _ => WorldKind::World,
                 };
-                sim.world = Some(WorldLine { kind, path });
+                sim.world = Some(WorldLine { kind, path, looks: self.looks(&mut section) });
             }
             self.exclude(&mut section, "file", &INLINE);
             self.unknown_keys(&section);
@@ -47,6 +47,7 @@ impl Reader<'_> {
             world.surface = Some(self.surface(surface));
         }
         world.terrain = self.terrain(&mut section);
+        world.looks = self.looks(&mut section);
         for start in self.sections(&mut section, "start") {
             world.starts.extend(self.start_place(start));
         }

@@ -1,11 +1,12 @@
 //! Devices of a robot: sensors, servos, display, and what is connected to its inputs.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_3, TAU};
 use std::sync::Arc;
 
 use glam::DVec3;
 
 use super::{JointSpec, MountSpec, PathRef};
+use crate::camera::Lens;
 use crate::format::Span;
 use crate::sensor::RangeModel;
 
@@ -64,6 +65,22 @@ pub struct RangeSpec {
     pub span: Span,
 }
 
+/// Horizontal field of view of a camera that does not say, in radians: 60 degrees, near that of the EyeCam. Source: our choice;
+/// the files do not say.
+pub const DEFAULT_FIELD_OF_VIEW: f64 = FRAC_PI_3;
+
+/// Widest horizontal field of view of a pinhole camera, in degrees: beyond, the edges of its images show hardly anything else.
+pub const MAX_FIELD_OF_VIEW_DEG: f64 = 170.0;
+
+/// Points per side of a pixel at which a camera looks that does not say. Source: our choice, see docs/camera.md.
+pub const DEFAULT_SAMPLES: u32 = 2;
+
+/// Most of them.
+pub const MAX_SAMPLES: u32 = 8;
+
+/// The lens of a camera that does not say.
+pub const DEFAULT_LENS: Lens = Lens::Pinhole { fov: DEFAULT_FIELD_OF_VIEW };
+
 /// The camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraSpec {
@@ -75,10 +92,20 @@ pub struct CameraSpec {
     pub tilt: JointSpec,
     /// Largest image: width and height in pixels; `None` where the line does not say.
     pub image: Option<[u32; 2]>,
-    /// Field of view of a fisheye lens, in radians; `None` for an ordinary lens.
-    pub fisheye: Option<f64>,
+    /// Its lens.
+    pub lens: Lens,
+    /// Points per side of a pixel at which it looks, 1 to [`MAX_SAMPLES`]; their colours are averaged.
+    pub samples: u32,
     /// Its line.
     pub span: Span,
+}
+
+impl CameraSpec {
+    /// A camera written at `span` that says nothing about itself.
+    pub fn new(span: Span) -> Self {
+        let [pan, tilt] = [JointSpec::Fixed(0.0), JointSpec::Fixed(0.0)];
+        Self { position: DVec3::ZERO, pan, tilt, image: None, lens: DEFAULT_LENS, samples: DEFAULT_SAMPLES, span }
+    }
 }
 
 /// A laser scanner: distances all around, at equal angles.

@@ -3,6 +3,7 @@
 //! Every value in a spec is a finite number within its documented range, whatever the text was.
 
 mod device;
+mod looks;
 mod mount;
 mod object;
 mod robi;
@@ -11,9 +12,11 @@ mod shape;
 mod world;
 
 use super::Span;
+pub use crate::camera::Lens;
 pub use crate::drive::DriveKind;
 pub use crate::scene::Surface;
 pub use device::*;
+pub use looks::*;
 pub use mount::*;
 pub use object::*;
 pub use robi::*;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::{ObjectType, PathRef, RobiSpec, WorldSpec};
+use super::{LooksSpec, ObjectType, PathRef, RobiSpec, WorldSpec};
 use crate::RobotId;
 use crate::format::Span;
 use crate::format::noise::NoiseRef;
@@ -76,12 +76,14 @@ pub enum WorldKind {
 }
 
 /// The line of a sim file that names the world.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct WorldLine {
     /// World or maze.
     pub kind: WorldKind,
     /// The file.
     pub path: PathRef,
+    /// What the scene says about the looks of the world; the file itself says nothing.
+    pub looks: LooksSpec,
 }
 
 /// Where a robot of a scene starts.

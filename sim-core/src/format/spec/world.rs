@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::{ModelSpec, ObjectLine, PathRef, Surface};
+use super::{LooksSpec, ModelSpec, ObjectLine, PathRef, Surface};
 use crate::format::Span;
 use crate::pose::Pose;
 use crate::scene::Mesh;
@@ -61,6 +61,8 @@ pub struct WorldSpec {
     pub surface: Option<Surface>,
     /// A mesh that range sensors see as the ground; robots drive on the plane z = 0 all the same.
     pub terrain: Option<TerrainSpec>,
+    /// Light, sky and colour of the floor.
+    pub looks: LooksSpec,
     /// Side of a maze's cells, in metres; `None` for a `.wld`.
     pub cell: Option<f64>,
     /// Walls in the order of the file; in a maze, the vertical ones from left to right, then the horizontal ones from

@@ -176,7 +176,7 @@ fn the_forms_of_camera() {
     // In the newest files the first number means nothing, then come forward and up.
     let newest = camera(NEWEST.to_owned());
     assert_eq!((newest.position, newest.image), (mm(62.0, 0.0, 60.0), Some([482, 162])));
-    assert_eq!(newest.fisheye, Some(150.0_f64.to_radians()));
+    assert_eq!(newest.lens, Lens::Fisheye { fov: 150.0_f64.to_radians() });
 }
 
 #[test]

@@ -3,6 +3,7 @@
 //! The reader does not go through them, since it reports all mistakes with their places; tests hold the two together.
 
 mod body;
+mod looks;
 mod robot;
 mod sensor;
 
@@ -13,6 +14,7 @@ use serde::Serialize;
 
 use crate::format::noise::form::NoiseForm;
 pub(crate) use body::*;
+pub(crate) use looks::*;
 pub(crate) use robot::*;
 pub(crate) use sensor::*;
 
@@ -103,7 +105,7 @@ pub(crate) struct GenerationsForm {
 #[derive(Clone, Debug, Default, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct WorldForm {
-    /// A `.wld` or a `.maz`; no other key but `kind` then.
+    /// A `.wld` or a `.maz`; no other key but `kind`, `colour`, `light` and `sky` then.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) file: Option<String>,
     /// How a file is read whose extension does not say: `world` if left out.
@@ -121,6 +123,15 @@ pub(crate) struct WorldForm {
     /// A mesh that range sensors see as the ground; robots drive on the plane all the same.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) terrain: Option<TerrainForm>,
+    /// Red, green and blue of a floor without an image, 0 to 255.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) colour: Option<[u8; 3]>,
+    /// The light that cameras see by.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) light: Option<LightForm>,
+    /// What cameras see where nothing stands.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) sky: Option<SkyForm>,
     /// The drawing of a maze, as in a `.maz`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) maze: Option<String>,

@@ -303,10 +303,18 @@ pub(crate) struct CameraForm {
     /// Largest image: width and height in pixels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) image_px: Option<[u32; 2]>,
-    /// Field of view of a fisheye lens in degrees.
+    /// Horizontal field of view in degrees; 60 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1.0, max = 170.0))]
+    pub(crate) fov_deg: Option<Number>,
+    /// Horizontal field of view of a fisheye lens in degrees, in place of `fov_deg`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1.0, max = 360.0))]
     pub(crate) fisheye_deg: Option<Number>,
+    /// Points per side of a pixel whose colours are averaged; 2 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 8))]
+    pub(crate) samples: Option<u32>,
 }
 
 /// A servo that turns the camera.
