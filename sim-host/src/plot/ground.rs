@@ -4,14 +4,12 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use plotters::style::RGBColor;
+use sim_core::build::MARKER_RADIUS;
 use sim_core::format::{MarkerSpec, StartSpec, WallSpec, WorldSpec};
 use sim_core::scene::{Segment, Texture};
 
 use super::colour::{FLOOR, INK, SHADE, WALL};
 use super::drawing::{Backdrop, Drawing, Form, Label, Line, Paint, Shape, Symbol};
-
-/// Radius of the spot of a marker in metres. Source: our choice; the files do not say.
-const MARKER_RADIUS: f64 = 0.05;
 
 /// Wall lines in pixels.
 const WALL_WIDTH: f64 = 2.0;

@@ -5,7 +5,6 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec2;
 use plotters::style::RGBColor;
 use sim_core::build;
-use sim_core::drive::DriveKind;
 use sim_core::format::{JointSpec, LidarSpec, RobiSpec};
 use sim_core::math;
 use sim_core::pose::{Pose, Pose3};
@@ -62,22 +61,10 @@ pub fn draw_heading(drawing: &mut Drawing, pose: &Pose, radius: f64) {
     drawing.push(Shape::outlined(needle, Line::solid(INK, 1.25)));
 }
 
-/// Middles of the wheels in the robot's frame.
-fn wheels(robi: &RobiSpec) -> Vec<DVec2> {
-    let (half_track, half_base) = (0.5 * robi.wheel.track, 0.5 * robi.drive.wheelbase);
-    let pair = |x: f64| [DVec2::new(x, half_track), DVec2::new(x, -half_track)];
-    let axis = robi.axis_offset;
-    match robi.drive.kind {
-        DriveKind::Differential => pair(axis).to_vec(),
-        DriveKind::Ackermann => [pair(axis), pair(axis + robi.drive.wheelbase)].concat(),
-        DriveKind::Omni => [pair(axis + half_base), pair(axis - half_base)].concat(),
-    }
-}
-
 fn draw_wheels(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
     // A wheel's width is nowhere said; a fifth of its diameter looks like one.
     let half = 0.5 * robi.wheel.diameter * DVec2::new(1.0, 0.2);
-    for wheel in wheels(robi) {
+    for wheel in build::wheel_places(robi) {
         let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
         let corners = corners.map(|(x, y)| pose.transform_point(wheel + half * DVec2::new(x, y)));
         corners.iter().for_each(|corner| drawing.include(*corner));

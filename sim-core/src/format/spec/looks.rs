@@ -34,8 +34,8 @@ impl Default for LightSpec {
     fn default() -> Self {
         Self {
             azimuth: radians_from_degrees(-120.0),
-            elevation: radians_from_degrees(55.0),
-            ambient: 0.5,
+            elevation: radians_from_degrees(50.0),
+            ambient: 0.4,
             shadows: false,
         }
     }

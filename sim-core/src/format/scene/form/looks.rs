@@ -13,11 +13,11 @@ pub(crate) struct LightForm {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = -360.0, max = 360.0))]
     pub(crate) azimuth_deg: Option<Number>,
-    /// Its angle above the floor in degrees; 55 if left out.
+    /// Its angle above the floor in degrees; 50 if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1.0, max = 90.0))]
     pub(crate) elevation_deg: Option<Number>,
-    /// Share of the light that comes evenly from everywhere; 0.5 if left out.
+    /// Share of the light that comes evenly from everywhere; 0.4 if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub(crate) ambient: Option<Number>,

@@ -1,4 +1,6 @@
-//! From specs to the things that are simulated.
+//! From specs to the things that are simulated, and to what cameras see of them.
+
+mod scenery;
 
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
@@ -16,6 +18,7 @@ use crate::pose::{Pose, Pose3};
 use crate::scene::{Mesh, MeshIndex, Segment, Surface, WallId, Walls};
 use crate::sensor::{Link, RangeModel, RangeSensor};
 use crate::world::{Block, Space};
+pub use scenery::{MARKER_RADIUS, ROBOT_COLOURS, WALL_COLOUR, scenery, wheel_places};
 
 /// Friction of an object against walls, robots and other objects. Source: our choice.
 const CONTACT_FRICTION: f64 = 0.3;

@@ -1,0 +1,351 @@
+//! Bodies of robots that have no mesh of their own.
+//!
+//! A hull in the robot's colour, round and of the robot's diameter, for cars and Mecanum drives a box of that diagonal, or what the
+//! file says of its shape; on it, so that its heading can be told from every side: a bright wedge that points ahead, white lamps
+//! in front and red ones behind, as on ships a green one at the right and a red one at the left; a sloping display towards the
+//! rear, the camera where it sits, and dark wheels where the drive has them. Source: our choice.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+
+use super::sketch::{Paint, Round, Sketch, circle, direction};
+use crate::drive::DriveKind;
+use crate::format::{Axis, CameraSpec, Collider, JointSpec, RobiSpec};
+use crate::math;
+use crate::pose::Pose3;
+use crate::scene::{Mesh, Texture};
+
+/// Red, green, blue of robots' bodies by their numbers, again from the first after the last: blue, green, violet, yellow, cyan,
+/// pink. None is red or orange, the colours of the objects `Can` and `Soccer`. Source: our choice.
+pub const ROBOT_COLOURS: [[u8; 3]; 6] =
+    [[30, 100, 200], [40, 150, 70], [130, 80, 180], [225, 205, 60], [60, 185, 205], [215, 110, 175]];
+
+const TYRE: [u8; 3] = [40, 40, 44];
+const HUB: [u8; 3] = [170, 172, 176];
+const CHASSIS: [u8; 3] = [70, 72, 78];
+const NOSE: [u8; 3] = [245, 243, 235];
+const CONSOLE: [u8; 3] = [60, 62, 70];
+const SCREEN: [u8; 3] = [150, 185, 120];
+const HOUSING: [u8; 3] = [30, 30, 34];
+const GLASS: [u8; 3] = [120, 160, 200];
+const WHITE_LAMP: [u8; 3] = [255, 255, 255];
+const RED_LAMP: [u8; 3] = [230, 30, 30];
+const GREEN_LAMP: [u8; 3] = [30, 220, 60];
+
+/// Width of a wheel over its diameter.
+const WHEEL_WIDTH: f64 = 0.25;
+/// Corners of a wheel, and of what is smaller.
+const WHEEL_SIDES: u32 = 20;
+const SMALL_SIDES: u32 = 10;
+/// Corners of a round hull.
+const HULL_SIDES: u32 = 36;
+/// Height of a round hull, and of one that is a box, over the robot's diameter.
+const ROUND_HEIGHT: f64 = 0.4;
+const BOX_HEIGHT: f64 = 0.26;
+/// Least of it where a camera sits low.
+const LEAST_HEIGHT: f64 = 0.15;
+/// How far the hull stays within its outline, so that lamps lie on it.
+const INSET: f64 = 0.98;
+
+/// Middles of the wheels in the robot's frame, in metres: left before right, of a car the driven ones first, of a Mecanum drive those
+/// in front.
+pub fn wheel_places(robi: &RobiSpec) -> Vec<DVec2> {
+    let (half_track, half_base) = (0.5 * robi.wheel.track, 0.5 * robi.drive.wheelbase);
+    let pair = |x: f64| [DVec2::new(x, half_track), DVec2::new(x, -half_track)];
+    let axis = robi.axis_offset;
+    match robi.drive.kind {
+        DriveKind::Differential => pair(axis).to_vec(),
+        DriveKind::Ackermann => [pair(axis), pair(axis + robi.drive.wheelbase)].concat(),
+        DriveKind::Omni => [pair(axis + half_base), pair(axis - half_base)].concat(),
+    }
+}
+
+/// The body of a robot type in a colour.
+pub fn looks(robi: &RobiSpec, colour: [u8; 3]) -> Arc<Mesh> {
+    let hull = Hull::of(robi);
+    let mut sketch = Sketch::default();
+    let paint = sketch.paint(colour);
+    if robi.colliders.is_empty() {
+        hull.draw(&mut sketch, paint);
+    }
+    robi.colliders.iter().for_each(|collider| sketch.collider(collider, paint));
+    draw_wheels(&mut sketch, robi, &hull);
+    hull.draw_lamps(&mut sketch);
+    hull.draw_deck(&mut sketch);
+    if let Some(camera) = &robi.camera {
+        draw_camera(&mut sketch, camera, &hull, robi.diameter);
+    }
+    sketch.finish()
+}
+
+/// The part of a body that bears all others.
+struct Hull {
+    /// Convex, counter-clockwise from above.
+    outline: Vec<DVec2>,
+    bottom: f64,
+    top: f64,
+    /// Its middle.
+    centre: DVec2,
+    /// Half of its length and of its width.
+    half: DVec2,
+    /// Half of the height of its lamps.
+    lamp: f64,
+}
+
+impl Hull {
+    fn of(robi: &RobiSpec) -> Self {
+        let volume = |collider: &Collider| {
+            let (half, height, _) = extent(collider);
+            half.x * half.y * height
+        };
+        let largest = robi.colliders.iter().max_by(|a, b| volume(a).total_cmp(&volume(b)));
+        largest.map_or_else(|| Self::of_drive(robi), Self::of_collider)
+    }
+
+    fn of_drive(robi: &RobiSpec) -> Self {
+        let (diameter, wheel) = (robi.diameter, robi.wheel.diameter);
+        let radius = 0.5 * diameter;
+        // Wheels show below the hull, and beside that of a car.
+        let (outline, bottom, half, height) = match robi.drive.kind {
+            DriveKind::Differential => (circle(radius, HULL_SIDES), 0.5 * wheel, DVec2::splat(radius), ROUND_HEIGHT),
+            DriveKind::Ackermann | DriveKind::Omni => {
+                let between = robi.wheel.track - (WHEEL_WIDTH + 0.1) * wheel;
+                let width = between.clamp(0.35 * diameter, 0.75 * diameter);
+                let length = (diameter * diameter - width * width).sqrt();
+                let half = 0.5 * DVec2::new(length, width);
+                (rectangle(DVec2::ZERO, half), 0.4 * wheel, half, BOX_HEIGHT)
+            }
+        };
+        let bottom = bottom.min(0.5 * diameter);
+        let usual = bottom + height * diameter;
+        let below_camera = robi.camera.as_ref().map_or(usual, |camera| camera.position.z - 0.06 * diameter);
+        let top = usual.min(below_camera).max(bottom + LEAST_HEIGHT * diameter);
+        Self { outline, bottom, top, centre: DVec2::ZERO, half, lamp: 0.15 * (top - bottom) }
+    }
+
+    fn of_collider(collider: &Collider) -> Self {
+        let (half, height, centre) = extent(collider);
+        let (bottom, top) = (centre.z - 0.5 * height, centre.z + 0.5 * height);
+        let middle = centre.truncate();
+        let is_flat = matches!(collider, Collider::Box { .. } | Collider::Cylinder { .. });
+        let outline = match collider {
+            Collider::Box { .. } => rectangle(middle, half),
+            _ if half.x == half.y => circle(half.x, HULL_SIDES).into_iter().map(|corner| middle + corner).collect(),
+            _ => {
+                // A lying capsule.
+                let round = half.min_element();
+                let shift = half - DVec2::splat(round);
+                let corners = circle(round, HULL_SIDES).into_iter();
+                corners.map(|corner| middle + corner + shift * corner.signum()).collect()
+            }
+        };
+        // Beyond its middle what is round leaves its outline.
+        let lamp = if is_flat { 0.15 } else { 0.06 } * height;
+        Self { outline, bottom, top, centre: middle, half, lamp }
+    }
+
+    fn draw(&self, sketch: &mut Sketch, paint: Paint) {
+        let outline: Vec<DVec2> =
+            self.outline.iter().map(|corner| self.centre + INSET * (*corner - self.centre)).collect();
+        sketch.column(&outline, self.bottom, |_| self.top, paint, paint);
+        let chassis = sketch.paint(CHASSIS);
+        let lower: Vec<DVec3> = outline.iter().rev().map(|corner| corner.extend(self.bottom)).collect();
+        sketch.polygon(&lower, chassis);
+    }
+
+    fn middle(&self) -> f64 {
+        0.5 * (self.bottom + self.top)
+    }
+
+    /// Where the outline is met in the direction `angle` from the middle.
+    fn rim(&self, angle: f64) -> DVec2 {
+        let way = direction(angle);
+        let next = self.outline.iter().cycle().skip(1);
+        let reach = self.outline.iter().zip(next).filter_map(|(a, b)| {
+            let (a, along) = (*a - self.centre, *b - *a);
+            let across = way.perp_dot(along);
+            let (reach, share) = (a.perp_dot(along) / across, a.perp_dot(way) / across);
+            (across > 0.0 && (-1e-9..=1.0 + 1e-9).contains(&share)).then_some(reach)
+        });
+        self.centre + way * reach.fold(0.0, f64::max)
+    }
+
+    fn draw_lamps(&self, sketch: &mut Sketch) {
+        let [front, right, back, left] = [0.0, -0.25 * TAU, 0.5 * TAU, 0.25 * TAU];
+        // The corner of a long hull, as seen from its middle: lamps in front and behind sit towards it.
+        let corner = math::atan2(self.half.y, self.half.x);
+        for side in [-1.0, 1.0] {
+            self.lamp(sketch, front + side * 0.62 * corner, 0.25 * corner, WHITE_LAMP);
+            self.lamp(sketch, back + side * 0.62 * corner, 0.25 * corner, RED_LAMP);
+        }
+        let across = 0.25 * TAU - corner;
+        self.lamp(sketch, right, 0.3 * across, GREEN_LAMP);
+        self.lamp(sketch, left, 0.3 * across, RED_LAMP);
+    }
+
+    /// A lamp on the rim, from `half` before the direction `middle` to `half` behind it.
+    fn lamp(&self, sketch: &mut Sketch, middle: f64, half: f64, colour: [u8; 3]) {
+        const STEPS: i32 = 1;
+        let paint = sketch.paint(colour);
+        let height = self.middle() + 0.5 * (self.top - self.middle()).min(4.0 * self.lamp);
+        let (low, high) = (height - self.lamp, height + self.lamp);
+        let outside = |step: i32| self.rim(middle + half * f64::from(step) / f64::from(STEPS));
+        let inside = |step: i32| self.centre + 0.9 * (outside(step) - self.centre);
+        for step in -STEPS..STEPS {
+            let (a, b, c, d) = (outside(step), outside(step + 1), inside(step + 1), inside(step));
+            sketch.panel([a.extend(low), b.extend(low), b.extend(high), a.extend(high)], paint);
+            sketch.polygon(&[a, b, c, d].map(|corner| corner.extend(high)), paint);
+        }
+        for (step, is_end) in [(-STEPS, false), (STEPS, true)] {
+            let (a, b) = if is_end { (outside(step), inside(step)) } else { (inside(step), outside(step)) };
+            sketch.polygon(&[a.extend(low), b.extend(low), b.extend(high), a.extend(high)], paint);
+        }
+    }
+
+    /// The wedge that points ahead, and the display.
+    fn draw_deck(&self, sketch: &mut Sketch) {
+        let size = self.half.min_element();
+        let place = |x: f64, y: f64| self.centre + self.half * DVec2::new(x, y);
+        let nose = sketch.paint(NOSE);
+        let wedge = [place(0.93, 0.0), place(0.12, 0.55), place(0.12, -0.55)];
+        let slope = |at: DVec2| {
+            let share = (at.x - wedge[0].x) / (wedge[1].x - wedge[0].x);
+            self.top + size * (0.02 + 0.14 * share)
+        };
+        sketch.column(&wedge, self.middle(), slope, nose, nose);
+        let console = sketch.paint(CONSOLE);
+        let corners = [place(-0.62, -0.45), place(0.0, -0.45), place(0.0, 0.45), place(-0.62, 0.45)];
+        let slope = |at: DVec2| {
+            let share = (at.x - corners[0].x) / (corners[1].x - corners[0].x);
+            self.top + size * (0.08 + 0.32 * share)
+        };
+        sketch.column(&corners, self.middle(), slope, console, console);
+        let screen = sketch.paint(SCREEN);
+        let inner = [place(-0.54, -0.36), place(-0.08, -0.36), place(-0.08, 0.36), place(-0.54, 0.36)];
+        let corners = inner.map(|corner| corner.extend(slope(corner) + 0.01 * size));
+        sketch.panel(corners, screen);
+    }
+}
+
+/// Half sizes in the floor plane, height and middle of a part of a body's shape.
+fn extent(collider: &Collider) -> (DVec2, f64, DVec3) {
+    match *collider {
+        Collider::Box { centre, size } => (0.5 * size.truncate(), size.z, centre),
+        Collider::Sphere { centre, radius } => (DVec2::splat(radius), 2.0 * radius, centre),
+        Collider::Cylinder { centre, radius, height } => (DVec2::splat(radius), height, centre),
+        Collider::Capsule { centre, radius, height, axis } => {
+            let half = (0.5 * height).max(radius);
+            match axis {
+                Axis::X => (DVec2::new(half, radius), 2.0 * radius, centre),
+                Axis::Y => (DVec2::new(radius, half), 2.0 * radius, centre),
+                Axis::Z => (DVec2::splat(radius), 2.0 * half, centre),
+            }
+        }
+    }
+}
+
+fn rectangle(centre: DVec2, half: DVec2) -> Vec<DVec2> {
+    [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(x, y)| centre + half * DVec2::new(x, y)).to_vec()
+}
+
+/// Wheels with their axles, and the castors of a differential drive.
+fn draw_wheels(sketch: &mut Sketch, robi: &RobiSpec, hull: &Hull) {
+    let radius = 0.5 * robi.wheel.diameter;
+    let width = (WHEEL_WIDTH * robi.wheel.diameter).min(0.6 * robi.wheel.track);
+    let (hub, chassis) = (sketch.paint(HUB), sketch.paint(CHASSIS));
+    let tyre = sketch.paint(TYRE);
+    let places = wheel_places(robi);
+    for place in &places {
+        let tread = match robi.drive.kind {
+            DriveKind::Omni => sketch.image(rollers(place.x > robi.axis_offset, place.y > 0.0)),
+            _ => tyre,
+        };
+        // The axle is the wheel's z, to the left.
+        let at =
+            |y: f64| Pose3 { position: DVec3::new(place.x, y, radius), ..Pose3::about_axis(DVec3::X, -0.25 * TAU) };
+        sketch.cylinder(
+            &at(place.y - 0.5 * width),
+            Round { radius, height: width, sides: WHEEL_SIDES },
+            8,
+            [tread, tyre],
+        );
+        let hubs = Round { radius: 0.55 * radius, height: 1.06 * width, sides: SMALL_SIDES };
+        sketch.cylinder(&at(place.y - 0.5 * hubs.height), hubs, 1, [hub, hub]);
+    }
+    for pair in places.chunks_exact(2) {
+        let (left, right) = (pair[0], pair[1]);
+        let at = Pose3 { position: left.midpoint(right).extend(radius), ..Pose3::IDENTITY };
+        sketch.cuboid(&at, DVec3::new(0.3 * radius, left.distance(right), 0.3 * radius), chassis);
+    }
+    // What bears a hull that lies above the axles.
+    let axles = places[0].midpoint(places[places.len() - 1]);
+    let (low, high) = (0.85 * radius, hull.middle());
+    if hull.bottom > low {
+        let size = DVec3::new(0.6 * hull.half.x, 0.5 * robi.wheel.track.min(2.0 * hull.half.y), high - low);
+        let at = Pose3 { position: axles.extend(0.5 * (low + high)), ..Pose3::IDENTITY };
+        sketch.cuboid(&at, size, chassis);
+    }
+    if robi.drive.kind == DriveKind::Differential {
+        // As far from the axle as the hull is long there; a robot whose axle is in its middle has one at either end.
+        let behind = axles.x > hull.centre.x - 0.2 * hull.half.x;
+        let ahead = axles.x < hull.centre.x + 0.2 * hull.half.x;
+        let castor = (0.4 * hull.bottom).clamp(0.2 * radius, radius).min(0.2 * hull.half.min_element());
+        for (side, _) in [(-1.0, behind), (1.0, ahead)].into_iter().filter(|(_, is_there)| *is_there) {
+            let place = hull.centre + DVec2::new(side * 0.72 * hull.half.x, 0.0);
+            let size = Round { radius: castor, height: 0.6 * castor, sides: SMALL_SIDES };
+            let position = DVec3::new(place.x, place.y - 0.5 * size.height, castor);
+            let at = Pose3 { position, ..Pose3::about_axis(DVec3::X, -0.25 * TAU) };
+            sketch.cylinder(&at, size, 1, [tyre, hub]);
+            // Its fork, up into the hull.
+            let high = hull.middle().max(castor);
+            let fork = Pose3 { position: place.extend(0.5 * (castor + high)), ..Pose3::IDENTITY };
+            sketch.cuboid(&fork, DVec3::new(0.5 * castor, 0.9 * castor, high - castor), chassis);
+        }
+    }
+}
+
+/// The rollers of a Mecanum wheel, which lie askew: in front at the left and behind at the right towards the front and the middle.
+fn rollers(is_front: bool, is_left: bool) -> Arc<Texture> {
+    const SIZE: u32 = 16;
+    let shade = |column: u32, row: u32| {
+        let along = if is_front == is_left { column + row } else { column + SIZE - row };
+        let level = if along % SIZE < SIZE / 2 { 150 } else { 50 };
+        [level, level, level, 255]
+    };
+    let pixels = (0..SIZE * SIZE).map(|pixel| shade(pixel % SIZE, pixel / SIZE)).collect();
+    Arc::new(Texture::new(SIZE, SIZE, pixels).expect("as many pixels as it has"))
+}
+
+/// The camera where it sits, its servos in the middle; one within the hull looks out of it.
+fn draw_camera(sketch: &mut Sketch, camera: &CameraSpec, hull: &Hull, diameter: f64) {
+    let middle = |joint: &JointSpec| match joint {
+        JointSpec::Fixed(angle) => *angle,
+        JointSpec::Servo { from, to, .. } => 0.5 * (from + to),
+    };
+    let (pan, tilt) = (middle(&camera.pan), middle(&camera.tilt).clamp(-0.5 * PI, 0.5 * PI));
+    let size = (0.1 * diameter).clamp(0.008, 0.04);
+    let mut position = camera.position;
+    let from_centre = position.truncate() - hull.centre;
+    let rim = hull.rim(pan);
+    if position.z < hull.top && position.z > hull.bottom && from_centre.length() < rim.distance(hull.centre) {
+        position = (rim - 0.2 * size * direction(pan)).extend(position.z);
+    }
+    let at = Pose3::from_angles(position, 0.0, tilt, pan);
+    let housing = sketch.paint(HOUSING);
+    let behind = Pose3 { position: at.transform_point(DVec3::new(-0.35 * size, 0.0, 0.0)), ..at };
+    sketch.cuboid(&behind, DVec3::new(0.7 * size, size, 0.9 * size), housing);
+    // The lens looks along the camera's x.
+    let lens = at.then(&Pose3::about_axis(DVec3::Y, 0.25 * TAU));
+    let (rim, glass) = (sketch.paint(HUB), sketch.paint(GLASS));
+    let barrel = Round { radius: 0.36 * size, height: 0.25 * size, sides: SMALL_SIDES };
+    sketch.cylinder(&lens, barrel, 1, [rim, housing]);
+    let front = lens.then(&Pose3 { position: 0.2 * size * DVec3::Z, ..Pose3::IDENTITY });
+    let pane = Round { radius: 0.22 * size, height: 0.07 * size, sides: SMALL_SIDES };
+    sketch.cylinder(&front, pane, 1, [glass, glass]);
+    // A mast from the deck, or up to it.
+    let (low, high) = (hull.middle().min(position.z), hull.middle().max(position.z));
+    let mast = Pose3 { position: behind.position.truncate().extend(0.5 * (low + high)), ..Pose3::IDENTITY };
+    sketch.cuboid(&mast, DVec3::new(0.3 * size, 0.5 * size, high - low), housing);
+}

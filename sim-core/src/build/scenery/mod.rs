@@ -1,0 +1,124 @@
+//! What cameras see of a scene.
+
+mod body;
+mod object;
+mod sketch;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::ObjectId;
+use crate::camera::{Floor, Ground, Label, Light, Part, Place, Scenery, Sky, Spot};
+use crate::format::{DEFAULT_FLOOR_COLOUR, LightSpec, MeshReader, RobiSpec, SceneSpec, SkySpec, WallSpec, WorldSpec};
+use crate::math;
+use crate::pose::Pose3;
+use crate::scene::{Mesh, Segment};
+pub use body::{ROBOT_COLOURS, wheel_places};
+use sketch::Sketch;
+
+/// Red, green, blue of a wall without a colour of its own: nearly white, apart from the floor and from the sky. Source: our choice.
+pub const WALL_COLOUR: [u8; 3] = [228, 228, 224];
+
+/// Radius of the spot of a marker in metres. Source: our choice; the files do not say.
+pub const MARKER_RADIUS: f64 = 0.05;
+
+/// Share of the light that is not ambient which comes from the side opposite to the sun. Source: our choice.
+const FILL: f64 = 0.35;
+
+/// All that cameras see of a scene: its ground, walls and objects, and its robots.
+///
+/// Meshes and textures are read by `reader`, to which they say what is wrong in them. An object without a mesh is shown by its
+/// colliders, a robot without one gets a body with wheels, lamps and a nose, in a colour by its number.
+pub fn scenery(scene: &SceneSpec, reader: &mut MeshReader<'_>) -> Scenery {
+    let world = &scene.world;
+    let mut parts: Vec<Part> = (0..).zip(&world.walls).map(|(number, wall)| part_of_wall(number, wall)).collect();
+    let terrain = world.terrain.as_ref().and_then(|terrain| terrain.mesh.clone());
+    let ground = terrain.is_none().then(|| ground(scene, reader));
+    let fixed = |mesh, label| Part { mesh, label, place: Place::Fixed(Pose3::IDENTITY) };
+    parts.extend(terrain.map(|mesh| fixed(mesh, Label::Ground)));
+    parts.extend(parts_of_objects(scene, reader));
+    parts.extend(parts_of_robots(scene, reader));
+    Scenery::new(parts, ground, light(&world.looks.light), sky(&world.looks.sky))
+}
+
+fn ground(scene: &SceneSpec, reader: &mut MeshReader<'_>) -> Ground {
+    let WorldSpec { floor: size, looks, .. } = &scene.world;
+    let colour = looks.colour.unwrap_or(DEFAULT_FLOOR_COLOUR);
+    let spots = scene.markers.iter().map(|marker| Spot {
+        centre: marker.position,
+        radius: MARKER_RADIUS,
+        colour: marker.colour,
+    });
+    Ground {
+        colour: looks.sky.ground,
+        floor: Some(Floor { size: *size, colour, texture: reader.floor(&scene.world) }),
+        spots: spots.collect(),
+    }
+}
+
+fn light(light: &LightSpec) -> Light {
+    let LightSpec { azimuth, elevation, ambient, shadows } = *light;
+    let (rise, level) = math::sin_cos(elevation);
+    let towards = DVec3::new(level * math::cos(azimuth), level * math::sin(azimuth), rise);
+    let rest = 1.0 - ambient;
+    Light { towards, ambient, fill: FILL * rest, diffuse: (1.0 - FILL) * rest, shadows }
+}
+
+fn sky(sky: &SkySpec) -> Sky {
+    Sky { horizon: sky.horizon, zenith: sky.zenith }
+}
+
+/// A wall that stands on the floor: a sheet, or a box without a lower face. Ends in one place share their corners to the bit.
+fn part_of_wall(number: u32, wall: &WallSpec) -> Part {
+    let mut sketch = Sketch::default();
+    let paint = sketch.paint(wall.colour.unwrap_or(WALL_COLOUR));
+    let line = Segment { a: wall.from, b: wall.to };
+    if wall.thickness > 0.0 {
+        let outline = line.thickened(wall.thickness).map(|side| side.a);
+        sketch.column(&outline, 0.0, |_| wall.height, paint, paint);
+    } else {
+        let [a, b] = [line.a, line.b];
+        sketch.panel([a.extend(0.0), b.extend(0.0), b.extend(wall.height), a.extend(wall.height)], paint);
+    }
+    Part { mesh: sketch.finish(), label: Label::Wall(number), place: Place::Fixed(Pose3::IDENTITY) }
+}
+
+fn parts_of_objects(scene: &SceneSpec, reader: &mut MeshReader<'_>) -> Vec<Part> {
+    let mut of_types: BTreeMap<_, Arc<Mesh>> = BTreeMap::new();
+    let mut movable = 0;
+    let mut parts = Vec::with_capacity(scene.objects.len());
+    for (number, object) in (0..).zip(&scene.objects) {
+        let kind = &object.kind;
+        let looks = || reader.object(kind).unwrap_or_else(|| object::looks(kind));
+        let mesh = Arc::clone(of_types.entry(Arc::as_ptr(kind)).or_insert_with(looks));
+        let (label, place) = if kind.is_fixed {
+            (Label::Fixed(number), Place::Fixed(Pose3::from_planar(&object.pose, 0.0)))
+        } else {
+            let id = ObjectId::from_index(movable);
+            movable += 1;
+            (Label::Object(id), Place::Object(id))
+        };
+        parts.push(Part { mesh, label, place });
+    }
+    parts
+}
+
+fn parts_of_robots(scene: &SceneSpec, reader: &mut MeshReader<'_>) -> Vec<Part> {
+    let mut of_types: BTreeMap<*const RobiSpec, Option<Arc<Mesh>>> = BTreeMap::new();
+    let mut bodies: BTreeMap<(*const RobiSpec, usize), Arc<Mesh>> = BTreeMap::new();
+    let part = |robot: &crate::format::RobotSpec| {
+        let (robi, id) = (&robot.robi, robot.id);
+        let own = of_types.entry(Arc::as_ptr(robi)).or_insert_with(|| reader.robot(robi)).clone();
+        let mesh = own.unwrap_or_else(|| {
+            let colour = id.index() % ROBOT_COLOURS.len();
+            let new = || body::looks(robi, ROBOT_COLOURS[colour]);
+            Arc::clone(bodies.entry((Arc::as_ptr(robi), colour)).or_insert_with(new))
+        });
+        Part { mesh, label: Label::Robot(id), place: Place::Robot(id) }
+    };
+    scene.robots.iter().map(part).collect()
+}
