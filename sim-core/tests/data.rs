@@ -110,7 +110,17 @@ fn our_own_files_have_no_mistakes() {
 
 #[test]
 fn our_worlds_are_closed_around_their_starts() {
-    for file in ["empty.wld", "obstacles.wld", "corridor.wld", "parking.wld", "small.maz", "micromouse.maz"] {
+    for file in [
+        "empty.wld",
+        "obstacles.wld",
+        "corridor.wld",
+        "parking.wld",
+        "line.wld",
+        "road.wld",
+        "colours.wld",
+        "small.maz",
+        "micromouse.maz",
+    ] {
         let world = world(file);
         let walls = walls(&world);
         assert!(!world.starts.is_empty(), "{file}");
