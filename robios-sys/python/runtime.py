@@ -9,6 +9,7 @@ Time is the robot's virtual time in `time.time`, `time.monotonic`, `time.perf_co
 `os.urandom` draw from the robot's own stream.
 """
 
+import array as _array
 import ctypes as _ctypes
 import mmap as _mmap
 import os as _os
@@ -158,7 +159,7 @@ def _call(row, *values):
         elif kind == "B":
             value = ord(value) if isinstance(value, str) and len(value) == 1 else value
             body.append(_struct.pack("<B", _int(value, 0, 255, name)))
-        elif kind in "IrR":
+        elif kind in "IrRF":
             body.append(_struct.pack("<I", value))
         elif kind in "qQ":
             body.append(_struct.pack("<" + kind, value))
@@ -192,9 +193,10 @@ def _call(row, *values):
             (length,) = _struct.unpack_from("<I", answer, at)
             written.append(bytearray(answer[at + 4 : at + 4 + length]))
             at += 4 + length
-        elif kind == "R":
+        elif kind in "RF":
             (count,) = _struct.unpack_from("<I", answer, at)
-            written.append(list(_struct.unpack_from(f"<{count}i", answer, at + 4)))
+            numbers = _struct.unpack_from(f"<{count}{'i' if kind == 'R' else 'f'}", answer, at + 4)
+            written.append(list(numbers))
             at += 4 + 4 * count
     if result:
         written.append(_struct.unpack_from("<" + result, answer, at)[0])
@@ -295,11 +297,13 @@ def _set_ip_size(width, height):
     IP_WIDTH, IP_HEIGHT, IP_PIXELS, IP_SIZE = width, height, width * height, 3 * width * height
 
 
-def CAMInit(resolution):
-    """Switches the camera on, with a resolution such as QVGA. Returns 0, 1 if there is no camera."""
+def CAMInit(resolution, width=None, height=None):
+    """Switches the camera on, with a resolution such as QVGA; CUSTOM with width and height. Returns 0, 1 if there is no
+    camera."""
     global CAMWIDTH, CAMHEIGHT, CAMPIXELS, CAMSIZE, CAMMODE, _shown_width, _shown_height
-    if resolution in _SIZES:
-        CAMWIDTH, CAMHEIGHT = _SIZES[resolution]
+    size = (int(width), int(height)) if resolution == CUSTOM and width and height else _SIZES.get(resolution)
+    if size is not None:
+        CAMWIDTH, CAMHEIGHT = size
         CAMPIXELS, CAMSIZE, CAMMODE = CAMWIDTH * CAMHEIGHT, 3 * CAMWIDTH * CAMHEIGHT, resolution
         _set_ip_size(CAMWIDTH, CAMHEIGHT)
         _shown_width, _shown_height = CAMWIDTH, CAMHEIGHT
@@ -314,6 +318,38 @@ def CAMGet():
 def CAMGetGray():
     """A grey image of CAMPIXELS bytes; black if there is no camera."""
     return _image(_call(_CAMGetGray, CAMPIXELS)[0], CAMPIXELS, CAMWIDTH, CAMHEIGHT)
+
+
+class _Numbers(_array.array):
+    """A flat image of numbers, one a pixel, row 0 on top. `numpy.asarray` gives it rows and columns."""
+
+    width = height = 0
+
+    def __array__(self, dtype=None, copy=None):
+        import numpy
+
+        array = numpy.array(self.tolist(), self.typecode if dtype is None else dtype)
+        return array.reshape(self.height, self.width)
+
+
+def _numbers(typecode, values):
+    numbers = _Numbers(typecode, values)
+    numbers.width, numbers.height = CAMWIDTH, CAMHEIGHT
+    return numbers
+
+
+def CAMGetDepth():
+    """How far away what each pixel of the last image shows is: along the line of sight, in mm, infinite for the sky. An
+    array of CAMPIXELS numbers, row 0 on top; None if no image has been taken."""
+    values, result = _call(_CAMGetDepth, CAMPIXELS)
+    return _numbers("f", values) if result == 0 else None
+
+
+def CAMGetLabels():
+    """What each pixel of the last image shows: CAM_SKY, CAM_FLOOR, CAM_WALL, or CAM_BODY + n for robot or object n. An array
+    of CAMPIXELS numbers, row 0 on top; None if no image has been taken."""
+    values, result = _call(_CAMGetLabels, CAMPIXELS)
+    return _numbers("i", values) if result == 0 else None
 
 
 def IPSetSize(resolution, width=None, height=None):

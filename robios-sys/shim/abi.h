@@ -225,6 +225,8 @@ struct eyesim_robios6 {
     int32_t (*RADIOGetStatus)(void *robot, void *s, int32_t *result);
     int32_t (*PSDGetSignal)(void *robot, int32_t handle, float *result);
     int32_t (*LIDARScan)(void *robot, struct eyesim_room distance, int32_t *result);
+    int32_t (*CAMGetDepth)(void *robot, struct eyesim_room mm, int32_t *result);
+    int32_t (*CAMGetLabels)(void *robot, struct eyesim_room labels, int32_t *result);
 };
 
 /* Version 1. */
@@ -371,6 +373,8 @@ struct eyesim_robios7 {
     int32_t (*SIMGetRobotCount)(void *robot, int32_t *result);
     int32_t (*SIMGetObjectCount)(void *robot, int32_t *result);
     int32_t (*PSDGetSignal)(void *robot, int32_t psd, float *result);
+    int32_t (*CAMGetDepth)(void *robot, struct eyesim_room mm, int32_t *result);
+    int32_t (*CAMGetLabels)(void *robot, struct eyesim_room labels, int32_t *result);
 };
 
 struct eyesim_host {

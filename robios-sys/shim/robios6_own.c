@@ -137,3 +137,19 @@ WEAK int LIDARScan(int distance[], int size)
     ROBIOS(LIDARScan, room_of(size > 0 ? distance : NULL, size > 0 ? (size_t)size : 0), &result);
     return result;
 }
+
+enum { FRAME_PIXELS = (imagecolumns - 2) * (imagerows - 2) };
+
+WEAK int CAMGetDepth(float *mm)
+{
+    int32_t result = 0;
+    ROBIOS(CAMGetDepth, room_of(mm, FRAME_PIXELS), &result);
+    return result;
+}
+
+WEAK int CAMGetLabels(int *labels)
+{
+    int32_t result = 0;
+    ROBIOS(CAMGetLabels, room_of(labels, FRAME_PIXELS), &result);
+    return result;
+}

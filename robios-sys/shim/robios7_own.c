@@ -188,6 +188,20 @@ WEAK int CAMGetGray(BYTE *buf)
     return result;
 }
 
+WEAK int CAMGetDepth(float *mm)
+{
+    int32_t result = 0;
+    ROBIOS(CAMGetDepth, room_of(mm, (size_t)CAMPIXELS), &result);
+    return result;
+}
+
+WEAK int CAMGetLabels(int *labels)
+{
+    int32_t result = 0;
+    ROBIOS(CAMGetLabels, room_of(labels, (size_t)CAMPIXELS), &result);
+    return result;
+}
+
 WEAK int IPSetSize(int resolution)
 {
     int32_t result = 0;

@@ -529,18 +529,24 @@ fn get_capacity(from: &mut Reader<'_>) -> Result<Option<usize>, Malformed> {
     Ok((capacity != NULL).then_some(capacity as usize))
 }
 
-/// Room for whole numbers: across the ABI [`ByteRoom`] with `len` numbers, the host gets `&mut OutInts` and
-/// [sets](Self::set) them.
+/// Room for numbers: across the ABI [`ByteRoom`] with `len` numbers, the host gets `&mut OutNumbers` and
+/// [sets](Self::set) them. In the lists [`OutInts`] and [`OutFloats`].
 ///
 /// The thunk writes as many as fit, after the method has returned without [`Stop`]; the rest of the room stays as it was.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct OutInts {
+pub struct OutNumbers<T> {
     is_null: bool,
     capacity: usize,
-    numbers: Vec<i32>,
+    numbers: Vec<T>,
 }
 
-impl OutInts {
+/// Room for whole numbers.
+pub type OutInts = OutNumbers<i32>;
+
+/// Room for numbers in floating point.
+pub type OutFloats = OutNumbers<f32>;
+
+impl<T> OutNumbers<T> {
     /// Room for so many numbers.
     pub const fn with_capacity(capacity: usize) -> Self {
         Self { is_null: false, capacity, numbers: Vec::new() }
@@ -561,20 +567,22 @@ impl OutInts {
         self.capacity
     }
 
-    /// The numbers to be written; those that do not fit are dropped. Returns how many fit.
-    pub fn set(&mut self, numbers: &[i32]) -> usize {
-        self.numbers.clear();
-        self.numbers.extend_from_slice(&numbers[..numbers.len().min(self.capacity)]);
-        self.numbers.len()
-    }
-
     /// The numbers that have been set.
-    pub fn numbers(&self) -> &[i32] {
+    pub fn numbers(&self) -> &[T] {
         &self.numbers
     }
 }
 
-impl Param for OutInts {
+impl<T: Copy> OutNumbers<T> {
+    /// The numbers to be written; those that do not fit are dropped. Returns how many fit.
+    pub fn set(&mut self, numbers: &[T]) -> usize {
+        self.numbers.clear();
+        self.numbers.extend_from_slice(&numbers[..numbers.len().min(self.capacity)]);
+        self.numbers.len()
+    }
+}
+
+impl<T: Plain> Param for OutNumbers<T> {
     type Abi = ByteRoom;
     type Held = Self;
     type View<'a> = &'a mut Self;
@@ -587,7 +595,7 @@ impl Param for OutInts {
     }
     unsafe fn give(abi: ByteRoom, held: Self) {
         if !held.numbers.is_empty() {
-            let bytes = held.numbers.len() * size_of::<i32>();
+            let bytes = held.numbers.len() * size_of::<T>();
             // SAFETY: numbers are kept only if there is room for them, so the pointer is not null, and the caller
             // vouches for the length; copied as bytes, as C may have aligned it badly.
             unsafe { std::ptr::copy_nonoverlapping(held.numbers.as_ptr().cast::<u8>(), abi.data, bytes) };
@@ -608,7 +616,7 @@ impl Param for OutInts {
     }
     fn hear(held: &mut Self, reply: &mut Reader<'_>) -> Result<(), Malformed> {
         let count: u32 = reply.get()?;
-        let numbers: Vec<i32> = (0..count).map(|_| reply.get()).collect::<Result<_, _>>()?;
+        let numbers: Vec<T> = (0..count).map(|_| reply.get()).collect::<Result<_, _>>()?;
         held.set(&numbers);
         Ok(())
     }

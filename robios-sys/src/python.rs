@@ -31,7 +31,7 @@ pub fn eye() -> String {
 /// True for a function whose form in Python follows from the list; the others are in `runtime.py`.
 fn is_plain(function: &Function) -> bool {
     let by_hand = ["LCDPrintf", "LCDSetPrintf", "LCDImageSize", "LCDImageStart", "IPSetSize", "KEYReadXY"];
-    let is_sized = |kind: &str| ["OutBytes", "OutInts"].contains(&kind);
+    let is_sized = |kind: &str| ["OutBytes", "OutInts", "OutFloats"].contains(&kind);
     !by_hand.contains(&function.name)
         && function.parameters.iter().all(|parameter| !is_sized(parameter.kind) && parameter.name != "width_px")
 }
@@ -77,6 +77,7 @@ fn kind(kind: &str) -> &'static str {
         "Out<u8>" => "O",
         "OutBytes" => "r",
         "OutInts" => "R",
+        "OutFloats" => "F",
         "Callback" => "k",
         other => panic!("no form in Python is known for `{other}`: add it here and in runtime.py"),
     }

@@ -34,6 +34,10 @@
 #define NOCAM                255 /* CAMInit: there is no camera. */
 #define NOAUTOBRIGHTNESS       0 /* CAMMode: brightness as set by CAMSet. */
 #define AUTOBRIGHTNESS         1 /* CAMMode: brightness follows the scene. */
+#define CAM_SKY                0 /* CAMGetLabels: nothing. */
+#define CAM_FLOOR              1 /* CAMGetLabels: the floor, with what is painted on it, or a terrain. */
+#define CAM_WALL               2 /* CAMGetLabels: a wall. */
+#define CAM_BODY              10 /* CAMGetLabels: robot or object n is this + n. */
 #define FPS60                  0 /* CAMSet: 60 frames a second. */
 #define FPS30                  1 /* CAMSet: 30 frames a second. */
 #define FPS15                  2 /* CAMSet: 15 frames a second. */
@@ -1154,6 +1158,21 @@ float PSDGetSignal(PSDHandle handle);
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: our choice: RoBIOS has none. */
 int LIDARScan(int distance[], int size);
+
+/* ---- TRUTH: what the camera's last image shows, in simulation only ---- */
+
+/* How far away what each pixel of the last image shows is: along the line of sight, in mm, INFINITY for the sky.
+ * mm: 60 rows of 80 numbers, row 0 on top, without errors. Returns 0, -1 if mm is 0 or no image has been taken.
+ * [any task of the robot]  Pointers belong to the program and are not kept.
+ * Source: our choice: RoBIOS has none. */
+int CAMGetDepth(float *mm);
+
+/* What each pixel of the last image shows: CAM_SKY, CAM_FLOOR, CAM_WALL, or CAM_BODY + n for robot or object n, as
+ * SIMGetRobot and SIMGetObject number them: robots from 1, objects on from the last robot.
+ * labels: 60 rows of 80 numbers, row 0 on top. Returns 0, -1 if labels is 0 or no image has been taken.
+ * [any task of the robot]  Pointers belong to the program and are not kept.
+ * Source: our choice: RoBIOS has none. */
+int CAMGetLabels(int *labels);
 
 #ifdef __cplusplus
 }

@@ -17,6 +17,10 @@
 #define CAMHD                  4 /* 1920 x 1080 pixels. */
 #define CAM5MP                 5 /* 2592 x 1944 pixels. */
 #define CUSTOM                10 /* The size that the program has written to CAMWIDTH and CAMHEIGHT, or to IP_WIDTH and IP_HEIGHT. */
+#define CAM_SKY                0 /* CAMGetLabels: nothing. */
+#define CAM_FLOOR              1 /* CAMGetLabels: the floor, with what is painted on it, or a terrain. */
+#define CAM_WALL               2 /* CAMGetLabels: a wall. */
+#define CAM_BODY              10 /* CAMGetLabels: robot or object n is this + n. */
 #define RED               0xFF0000 /* Colour of 255, 0, 0. */
 #define GREEN              65280 /* Colour of 0, 255, 0. */
 #define BLUE                 255 /* Colour of 0, 0, 255. */
@@ -864,6 +868,21 @@ int SIMGetObjectCount(void);
  * [any task of the robot]  No pointers.
  * Source: our choice: RoBIOS has none. */
 float PSDGetSignal(int psd);
+
+/* ---- TRUTH: what the camera's last image shows, in simulation only ---- */
+
+/* How far away what each pixel of the last image shows is: along the line of sight, in mm, INFINITY for the sky.
+ * mm: CAMPIXELS numbers, row 0 on top, without errors. Returns 0, 1 if mm is 0 or no image has been taken.
+ * [any task of the robot]  Pointers belong to the program and are not kept.
+ * Source: our choice: RoBIOS has none. */
+int CAMGetDepth(float *mm);
+
+/* What each pixel of the last image shows: CAM_SKY, CAM_FLOOR, CAM_WALL, or CAM_BODY + n for robot or object n, as
+ * SIMGetRobot and SIMGetObject number them: robots from 1, objects on from the last robot.
+ * labels: CAMPIXELS numbers, row 0 on top. Returns 0, 1 if labels is 0 or no image has been taken.
+ * [any task of the robot]  Pointers belong to the program and are not kept.
+ * Source: our choice: RoBIOS has none. */
+int CAMGetLabels(int *labels);
 
 #ifdef __cplusplus
 }

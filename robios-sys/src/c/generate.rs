@@ -98,6 +98,7 @@ impl CType {
             "Bytes" => ("const BYTE *", "struct eyesim_bytes"),
             "OutBytes" => ("BYTE *", "struct eyesim_room"),
             "OutInts" => ("int *", "struct eyesim_room"),
+            "OutFloats" => ("float *", "struct eyesim_room"),
             "Callback" => ("TimerFnc ", "struct eyesim_callback"),
             "In<Image>" => ("image *", "const void *"),
             "In<ColImage>" => ("colimage *", "const void *"),

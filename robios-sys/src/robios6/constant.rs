@@ -50,6 +50,14 @@ constants! {
     NOAUTOBRIGHTNESS: i32 = 0;
     /// `CAMMode`: brightness follows the scene.
     AUTOBRIGHTNESS: i32 = 1;
+    /// `CAMGetLabels`: nothing.
+    CAM_SKY: i32 = 0;
+    /// `CAMGetLabels`: the floor, with what is painted on it, or a terrain.
+    CAM_FLOOR: i32 = 1;
+    /// `CAMGetLabels`: a wall.
+    CAM_WALL: i32 = 2;
+    /// `CAMGetLabels`: robot or object n is this + n.
+    CAM_BODY: i32 = 10;
     /// `CAMSet`: 60 frames a second.
     FPS60: i32 = 0;
     /// `CAMSet`: 30 frames a second.

@@ -3,7 +3,7 @@
 //! The doc of a function goes to rustdoc and to `eyebot.h`; names of parameters carry their unit.
 
 use super::*;
-use crate::param::{Bytes, Callback, In, InOut, Out, OutBytes, OutInts, Text};
+use crate::param::{Bytes, Callback, In, InOut, Out, OutBytes, OutFloats, OutInts, Text};
 use crate::table::function_table;
 
 function_table! {
@@ -726,5 +726,15 @@ function_table! {
         /// size: room in distance; as many are written as fit. Returns the number of points of the scan, or -1 if there is
         /// no scanner or distance is 0.
         fn LIDARScan(distance: OutInts) -> i32 = -1, c "int LIDARScan(int distance[], int size)";
+    }
+    family TRUTH "what the camera's last image shows, in simulation only", source "our choice: RoBIOS has none" {
+        /// How far away what each pixel of the last image shows is: along the line of sight, in mm, INFINITY for the sky.
+        /// mm: 60 rows of 80 numbers, row 0 on top, without errors. Returns 0, -1 if mm is 0 or no image has been taken.
+        fn CAMGetDepth(mm: OutFloats) -> i32 = -1, c "int CAMGetDepth(float *mm)";
+
+        /// What each pixel of the last image shows: CAM_SKY, CAM_FLOOR, CAM_WALL, or CAM_BODY + n for robot or object n, as
+        /// SIMGetRobot and SIMGetObject number them: robots from 1, objects on from the last robot.
+        /// labels: 60 rows of 80 numbers, row 0 on top. Returns 0, -1 if labels is 0 or no image has been taken.
+        fn CAMGetLabels(labels: OutInts) -> i32 = -1, c "int CAMGetLabels(int *labels)";
     }
 }

@@ -22,6 +22,15 @@ constants! {
     /// The size that the program has written to `CAMWIDTH` and `CAMHEIGHT`, or to `IP_WIDTH` and `IP_HEIGHT`.
     CUSTOM: i32 = 10;
 
+    /// `CAMGetLabels`: nothing.
+    CAM_SKY: i32 = 0;
+    /// `CAMGetLabels`: the floor, with what is painted on it, or a terrain.
+    CAM_FLOOR: i32 = 1;
+    /// `CAMGetLabels`: a wall.
+    CAM_WALL: i32 = 2;
+    /// `CAMGetLabels`: robot or object n is this + n.
+    CAM_BODY: i32 = 10;
+
     /// Colour of 255, 0, 0.
     RED: Color = 0xFF0000;
     /// Colour of 0, 255, 0.

@@ -4,7 +4,7 @@
 //! Where sources conflict, `docs/robios7.md` says which is followed.
 
 use super::*;
-use crate::param::{Bytes, Callback, Out, OutBytes, OutInts, Text};
+use crate::param::{Bytes, Callback, Out, OutBytes, OutFloats, OutInts, Text};
 use crate::table::function_table;
 
 function_table! {
@@ -487,5 +487,15 @@ function_table! {
         /// echo, of which a perfect reflector 1 m ahead returns 1; of others 1 with an echo, 0 without.
         /// Returns -1 if there is no such sensor.
         fn PSDGetSignal(psd: i32) -> f32 = -1.0;
+    }
+    family TRUTH "what the camera's last image shows, in simulation only", source "our choice: RoBIOS has none" {
+        /// How far away what each pixel of the last image shows is: along the line of sight, in mm, INFINITY for the sky.
+        /// mm: CAMPIXELS numbers, row 0 on top, without errors. Returns 0, 1 if mm is 0 or no image has been taken.
+        fn CAMGetDepth(mm: OutFloats) -> i32 = 1, c "int CAMGetDepth(float *mm)";
+
+        /// What each pixel of the last image shows: CAM_SKY, CAM_FLOOR, CAM_WALL, or CAM_BODY + n for robot or object n, as
+        /// SIMGetRobot and SIMGetObject number them: robots from 1, objects on from the last robot.
+        /// labels: CAMPIXELS numbers, row 0 on top. Returns 0, 1 if labels is 0 or no image has been taken.
+        fn CAMGetLabels(labels: OutInts) -> i32 = 1, c "int CAMGetLabels(int *labels)";
     }
 }
