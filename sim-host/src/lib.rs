@@ -7,4 +7,5 @@ pub mod plot;
 pub mod program;
 pub mod record;
 pub mod robios;
+pub mod scenery;
 pub mod setup;

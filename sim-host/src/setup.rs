@@ -21,12 +21,14 @@ use crate::program::find::{Found, SearchPath, find_program};
 use crate::program::generation::{Generation, Wanted};
 use crate::program::load::{LoadError, Loader, OpenError, check_mappings};
 use crate::program::prepare::{Code, Prepared, prepare};
+use crate::record::frame::Frames;
 use crate::robios::Devices;
 use crate::robios::irtv::Remote;
 use crate::robios::key::{Keys, Press};
 use crate::robios::robot::{Robot, RobotParts};
 use crate::robios::storage::Storage;
 use crate::robios::truth::{Census, Counted};
+use crate::scenery::LazyScenery;
 
 /// What the scene says of the generation that a robot's program is written for.
 pub fn wanted_of(robot: &RobotSpec) -> Wanted {
@@ -243,6 +245,10 @@ pub struct RobotOptions<'a> {
     pub may_execute: bool,
     /// True when every call is to be recorded.
     pub is_verbose: bool,
+    /// What cameras see.
+    pub scenery: Arc<LazyScenery>,
+    /// Where the images go that programs take, if the user wants them.
+    pub frames: Option<Arc<Frames>>,
 }
 
 /// The world at time 0 and its robots.
@@ -273,6 +279,7 @@ pub fn build_world(
             Remote::scripted(remote.iter().filter_map(|press| Some((press.at, press.touch.remote_key()?))));
         devices.storage = Storage::new(Path::new(&scene.folder));
         devices.os.may_execute = options.may_execute;
+        devices.camera = devices.camera.in_run(Arc::clone(&options.scenery), options.frames.clone());
         let mut motion = Motion::new(spec.id, Arc::clone(model), Arc::clone(&walls), spec.start);
         if let Some(profile) = profiles.of(spec) {
             devices = devices.with_errors(&spec.robi, &profile, options.seed, spec.id);

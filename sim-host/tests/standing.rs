@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::process::Command;
+use std::sync::Arc;
 
 use sim_core::format::{Loaded, SceneSpec, load_scene};
 use sim_core::time::Time;
@@ -70,7 +71,15 @@ fn run(folder: &Path, scene: &SceneSpec, lanes: usize) -> Ended {
     let programs = Programs::build(scene, &search, &builder).unwrap_or_else(|error| panic!("{error:#}"));
     let loaded = programs.load(scene, Exec::Thread, None).unwrap_or_else(|error| panic!("{error:#}"));
     let slot = Time::from_millis(50);
-    let options = RobotOptions { seed: 0, slot, keys: &[], may_execute: false, is_verbose: false };
+    let options = RobotOptions {
+        seed: 0,
+        slot,
+        keys: &[],
+        may_execute: false,
+        is_verbose: false,
+        scenery: Arc::default(),
+        frames: None,
+    };
     let (world, robots) = build_world(scene, &programs, &options).unwrap_or_else(|error| panic!("{error:#}"));
     let limits = Limits { lanes, until: Time::from_millis(60_000), speed: None, timeout: 10.0, is_verbose: false };
     let header = TraceHeader { seed: 0, slot_us: slot.0, robots: Vec::new() };

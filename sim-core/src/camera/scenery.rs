@@ -187,7 +187,16 @@ impl Scenery {
             Place::Object(object) => Pose3::from_planar(&world.object_pose(object, at), 0.0),
             Place::Robot(robot) => Pose3::from_planar(&world.robot_pose(robot, at), 0.0),
         };
-        Still { scenery: self, poses: self.parts.iter().map(pose).collect() }
+        self.standing(self.parts.iter().map(pose).collect())
+    }
+
+    /// The parts at these poses, in their order: those that another [`Still`] of this scenery had.
+    ///
+    /// # Panics
+    /// If there is not a pose for each part.
+    pub fn standing(&self, poses: Vec<Pose3>) -> Still<'_> {
+        assert_eq!(poses.len(), self.parts.len(), "a pose for each part");
+        Still { scenery: self, poses }
     }
 }
 

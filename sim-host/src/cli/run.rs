@@ -33,9 +33,12 @@ use crate::executive::thread::ThreadExecutor;
 use crate::files::DiskFiles;
 use crate::plot::{self, RunObject, RunPicture, RunRobot};
 use crate::program::{Builder, Cache, Generation, Kits, SearchPath, Tools};
+use crate::record::event::KindSet;
+use crate::record::frame::{FrameFailures, Frames};
 use crate::record::report::{Input, ObjectReport, REPORT_SCHEMA, RobotReport};
 use crate::record::trace::{TraceHeader, TraceRobot};
-use crate::record::{Log, Outcome, Recorder, Report, Sink, Trace, Trails};
+use crate::record::{Digest, Log, Outcome, Record, RecordError, Recorder, Report, Sink, Trace, Trails};
+use crate::scenery::LazyScenery;
 use crate::setup::{Debug, Programs, RobotOptions, build_world};
 
 /// Simulated seconds after which a run ends when the user says nothing and nobody watches.
@@ -59,6 +62,9 @@ pub struct RunArgs {
     /// Draw the world from above with the robots' paths, as .svg or .png
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// Write every image that a program takes as .png into a folder, which must be empty or not there yet
+    #[arg(long, value_name = "FOLDER")]
+    pub frames: Option<PathBuf>,
     /// Seed of all random numbers [default: that of the scene, else 0]
     #[arg(long, value_name = "NUMBER")]
     pub seed: Option<u64>,
@@ -111,7 +117,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "PATTERNS", requires = "verbose")]
     pub only: Option<String>,
     /// With -v only this robot
-    #[arg(long, value_name = "NUMBER", requires = "verbose")]
+    #[arg(long, value_name = "NUMBER")]
     pub robot: Option<u32>,
     /// The robot whose program `eyesim debug` opens in a debugger
     #[arg(skip)]
@@ -156,7 +162,9 @@ pub struct Ran {
     /// What the command line and the scene said of it.
     pub options: Options,
     /// What was run.
-    pub scene: SceneSpec,
+    pub scene: Arc<SceneSpec>,
+    /// What its cameras see.
+    pub scenery: Arc<LazyScenery>,
     /// How it ended.
     pub ended: Ended,
     /// The same for people and programs.
@@ -170,6 +178,11 @@ impl Ran {
     /// # Errors
     /// The first file that cannot be written; it keeps no other from being written.
     pub fn write_files(&self, args: &RunArgs) -> anyhow::Result<()> {
+        if self.scenery.built().is_some() {
+            // Images that cameras have seen meanwhile are inputs, too.
+            let outputs = [("--report", &args.report), ("--plot", &args.plot)];
+            output::check_outputs(&given(&outputs), self.report.inputs.iter().map(|input| input.path.as_str()))?;
+        }
         let plot = args.plot.as_ref().zip(self.trails.as_ref());
         let written = [
             args.report.as_ref().map(|path| Ok(self.report.write(path)?)),
@@ -184,6 +197,7 @@ impl Ran {
 /// # Errors
 /// Files or arguments that are wrong.
 pub fn carry_out(args: &RunArgs) -> anyhow::Result<Option<Ran>> {
+    ensure!(args.robot.is_none() || args.verbose, "--robot: it says whose calls are shown, and needs --verbose");
     expect_scene(&args.sim)?;
     let mut files = DiskFiles::of_environment();
     let mut loaded = load_scene_with(&files.name(&args.sim), args.seed, &files);
@@ -197,11 +211,11 @@ pub fn carry_out(args: &RunArgs) -> anyhow::Result<Option<Ran>> {
     let options = Options::new(args, &mut loaded.scene)?;
     let missing = check::missing_programs(&loaded.scene, Severity::Error, &*check::finder(&files, args.api)?);
     tell(&missing, &loaded.inputs, args.strict)?;
-    simulate(args, options, &files, loaded)
+    simulate(args, options, files, loaded)
 }
 
 /// Shows what is wrong with the scene, and refuses to run it if it is an error or, when `strict`, anything.
-fn tell(diagnostics: &[Diagnostic], inputs: &[InputFile], strict: bool) -> anyhow::Result<()> {
+pub(super) fn tell(diagnostics: &[Diagnostic], inputs: &[InputFile], strict: bool) -> anyhow::Result<()> {
     if diagnostics.is_empty() {
         return Ok(());
     }
@@ -234,8 +248,8 @@ fn expect_scene(path: &Path) -> anyhow::Result<()> {
 }
 
 /// Builds, loads and runs the scene.
-fn simulate(args: &RunArgs, options: Options, files: &DiskFiles, loaded: Loaded) -> anyhow::Result<Option<Ran>> {
-    let scene = &loaded.scene;
+fn simulate(args: &RunArgs, options: Options, files: DiskFiles, loaded: Loaded) -> anyhow::Result<Option<Ran>> {
+    let scene = &Arc::new(loaded.scene);
     if scene.robots.is_empty() {
         bail!("`{}` has no robots: there is nothing to run", args.sim.display());
     }
@@ -246,8 +260,13 @@ fn simulate(args: &RunArgs, options: Options, files: &DiskFiles, loaded: Loaded)
         installation: files.home().map(PathBuf::from),
     };
     let programs = build_programs(args, scene, &search)?;
-    let inputs = inputs(&loaded.inputs, options.costs_input.as_ref(), &programs);
+    let mut inputs = inputs(&loaded.inputs, options.costs_input.as_ref(), &programs);
     check_outputs(args, &inputs)?;
+    let frames = |folder: &PathBuf| {
+        let frames = Frames::create(folder, scene.robots.len());
+        frames.map(Arc::new).with_context(|| format!("--frames `{}`", folder.display()))
+    };
+    let frames = args.frames.as_ref().map(frames).transpose()?;
     programs.remarks.iter().for_each(|remark| eprintln!("{remark}"));
     if programs.iter().next().is_none() {
         eprintln!("no robot has a program, so no time passes: `--program FILE` gives them one");
@@ -259,18 +278,29 @@ fn simulate(args: &RunArgs, options: Options, files: &DiskFiles, loaded: Loaded)
             return Ok(None);
         }
     };
+    let scenery = Arc::new(LazyScenery::new(Arc::clone(scene), files, loaded.diagnostics, loaded.inputs));
     let robot_options = RobotOptions {
         seed: options.seed,
         slot: options.slot,
         keys: &options.keys,
         may_execute: args.allow_execute,
         is_verbose: args.verbose,
+        scenery: Arc::clone(&scenery),
+        frames: frames.clone(),
     };
     let (world, robots) = build_world(scene, &programs, &robot_options)?;
 
     let until = options.until.unwrap_or(Time::from_seconds_ceil(DEFAULT_UNTIL));
     let mut progress = if args.verbose || args.quiet { Progress::hidden() } else { Progress::new(until) };
-    let Sinks { all, trails } = sinks(args, &options, scene, &progress)?;
+    let Sinks { mut all, trails } = sinks(args, &options, scene, &progress)?;
+    let remarks = SceneryRemarks {
+        scenery: Arc::clone(&scenery),
+        is_strict: args.strict,
+        is_told: false,
+        err: progress.stderr(),
+    };
+    all.insert(0, Box::new(remarks));
+    all.extend(frames.map(|frames| Box::new(FrameFailures(frames)) as Box<dyn Sink>));
     let limits = Limits {
         lanes: args.threads.map_or_else(processors, NonZeroUsize::get),
         until,
@@ -293,8 +323,45 @@ fn simulate(args: &RunArgs, options: Options, files: &DiskFiles, loaded: Loaded)
         .context("cannot start the robots")?;
     progress.clear();
 
+    if let Some(built) = scenery.built() {
+        let files = built.inputs.iter().map(|file| Input::new(Path::new(&file.path), &file.bytes));
+        let new: Vec<Input> = files.filter(|file| inputs.iter().all(|known| known.path != file.path)).collect();
+        inputs.extend(new);
+    }
     let report = report(&options, scene, &ended, inputs);
-    Ok(Some(Ran { options, scene: loaded.scene, ended, report, trails }))
+    Ok(Some(Ran { options, scene: Arc::clone(scene), scenery, ended, report, trails }))
+}
+
+/// Tells, in the slot in which the first camera is used, what is wrong in the meshes and images that are read then.
+struct SceneryRemarks {
+    scenery: Arc<LazyScenery>,
+    is_strict: bool,
+    is_told: bool,
+    err: Box<dyn std::io::Write + Send>,
+}
+
+impl Sink for SceneryRemarks {
+    fn interest(&self) -> KindSet {
+        KindSet::NONE
+    }
+
+    fn record(&mut self, _: &Record<'_>) -> Result<(), RecordError> {
+        Ok(())
+    }
+
+    fn end_slot(&mut self, _: Time, _: Option<Digest>) -> Result<(), RecordError> {
+        let Some(built) = self.scenery.built().filter(|_| !self.is_told) else { return Ok(()) };
+        self.is_told = true;
+        if built.diagnostics.is_empty() {
+            return Ok(());
+        }
+        let screen = diagnostic::Screen::of_stderr(Colour::Auto);
+        let text = diagnostic::render(&built.diagnostics, &self.scenery.inputs(), Format::Auto, screen);
+        let written = text.map_err(std::io::Error::other).and_then(|text| self.err.write_all(text.as_bytes()));
+        written.map_err(|source| RecordError::Print { stream: "standard error", source })?;
+        let is_rejected = check::is_rejected(&built.diagnostics, self.is_strict);
+        if is_rejected { Err(RecordError::Strict(diagnostic::count(&built.diagnostics))) } else { Ok(()) }
+    }
 }
 
 /// Builds the programs of `scene`, and says on a terminal what takes so long.
@@ -326,11 +393,14 @@ pub fn print(text: &str) -> anyhow::Result<()> {
 /// Checks before the run that what it writes destroys none of its inputs and has a folder to lie in.
 fn check_outputs(args: &RunArgs, inputs: &[Input]) -> anyhow::Result<()> {
     let outputs = [("--report", &args.report), ("--trace", &args.trace), ("--plot", &args.plot)];
-    let outputs: Vec<(&str, &Path)> =
-        outputs.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?))).collect();
-    output::check_outputs(&outputs, inputs.iter().map(|input| input.path.as_str()))?;
+    output::check_outputs(&given(&outputs), inputs.iter().map(|input| input.path.as_str()))?;
     args.plot.as_deref().map(plot::Kind::of).transpose().context("--plot")?;
     Ok(())
+}
+
+/// Those of the options that the user has given.
+fn given<'a>(options: &[(&'a str, &'a Option<PathBuf>)]) -> Vec<(&'a str, &'a Path)> {
+    options.iter().filter_map(|(option, path)| Some((*option, path.as_deref()?))).collect()
 }
 
 fn processors() -> usize {

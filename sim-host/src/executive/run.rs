@@ -92,6 +92,8 @@ pub struct Ended {
     pub robots: Vec<RobotEnd>,
     /// Where each movable object is, in the order of ids.
     pub objects: Vec<Pose>,
+    /// The run itself, at rest: its world and its robots, whose displays have been taken out.
+    pub run: Arc<Run>,
 }
 
 /// How a robot stands at the end of a run.
@@ -385,7 +387,7 @@ impl Run {
     }
 
     /// What the run has come to, once nobody runs any more.
-    fn conclude(&self, broken: &[(RobotId, Broken)], start: Instant) -> Ended {
+    fn conclude(self: &Arc<Self>, broken: &[(RobotId, Broken)], start: Instant) -> Ended {
         let mut conductor = self.conductor.lock();
         let time = conductor.time(&self.world.read());
         let end = conductor.take_end();
@@ -423,6 +425,7 @@ impl Run {
         let world = self.world.read();
         let objects =
             (0..world.object_count()).map(|index| world.object_pose(ObjectId::from_index(index), time)).collect();
-        Ended { end, time, real_time: start.elapsed(), digest, robots, objects }
+        let run = Arc::clone(self);
+        Ended { end, time, real_time: start.elapsed(), digest, robots, objects, run }
     }
 }

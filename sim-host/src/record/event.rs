@@ -390,6 +390,21 @@ events! {
         /// When it was measured, s.
         measured_s: f64,
     }
+    /// The camera's image is taken, or what it shows is read.
+    Frame = "frame" {
+        /// Number of the image among those of its camera, from 1.
+        frame: u64,
+        /// `colour`, `grey`, `bayer`; `depth` or `labels` of what it shows.
+        form: &'a str,
+        /// Pixels of a row.
+        width_px: u32,
+        /// Rows.
+        height_px: u32,
+        /// When it was exposed, s.
+        exposed_s: f64,
+        /// BLAKE3 hash of its bytes as the program gets them.
+        hash: &'a str,
+    }
     /// The program writes a line to its standard error. A note.
     Stderr = "stderr" {
         /// The line without its end.

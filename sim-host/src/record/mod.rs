@@ -1,4 +1,4 @@
-//! What a run leaves behind: events, digest, trace, report, picture and the lines on the terminal.
+//! What a run leaves behind: events, digest, trace, report, pictures and the lines on the terminal.
 //!
 //! Each robot appends its events to a [`Journal`] of its own while a slot runs; at the slot's end the [`Recorder`] seals
 //! the journals (digest), merges them in the one order (virtual time, robot, sequence) and hands them to the sinks.
@@ -6,8 +6,10 @@
 
 pub mod digest;
 pub mod event;
+pub mod frame;
 pub mod journal;
 pub mod log;
+mod png;
 pub mod recorder;
 pub mod report;
 pub mod trace;

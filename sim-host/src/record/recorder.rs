@@ -32,6 +32,9 @@ pub enum RecordError {
         /// The system's own words.
         source: std::io::Error,
     },
+    /// What cameras see has warnings, and the user wants none.
+    #[error("the scene is not run on: {0}")]
+    Strict(String),
     /// The report holds what its schema does not allow.
     #[error("cannot write the report: {0}")]
     Report(serde_json::Error),

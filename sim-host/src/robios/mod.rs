@@ -10,6 +10,9 @@ mod method;
 pub mod audio;
 pub mod bump;
 pub mod caller;
+pub mod camera;
+pub mod camera6;
+mod camera7;
 pub mod compass;
 pub mod cost;
 pub mod cycle;
@@ -25,6 +28,7 @@ pub mod irtv;
 pub mod key;
 pub mod latch;
 pub mod lcd;
+mod level;
 pub mod lidar;
 pub mod motor;
 mod motor7;
@@ -103,6 +107,10 @@ pub struct Devices {
     pub servos: servo::Servos,
     /// The laser scanner.
     pub lidar: lidar::Lidar,
+    /// The camera.
+    pub camera: camera::Camera,
+    /// What a program of RoBIOS 6 has set of it.
+    pub camera6: camera6::Settings,
     /// The driving interface.
     pub vw: vw::Vw,
     /// Bumpers.
@@ -145,6 +153,7 @@ impl Devices {
     /// These devices with the errors of `profile` on `robot`, in a run with `seed`.
     pub fn with_errors(mut self, spec: &RobiSpec, profile: &Profile, seed: u64, robot: RobotId) -> Self {
         self.ranges = self.ranges.with_errors(spec, profile, seed, robot);
+        self.camera = self.camera.with_errors(profile, seed, robot);
         let compass = spec.compass.as_ref();
         self.compass.errors = compass.map(|it| AngleErrors::new(profile.compass, seed, robot, &it.name));
         self

@@ -1,15 +1,16 @@
 //! Which function of which family answers each RoBIOS 6 call.
 
 use robios_sys::robios6::{
-    BayerFrame, BitImage, ColImage, ColorFrame, FALSE, HDTEntry, Image, MonoFrame, NOCAM, NOTASK, PositionType,
+    BayerFrame, BitImage, ColImage, ColorFrame, FALSE, HDTEntry, Image, MonoFrame, NOTASK, PositionType,
     RadioIOParameters, RadioStatus, SpeedType, VEHICLE,
 };
-use robios_sys::{Callback, Out, OutBytes, OutInts, Robios6, Robios6Call as Call, Stop};
+use robios_sys::{Callback, Out, OutBytes, OutFloats, OutInts, Robios6, Robios6Call as Call, Stop};
 use sim_core::time::TICK;
 
 use super::caller::Caller;
 use super::{
-    audio, bump, compass, display, hdt, image, ir, irtv, key, latch, lidar, motor, os, psd, serial, servo, vw,
+    audio, bump, camera6 as camera, compass, display, hdt, image, ir, irtv, key, latch, lidar, motor, os, psd, serial,
+    servo, vw,
 };
 
 type Text<'a> = Option<&'a [u8]>;
@@ -289,18 +290,27 @@ impl Robios6 for Caller {
     }
 
     // Camera.
-    fail! {
-        fn CAMInit(mode: i32) -> i32 = NOCAM;
-        fn CAMRelease() -> i32 = -1;
-        fn CAMGetFrame(buffer: &mut Out<Image>) -> i32 = -1;
-        fn CAMGetColFrame(buffer: &mut Out<ColImage>, convert: i32) -> i32 = -1;
-        fn CAMGetFrameMono(buffer: &mut Out<MonoFrame>) -> i32 = -1;
-        fn CAMGetFrameColor(buffer: &mut Out<ColorFrame>) -> i32 = -1;
-        fn CAMGetFrameRGB(buffer: &mut Out<ColorFrame>) -> i32 = -1;
-        fn CAMGetFrameBayer(buffer: &mut Out<BayerFrame>) -> i32 = -1;
-        fn CAMSet(p1: i32, p2: i32, p3: i32) -> i32 = -1;
-        fn CAMGet(p1: &mut Out<i32>, p2: &mut Out<i32>, p3: &mut Out<i32>) -> i32 = -1;
-        fn CAMMode(mode: i32) -> i32 = -1;
+    act! {
+        fn CAMInit(mode: i32) -> i32 = |robot, _| camera::init(robot, mode);
+        fn CAMRelease() -> i32 = |robot, _| camera::release(robot);
+        fn CAMSet(p1: i32, p2: i32, p3: i32) -> i32 = |robot, _| camera::set(robot, [p1, p2, p3]);
+        fn CAMGet(p1: &mut Out<i32>, p2: &mut Out<i32>, p3: &mut Out<i32>) -> i32 =
+            |robot, _| camera::get(robot, [p1, p2, p3]);
+        fn CAMMode(mode: i32) -> i32 = |robot, _| camera::set_mode(robot, mode);
+        fn CAMGetDepth(mm: &mut OutFloats) -> i32 = |robot, _| camera::depth(robot, mm);
+        fn CAMGetLabels(labels: &mut OutInts) -> i32 = |robot, _| camera::labels(robot, labels);
+    }
+    wait! {
+        fn CAMGetFrame(buffer: &mut Out<Image>) -> i32 = |robot, world| camera::frame(robot, world, buffer);
+        fn CAMGetColFrame(buffer: &mut Out<ColImage>, convert: i32) -> i32 =
+            |robot, world| camera::colour_frame(robot, world, buffer, convert);
+        fn CAMGetFrameMono(buffer: &mut Out<MonoFrame>) -> i32 = |robot, world| camera::mono_frame(robot, world, buffer);
+        fn CAMGetFrameColor(buffer: &mut Out<ColorFrame>) -> i32 =
+            |robot, world| camera::rgb_frame(robot, world, Call::CAMGetFrameColor, buffer);
+        fn CAMGetFrameRGB(buffer: &mut Out<ColorFrame>) -> i32 =
+            |robot, world| camera::rgb_frame(robot, world, Call::CAMGetFrameRGB, buffer);
+        fn CAMGetFrameBayer(buffer: &mut Out<BayerFrame>) -> i32 =
+            |robot, world| camera::bayer_frame(robot, world, buffer);
     }
 
     // Radio.

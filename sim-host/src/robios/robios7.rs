@@ -3,13 +3,13 @@
 //! Units are converted in [`unit7`](super::unit7). A function that stands nowhere here answers as for a robot without that device.
 
 use robios_sys::robios7::{ANYKEY, Char, Color, Flag, Timer, VEHICLE};
-use robios_sys::{Callback, Out, OutBytes, OutInts, Robios7, Robios7Call as Call, Stop};
+use robios_sys::{Callback, Out, OutBytes, OutFloats, OutInts, Robios7, Robios7Call as Call, Stop};
 
 use super::caller::Caller;
 use super::screen::canvas::{Canvas, Ink, rgb};
 use super::{
-    audio, display7 as display, image7, irtv, key, lidar, motor7, os, os7, picture, port7, psd7, serial, servo7, truth,
-    vw7,
+    audio, camera7 as camera, display7 as display, image7, irtv, key, lidar, motor7, os, os7, picture, port7, psd7,
+    serial, servo7, truth, vw7,
 };
 
 type Text<'a> = Option<&'a [u8]>;
@@ -84,11 +84,14 @@ impl Robios7 for Caller {
     }
 
     // CAM.
-    fail! {
-        fn CAMInit(resolution: i32, width_px: i32, height_px: i32) -> i32 = 1;
-        fn CAMRelease() -> i32 = 1;
-        fn CAMGet(buf: &mut OutBytes) -> i32 = 1;
-        fn CAMGetGray(buf: &mut OutBytes) -> i32 = 1;
+    act! {
+        fn CAMInit(resolution: i32, width_px: i32, height_px: i32) -> i32 =
+            |robot, _| camera::init(robot, resolution, [width_px, height_px]);
+        fn CAMRelease() -> i32 = |robot, _| camera::release(robot);
+        fn CAMGet(buf: &mut OutBytes) -> i32 = |robot, world| camera::get(robot, world, buf);
+        fn CAMGetGray(buf: &mut OutBytes) -> i32 = |robot, world| camera::get_grey(robot, world, buf);
+        fn CAMGetDepth(mm: &mut OutFloats) -> i32 = |robot, _| camera::depth(robot, mm);
+        fn CAMGetLabels(labels: &mut OutInts) -> i32 = |robot, _| camera::labels(robot, labels);
     }
 
     // IP.

@@ -1,0 +1,166 @@
+//! Images of robots' cameras as files: what `eyesim run --frames` and `eyesim shot` write.
+
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use parking_lot::Mutex;
+use sim_core::RobotId;
+use sim_core::time::Time;
+
+use super::Record;
+use super::digest::Digest;
+use super::event::KindSet;
+use super::png;
+use super::recorder::{RecordError, Sink};
+use super::report::write_whole;
+
+/// An image that a program gets.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// Its number among the images of its camera, from 1.
+    pub number: u64,
+    /// When it was exposed.
+    pub exposed: Time,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Its pixels, row by row from the top.
+    pub pixels: Pixels<'a>,
+}
+
+/// The pixels of an image.
+#[derive(Clone, Copy, Debug)]
+pub enum Pixels<'a> {
+    /// Red, green and blue of each.
+    Colour(&'a [u8]),
+    /// A level of each.
+    Grey(&'a [u8]),
+    /// A level of each, behind the camera's colour filter.
+    Bayer(&'a [u8]),
+    /// The distance of what each shows, mm; infinite for the sky.
+    Depth(&'a [f32]),
+    /// The number of what each shows.
+    Labels(&'a [i32]),
+}
+
+impl Pixels<'_> {
+    /// What they are: the word of the trace.
+    pub fn form(&self) -> &'static str {
+        match self {
+            Self::Colour(_) => "colour",
+            Self::Grey(_) => "grey",
+            Self::Bayer(_) => "bayer",
+            Self::Depth(_) => "depth",
+            Self::Labels(_) => "labels",
+        }
+    }
+
+    /// Their bytes as a program gets them; numbers of more than one byte are little endian.
+    pub fn bytes(&self) -> Cow<'_, [u8]> {
+        match self {
+            Self::Colour(bytes) | Self::Grey(bytes) | Self::Bayer(bytes) => Cow::Borrowed(bytes),
+            Self::Depth(numbers) => numbers.iter().flat_map(|number| number.to_le_bytes()).collect(),
+            Self::Labels(numbers) => numbers.iter().flat_map(|number| number.to_le_bytes()).collect(),
+        }
+    }
+
+    /// The picture as a file of PNG: colours and greys with 8 bits; depths with 16, in mm, 0 for the sky, 65535 for that and
+    /// all beyond; labels as they are, with colours to look at up to 255, above with 16 bits.
+    pub fn png(&self, size: [u32; 2]) -> Vec<u8> {
+        match self {
+            Self::Colour(bytes) => png::colour(size, bytes),
+            Self::Grey(bytes) | Self::Bayer(bytes) => png::grey(size, bytes),
+            Self::Depth(numbers) => {
+                // A conversion to an integer saturates.
+                let mm = |mm: &f32| if mm.is_finite() { mm.round() as u16 } else { 0 };
+                png::grey16(size, &numbers.iter().map(mm).collect::<Vec<_>>())
+            }
+            Self::Labels(numbers) => png::labels(size, numbers),
+        }
+    }
+}
+
+/// A folder that gets all images which programs take, each written when it is taken.
+#[derive(Debug)]
+pub struct Frames {
+    folder: PathBuf,
+    /// Digits of the greatest number of a robot.
+    robot_digits: usize,
+    failure: Mutex<Option<RecordError>>,
+    has_failed: AtomicBool,
+}
+
+/// Why a folder for images is refused.
+#[derive(Debug, thiserror::Error)]
+pub enum FolderError {
+    /// There is something in it.
+    #[error("the folder is not empty: images of two runs would mix")]
+    NotEmpty,
+    /// It cannot be made, or it is something else.
+    #[error(transparent)]
+    Unusable(#[from] std::io::Error),
+}
+
+impl Frames {
+    /// The folder `folder` for the images of `robots` robots, made if it is not there.
+    ///
+    /// # Errors
+    /// [`FolderError`] if it is not empty, or no folder.
+    pub fn create(folder: &Path, robots: usize) -> Result<Self, FolderError> {
+        std::fs::create_dir_all(folder)?;
+        if std::fs::read_dir(folder)?.next().is_some() {
+            return Err(FolderError::NotEmpty);
+        }
+        Ok(Self {
+            folder: folder.to_owned(),
+            robot_digits: robots.to_string().len(),
+            failure: Mutex::default(),
+            has_failed: AtomicBool::new(false),
+        })
+    }
+
+    /// Writes an image of `robot`; after the first failure, of which [`FrameFailures`] tells, no more.
+    pub fn write(&self, robot: RobotId, frame: &Frame<'_>) {
+        if self.has_failed.load(Ordering::Relaxed) {
+            return;
+        }
+        let path = self.folder.join(self.name(robot, frame));
+        if let Err(error) = write_whole(&path, &frame.pixels.png(frame.size)) {
+            self.has_failed.store(true, Ordering::Relaxed);
+            self.failure.lock().get_or_insert(RecordError::write("image", &path, error));
+        }
+    }
+
+    /// Name of an image's file: sorted by names, files are sorted by robot, number and time of exposure.
+    fn name(&self, robot: RobotId, frame: &Frame<'_>) -> String {
+        let Time(us) = frame.exposed;
+        let (seconds, us) = (us / 1_000_000, us % 1_000_000);
+        let behind = match frame.pixels {
+            Pixels::Depth(_) | Pixels::Labels(_) => format!("-{}", frame.pixels.form()),
+            _ => String::new(),
+        };
+        let digits = self.robot_digits;
+        format!("r{:0digits$}-{:06}-{seconds:05}.{us:06}{behind}.png", robot.0, frame.number)
+    }
+}
+
+/// Ends the run where an image could not be written.
+#[derive(Debug)]
+pub struct FrameFailures(pub std::sync::Arc<Frames>);
+
+impl Sink for FrameFailures {
+    fn interest(&self) -> KindSet {
+        KindSet::NONE
+    }
+
+    fn record(&mut self, _: &Record<'_>) -> Result<(), RecordError> {
+        Ok(())
+    }
+
+    fn end_slot(&mut self, _: Time, _: Option<Digest>) -> Result<(), RecordError> {
+        if !self.0.has_failed.load(Ordering::Relaxed) {
+            return Ok(());
+        }
+        self.0.failure.lock().take().map_or(Ok(()), Err)
+    }
+}

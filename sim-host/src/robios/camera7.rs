@@ -1,0 +1,84 @@
+//! The camera of RoBIOS-7: images of any size, in colour or grey.
+//!
+//! Source: RoBIOS-7 library, camera. The robi's largest image limits nothing, as in EyeSim VR.
+
+use robios_sys::robios7::{CAM5MP, RESOLUTIONS};
+use robios_sys::{OutBytes, OutFloats, OutInts, Robios7Call as Call};
+use sim_core::world::World;
+
+use super::camera::{self, NoImage, Setting};
+use super::image7::is_resolution;
+use super::robot::Robot;
+
+/// Most pixels on either side of an image.
+const MOST_SIDE: i32 = 4096;
+
+/// `CAMInit`; which size a resolution is, the program's side knows.
+pub fn init(robot: &mut Robot, resolution: i32, [width, height]: [i32; 2]) -> i32 {
+    if robot.spec.camera.is_none() {
+        let why = NoImage::NoCamera(robot.spec.file.clone());
+        return camera::refused(robot, Call::CAMInit, 1, &why);
+    }
+    let most = RESOLUTIONS.iter().find(|(_, number, ..)| *number == CAM5MP).map_or(0, |(_, _, x, y)| x * y);
+    let is_size = [width, height].iter().all(|side| (1..=MOST_SIDE).contains(side));
+    if !is_resolution(resolution) || !is_size || width as usize * height as usize > most {
+        return robot.refused(Call::CAMInit, 1, |_| {
+            format!(
+                "it takes QQVGA, QVGA, VGA, CAM1MP, CAMHD, CAM5MP, or CUSTOM with a CAMWIDTH and CAMHEIGHT of 1 to {MOST_SIDE} \
+                 and no more pixels than CAM5MP has"
+            )
+        });
+    }
+    let size = [width as u32, height as u32];
+    robot.devices.camera.switch_on(Setting { size, ..Setting::default() });
+    0
+}
+
+/// `CAMRelease`
+pub fn release(robot: &mut Robot) -> i32 {
+    if robot.devices.camera.switch_off() { 0 } else { refuse(robot, Call::CAMRelease) }
+}
+
+/// `CAMGet`
+pub fn get(robot: &mut Robot, world: &World, buffer: &mut OutBytes) -> i32 {
+    if buffer.is_null() {
+        return camera::refused(robot, Call::CAMGet, 1, &NoImage::Null);
+    }
+    match camera::take_colour(robot, world) {
+        Ok(picture) => {
+            buffer.set(picture.pixels().as_flattened());
+            0
+        }
+        Err(why) => camera::refused(robot, Call::CAMGet, 1, &why),
+    }
+}
+
+/// `CAMGetGray`
+pub fn get_grey(robot: &mut Robot, world: &World, buffer: &mut OutBytes) -> i32 {
+    if buffer.is_null() {
+        return camera::refused(robot, Call::CAMGetGray, 1, &NoImage::Null);
+    }
+    match camera::take_grey(robot, world) {
+        Ok(picture) => {
+            buffer.set(picture.pixels().as_flattened());
+            0
+        }
+        Err(why) => camera::refused(robot, Call::CAMGetGray, 1, &why),
+    }
+}
+
+/// `CAMGetDepth`
+pub fn depth(robot: &mut Robot, mm: &mut OutFloats) -> i32 {
+    camera::give_depth(robot, Call::CAMGetDepth, 1, mm)
+}
+
+/// `CAMGetLabels`
+pub fn labels(robot: &mut Robot, labels: &mut OutInts) -> i32 {
+    camera::give_labels(robot, Call::CAMGetLabels, 1, labels)
+}
+
+/// The answer of a call that needs a camera which is on.
+fn refuse(robot: &mut Robot, call: Call) -> i32 {
+    let why = camera::setting(robot).err().unwrap_or(NoImage::Off);
+    camera::refused(robot, call, 1, &why)
+}
