@@ -123,6 +123,8 @@ pub enum Device {
     Analog,
     /// The laser scanner.
     Lidar,
+    /// The camera.
+    Camera,
     /// Images of files.
     Image,
     /// Commands of the machine that simulates.
@@ -152,6 +154,7 @@ impl Display for Device {
             Self::Serial => f.write_str("serial interface"),
             Self::Analog => f.write_str("analogue input"),
             Self::Lidar => f.write_str("laser scanner"),
+            Self::Camera => f.write_str("camera"),
             Self::Image => f.write_str("image"),
             Self::Shell => f.write_str("shell"),
             Self::Numbered(kind, number) => write!(f, "{kind} {number}"),

@@ -48,19 +48,21 @@
 //! | threads | [`Robot::every`] |
 //! | `std::process::exit`, which would end the simulator | return from the program's function |
 //!
-//! Camera, image processing, radio and multi-tasking are not offered yet.
+//! Image processing of RoBIOS 6, radio and multi-tasking are not offered yet.
 
 #![warn(missing_docs)]
 
 mod actuator;
 mod audio;
 mod call_site;
+mod camera;
 mod console;
 mod device;
 mod drive;
 pub mod entry;
 mod error;
 pub mod fake;
+mod image;
 mod key;
 mod lcd;
 mod os;
@@ -77,10 +79,12 @@ mod unit;
 
 pub use actuator::{Encoder, Motor, Servo, ServoPosition, Ticks};
 pub use audio::{Audio, SoundLevel};
+pub use camera::{Camera, CameraLens, FrameRate, Levels};
 pub use console::Console;
 pub use device::{BumperAt, Device, EncoderAt, InfraredAt, MotorAt, PsdAt, ServoAt};
 pub use drive::{ControlGains, Drive, Position, Remaining, Velocity};
 pub use error::{Error, Result};
+pub use image::{ColorImage, DepthImage, GrayImage, ImageSize, LabelImage, Seen};
 pub use key::Key;
 pub use lcd::{Cursor, Ink, Lcd, LcdPlace, Overflow, Pixel};
 pub use os::{DeviceEntry, MachineType, RobotNumber};

@@ -322,7 +322,7 @@ impl<'a> Profiles<'a> {
 }
 
 /// The robots and objects of a scene by their numbers for programs.
-fn census(scene: &SceneSpec) -> Census {
+pub fn census(scene: &SceneSpec) -> Census {
     let mut movable = 0;
     let counted = |object: &ObjectSpec| {
         if object.kind.is_fixed {

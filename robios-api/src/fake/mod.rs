@@ -29,6 +29,7 @@
 //! assert_eq!(run.calls_of("VWDriveStraight").count(), 1);
 //! ```
 
+mod camera;
 mod lcd;
 mod motion;
 mod robios;
@@ -94,6 +95,7 @@ pub struct Fake {
     psds: Vec<(PsdName, Script<Option<Length>>)>,
     signals: Vec<(PsdName, Script<Signal>)>,
     lidar: Option<robios7::Scanner>,
+    camera: camera::Scripts,
     touches: robios7::Touches,
     bumpers: Vec<(BumperAt, Vec<Duration>)>,
     infrareds: Vec<(InfraredAt, Script<bool>)>,
@@ -125,6 +127,7 @@ impl Fake {
             psds: Vec::new(),
             signals: Vec::new(),
             lidar: None,
+            camera: camera::Scripts::default(),
             touches: Vec::new(),
             bumpers: Vec::new(),
             infrareds: Vec::new(),

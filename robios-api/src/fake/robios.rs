@@ -3,15 +3,27 @@
 use std::time::Duration;
 
 use robios_sys::robios6::{
-    Char, FALSE, MotorHandle, NOKEY, PSD_OUT_OF_RANGE, PositionType, QuadHandle, SCROLLING, SpeedType, TRUE, VEHICLE,
-    semantics,
+    BayerFrame, COLCAM, Char, ColorFrame, FALSE, INITERROR, MonoFrame, MotorHandle, NOCAM, NOKEY, NORMAL,
+    PSD_OUT_OF_RANGE, PositionType, QuadHandle, SCROLLING, SpeedType, TELE, TRUE, VEHICLE, WIDE, semantics,
 };
-use robios_sys::{Callback, Out, OutBytes, OutInts, Robios6, Stop};
+use robios_sys::{Callback, Out, OutBytes, OutFloats, OutInts, Robios6, Stop};
 
 use super::PsdName;
 use super::motion::Pose;
 use super::robot::{FakeRobot, PSD_CYCLE_US, PsdRun, TICKS_PER_METRE, TIMER_TICK_US, Timer, VW};
 use crate::device::{BumperAt, InfraredAt, PsdAt};
+use crate::image::ImageSize;
+
+/// Gives an image; -1 if there is none.
+fn frame<const N: usize>(bytes: Option<Vec<u8>>, buffer: &mut Out<[u8; N]>) -> i32 {
+    match bytes.and_then(|bytes| bytes.try_into().ok()) {
+        Some(frame) => {
+            buffer.set(frame);
+            0
+        }
+        None => -1,
+    }
+}
 
 impl Robios6 for FakeRobot {
     fn OSVersion(&self, text: &mut OutBytes) -> Result<i32, Stop> {
@@ -316,6 +328,86 @@ impl Robios6 for FakeRobot {
             Some(self.fake.signal_of(index, &state.moment(time_us)))
         })
         .map(|signal| signal.unwrap_or(-1.0))
+    }
+
+    fn CAMInit(&self, mode: i32) -> Result<i32, Stop> {
+        self.act(|state| match mode {
+            NORMAL | WIDE | TELE if self.switch_camera_on(state, ImageSize::EYECAM) => COLCAM,
+            NORMAL | WIDE | TELE => NOCAM,
+            _ => INITERROR,
+        })
+    }
+
+    fn CAMRelease(&self) -> Result<i32, Stop> {
+        self.act(|state| if state.camera.take().is_some() { 0 } else { -1 })
+    }
+
+    fn CAMGetFrameMono(&self, buf: &mut Out<MonoFrame>) -> Result<i32, Stop> {
+        self.act(|state| frame(self.grays(state), buf))
+    }
+
+    fn CAMGetFrameColor(&self, buf: &mut Out<ColorFrame>) -> Result<i32, Stop> {
+        self.act(|state| frame(self.colors(state, None), buf))
+    }
+
+    fn CAMGetFrameRGB(&self, buf: &mut Out<ColorFrame>) -> Result<i32, Stop> {
+        self.act(|state| frame(self.colors(state, None), buf))
+    }
+
+    fn CAMGetFrameBayer(&self, buf: &mut Out<BayerFrame>) -> Result<i32, Stop> {
+        self.act(|state| {
+            let filtered = self.colors(state, Some(ImageSize::QQVGA)).map(|colors| {
+                let rows = colors.chunks_exact(3 * 160).enumerate();
+                let channel = |row: usize, column: usize| if row % 2 == 0 { 1 + column % 2 } else { column % 2 };
+                let row = |(row, colors): (usize, &[u8])| -> Vec<u8> {
+                    colors.chunks_exact(3).enumerate().map(|(column, rgb)| rgb[channel(row, column)]).collect()
+                };
+                rows.flat_map(row).collect::<Vec<u8>>()
+            });
+            frame(filtered, buf)
+        })
+    }
+
+    fn CAMSet(&self, p1: i32, p2: i32, p3: i32) -> Result<i32, Stop> {
+        self.act(|state| {
+            state.camera.as_mut().map_or(-1, |camera| {
+                camera.numbers = [p1, p2, p3];
+                0
+            })
+        })
+    }
+
+    fn CAMGet(&self, p1: &mut Out<i32>, p2: &mut Out<i32>, p3: &mut Out<i32>) -> Result<i32, Stop> {
+        self.act(|state| {
+            state.camera.map_or(-1, |camera| {
+                [p1, p2, p3].into_iter().zip(camera.numbers).for_each(|(out, number)| out.set(number));
+                0
+            })
+        })
+    }
+
+    fn CAMMode(&self, _: i32) -> Result<i32, Stop> {
+        self.act(|state| if state.camera.is_some() { 0 } else { -1 })
+    }
+
+    fn CAMGetDepth(&self, mm: &mut OutFloats) -> Result<i32, Stop> {
+        self.act(|state| match self.depths(state) {
+            Some(depths) => {
+                mm.set(&depths);
+                0
+            }
+            None => -1,
+        })
+    }
+
+    fn CAMGetLabels(&self, labels: &mut OutInts) -> Result<i32, Stop> {
+        self.act(|state| match self.labels(state) {
+            Some(numbers) => {
+                labels.set(&numbers);
+                0
+            }
+            None => -1,
+        })
     }
 
     fn LIDARScan(&self, distance: &mut OutInts) -> Result<i32, Stop> {

@@ -3,12 +3,13 @@
 use std::time::Duration;
 
 use robios_sys::robios7::{Char, Flag, NOKEY, Timer as TimerNumber, VEHICLE};
-use robios_sys::{Callback, Out, OutBytes, OutInts, Robios7, Stop};
+use robios_sys::{Callback, Out, OutBytes, OutFloats, OutInts, Robios7, Stop};
 
+use super::camera::is_resolution;
 use super::motion::Pose;
 use super::robot::{FakeRobot, State, TICKS_PER_METRE, Timer};
 use super::{Fake, Moment, PsdName};
-use crate::robios7::Color;
+use crate::robios7::{Color, ImageSize};
 use crate::unit::{Angle, Length};
 
 /// Timers are on a grid of 1 ms.
@@ -330,6 +331,34 @@ impl Robios7 for FakeRobot {
         .map(|signal| signal.unwrap_or(-1.0))
     }
 
+    fn CAMInit(&self, resolution: i32, width_px: i32, height_px: i32) -> Result<i32, Stop> {
+        self.act(|state| {
+            let (Ok(columns), Ok(rows)) = (u16::try_from(width_px), u16::try_from(height_px)) else { return 1 };
+            let is_good = is_resolution(resolution) && columns > 0 && rows > 0;
+            i32::from(!(is_good && self.switch_camera_on(state, ImageSize::new(columns, rows))))
+        })
+    }
+
+    fn CAMRelease(&self) -> Result<i32, Stop> {
+        self.act(|state| i32::from(state.camera.take().is_none()))
+    }
+
+    fn CAMGet(&self, buf: &mut OutBytes) -> Result<i32, Stop> {
+        self.act(|state| given(self.colors(state, None), |bytes| _ = buf.set(&bytes)))
+    }
+
+    fn CAMGetGray(&self, buf: &mut OutBytes) -> Result<i32, Stop> {
+        self.act(|state| given(self.grays(state), |bytes| _ = buf.set(&bytes)))
+    }
+
+    fn CAMGetDepth(&self, mm: &mut OutFloats) -> Result<i32, Stop> {
+        self.act(|state| given(self.depths(state), |depths| _ = mm.set(&depths)))
+    }
+
+    fn CAMGetLabels(&self, labels: &mut OutInts) -> Result<i32, Stop> {
+        self.act(|state| given(self.labels(state), |numbers| _ = labels.set(&numbers)))
+    }
+
     fn LIDARGet(&self, distance: &mut OutInts) -> Result<i32, Stop> {
         self.act(|state| {
             let Some(distances) = self.fake.scan(state) else { return 1 };
@@ -513,6 +542,11 @@ impl Robios7 for FakeRobot {
     fn SIMGetObjectCount(&self) -> Result<i32, Stop> {
         self.act(|_| 0)
     }
+}
+
+/// Gives what there is: 0, else 1.
+fn given<T>(what: Option<T>, give: impl FnOnce(T)) -> i32 {
+    i32::from(what.map(give).is_none())
 }
 
 /// What a laser scanner measures in a direction of the robot.

@@ -50,6 +50,8 @@ pub(super) struct State {
     pub pixels: BTreeMap<(i32, i32), Color>,
     /// Angle in degrees, and points, of a scan.
     pub scan: (i32, i32),
+    /// The camera, while it is on.
+    pub camera: Option<super::camera::Setting>,
     /// The digital lines, line 1 in the lowest bit.
     pub lines: i32,
     pub is_compass_ready: bool,
@@ -108,6 +110,7 @@ impl FakeRobot {
             touches_read: 0,
             pixels: BTreeMap::new(),
             scan: (360, 360),
+            camera: None,
             lines: 0,
             is_compass_ready: false,
             timers: Vec::new(),

@@ -1,128 +1,13 @@
-//! Images and what RoBIOS does with them: files and filters.
+//! What RoBIOS-7 does with images: files and filters.
 
 use robios_sys::{ByteRoom, ByteSlice};
 
-use super::{Color, Robot};
+use super::Robot;
 use crate::device::Device;
 use crate::error::checked;
-use crate::lcd::Pixel;
+use crate::image::{ColorImage, GrayImage, ImageSize};
 use crate::robot::robios7;
 use crate::{Error, Result};
-
-/// Size of an image in pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ImageSize {
-    columns: u16,
-    rows: u16,
-}
-
-impl ImageSize {
-    /// 160 x 120 pixels.
-    pub const QQVGA: Self = Self { columns: 160, rows: 120 };
-    /// 320 x 240 pixels.
-    pub const QVGA: Self = Self { columns: 320, rows: 240 };
-    /// 640 x 480 pixels.
-    pub const VGA: Self = Self { columns: 640, rows: 480 };
-
-    /// A size of columns and rows.
-    pub const fn new(columns: u16, rows: u16) -> Self {
-        Self { columns, rows }
-    }
-
-    /// Pixels of a row.
-    pub const fn columns(self) -> u16 {
-        self.columns
-    }
-
-    /// Pixels of a column.
-    pub const fn rows(self) -> u16 {
-        self.rows
-    }
-
-    /// All pixels.
-    pub const fn pixels(self) -> usize {
-        self.columns as usize * self.rows as usize
-    }
-
-    fn index_of(self, pixel: Pixel) -> Option<usize> {
-        let (x, y) = (u16::try_from(pixel.x).ok()?, u16::try_from(pixel.y).ok()?);
-        (x < self.columns && y < self.rows).then(|| usize::from(y) * usize::from(self.columns) + usize::from(x))
-    }
-
-    pub(super) fn to_robios7(self) -> (i32, i32) {
-        (self.columns.into(), self.rows.into())
-    }
-}
-
-/// A grey image: a byte a pixel, 0 is black, row 0 on top.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct GrayImage {
-    size: ImageSize,
-    bytes: Vec<u8>,
-}
-
-/// A colour image: red, green and blue of each pixel, row 0 on top.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ColorImage {
-    size: ImageSize,
-    bytes: Vec<u8>,
-}
-
-impl GrayImage {
-    /// A black image.
-    pub fn new(size: ImageSize) -> Self {
-        Self { size, bytes: vec![0; size.pixels()] }
-    }
-
-    /// Its size.
-    pub fn size(&self) -> ImageSize {
-        self.size
-    }
-
-    /// All of its pixels, row by row.
-    pub fn bytes(&self) -> &[u8] {
-        &self.bytes
-    }
-
-    /// All of its pixels, row by row.
-    pub fn bytes_mut(&mut self) -> &mut [u8] {
-        &mut self.bytes
-    }
-
-    /// One pixel; `None` outside of the image.
-    pub fn pixel(&self, at: Pixel) -> Option<u8> {
-        self.size.index_of(at).map(|index| self.bytes[index])
-    }
-}
-
-impl ColorImage {
-    /// A black image.
-    pub fn new(size: ImageSize) -> Self {
-        Self { size, bytes: vec![0; 3 * size.pixels()] }
-    }
-
-    /// Its size.
-    pub fn size(&self) -> ImageSize {
-        self.size
-    }
-
-    /// Red, green and blue of all of its pixels, row by row.
-    pub fn bytes(&self) -> &[u8] {
-        &self.bytes
-    }
-
-    /// Red, green and blue of all of its pixels, row by row.
-    pub fn bytes_mut(&mut self) -> &mut [u8] {
-        &mut self.bytes
-    }
-
-    /// One pixel; `None` outside of the image.
-    pub fn pixel(&self, at: Pixel) -> Option<Color> {
-        let start = 3 * self.size.index_of(at)?;
-        let [red, green, blue] = [0, 1, 2].map(|part| self.bytes[start + part]);
-        Some(Color { red, green, blue })
-    }
-}
 
 /// Images: files and filters, which take their virtual time as calls of RoBIOS do.
 #[derive(Clone, Copy, Debug)]
@@ -241,7 +126,7 @@ impl Images<'_> {
         if below.size != above.size {
             return Err(Error::OutOfRange {
                 what: "image to lay over another",
-                value: format!("{}x{}", above.size.columns, above.size.rows),
+                value: format!("{}x{}", above.size.columns(), above.size.rows()),
                 accepted: "one of the same size",
             });
         }

@@ -31,10 +31,11 @@
 //! # }
 //! ```
 //!
-//! Camera and radio are not offered yet.
+//! The radio is not offered yet.
 
 mod actuator;
 mod audio;
+mod camera;
 mod distance;
 mod drive;
 mod image;
@@ -49,15 +50,18 @@ mod tv_remote;
 
 pub use actuator::{Encoder, Motor, MotorGains, Servo};
 pub use audio::{Audio, SoundLevel};
+pub use camera::Camera;
 pub use distance::{Lidar, Psd, PsdAt, Scan};
 pub use drive::{Drive, Stall};
-pub use image::{ColorImage, GrayImage, ImageSize, Images};
+pub use image::Images;
 pub use lcd::{Color, Fill, Font, FontSize, FontStyle, Lcd, LcdMode, LcdPlace};
 pub use port::{Direction, Ports, Voltage};
 pub use robot::Robot;
 pub use serial::{Baud, Serial};
 pub use simulation::{ObjectNumber, Simulation, TruePose};
 pub use tv_remote::TvRemote;
+
+pub use crate::image::{ColorImage, DepthImage, GrayImage, ImageSize, LabelImage, Seen};
 
 pub(crate) use robot::State;
 

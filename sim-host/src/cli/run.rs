@@ -149,7 +149,7 @@ pub enum Speed {
 /// # Errors
 /// Files or arguments that are wrong.
 pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
-    let Some(ran) = carry_out(args)? else { return Ok(ExitCode::from(EXIT_PROGRAM)) };
+    let Some(ran) = carry_out(args, |_| Ok(()))? else { return Ok(ExitCode::from(EXIT_PROGRAM)) };
     let written = ran.write_files(args);
     print(&table::render(&ran.report, Screen::of_stdout()))?;
     explain(&ran.options, &ran.report, &ran.ended);
@@ -192,11 +192,12 @@ impl Ran {
     }
 }
 
-/// Reads, builds and runs what the arguments name; `None` if a program cannot be loaded, of which the user is told.
+/// Reads, builds and runs what the arguments name, if `check` finds nothing wrong with the scene; `None` if a program cannot be
+/// loaded, of which the user is told.
 ///
 /// # Errors
-/// Files or arguments that are wrong.
-pub fn carry_out(args: &RunArgs) -> anyhow::Result<Option<Ran>> {
+/// Files or arguments that are wrong, and what `check` finds.
+pub fn carry_out(args: &RunArgs, check: impl FnOnce(&SceneSpec) -> anyhow::Result<()>) -> anyhow::Result<Option<Ran>> {
     ensure!(args.robot.is_none() || args.verbose, "--robot: it says whose calls are shown, and needs --verbose");
     expect_scene(&args.sim)?;
     let mut files = DiskFiles::of_environment();
@@ -209,6 +210,7 @@ pub fn carry_out(args: &RunArgs) -> anyhow::Result<Option<Ran>> {
     }
     tell(&loaded.diagnostics, &loaded.inputs, args.strict)?;
     let options = Options::new(args, &mut loaded.scene)?;
+    check(&loaded.scene)?;
     let missing = check::missing_programs(&loaded.scene, Severity::Error, &*check::finder(&files, args.api)?);
     tell(&missing, &loaded.inputs, args.strict)?;
     simulate(args, options, files, loaded)

@@ -40,9 +40,9 @@ fn colour_of_label(label: u8) -> [u8; 3] {
         0 => [0x9c, 0xc4, 0xe4],
         1 => [0x6b, 0x6b, 0x6b],
         2 => [0xd8, 0xd0, 0xc0],
-        // Around the circle of hues in steps of the golden angle, 137.5 degrees, lighter and darker in turn.
+        // Around the circle of hues in steps of about the golden angle, 137.5 degrees, lighter and darker in turn.
         _ => {
-            let hue = u32::from(label) * 1375 % 3600;
+            let hue = u32::from(label) * 1373 % 3600;
             let (sector, rest) = (hue / 600, hue % 600);
             let most = if label % 2 == 0 { 255 } else { 190 };
             let (rising, falling) = (most * rest / 600, most * (600 - rest) / 600);

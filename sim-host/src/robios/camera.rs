@@ -11,7 +11,7 @@ use robios_sys::robios7::{CAM_BODY, CAM_FLOOR, CAM_SKY, CAM_WALL};
 use robios_sys::{OutFloats, OutInts};
 use sim_core::RobotId;
 use sim_core::camera::{Camera as Renderer, Label, Lens, Picture, View, ViewError};
-use sim_core::format::{CameraSpec, JointSpec, RobiSpec};
+use sim_core::format::{JointSpec, RobiSpec};
 use sim_core::math;
 use sim_core::noise::{ImageErrors, Profile};
 use sim_core::pose::Pose3;
@@ -130,9 +130,7 @@ impl Camera {
     /// What lens and sensor make of a picture as the next image: blur and noise.
     fn err<const CHANNELS: usize>(&self, picture: &mut Picture<[u8; CHANNELS]>) {
         if let Some(errors) = &self.errors {
-            for (row, pixels) in (0..).zip(picture.rows_mut()) {
-                errors.apply(self.taken + 1, row, pixels);
-            }
+            errors.expose(self.taken + 1, picture.size()[0] as usize, picture.pixels_mut());
         }
     }
 }
@@ -248,12 +246,12 @@ pub fn view(robot: &mut Robot, at: Time, size: Option<[u32; 2]>) -> Result<View,
     let [pan, tilt] = [&camera.pan, &camera.tilt].map(|joint| angle(joint, spec, &devices.servos, at));
     let robot_from_camera = Pose3::from_angles(camera.position, 0.0, tilt, pan);
     let world_from_camera = Pose3::from_planar(&motion.pose(at), 0.0).then(&robot_from_camera);
-    Ok(View::new(world_from_camera, zoomed(lens(camera), setting.zoom), size.unwrap_or(setting.size))?)
+    Ok(View::new(world_from_camera, zoomed(camera.lens, setting.zoom), size.unwrap_or(setting.size))?)
 }
 
 /// Rays per side of a pixel.
 pub fn samples(robot: &Robot) -> u32 {
-    robot.spec.camera.as_ref().map_or(1, |_| 1)
+    robot.spec.camera.as_ref().map_or(1, |camera| camera.samples)
 }
 
 /// Makes of what the robot's camera sees its next image: levels as they are set, blur and noise.
@@ -283,11 +281,6 @@ pub fn numbers_of_labels(labels: &Picture<Label>, census: &Census) -> Vec<i32> {
         Label::Robot(RobotId(number)) => CAM_BODY + *number as i32,
     };
     labels.pixels().iter().map(number).collect()
-}
-
-/// The lens of a camera.
-fn lens(camera: &CameraSpec) -> Lens {
-    camera.fisheye.map_or(Lens::Pinhole { fov: std::f64::consts::FRAC_PI_3 }, |fov| Lens::Fisheye { fov })
 }
 
 /// Exposes an image of `size`, which is the next one.

@@ -119,7 +119,7 @@ mod tests {
         assert_eq!(colour([128, 128, 0], [30, 60, 90]), [60, 60, 60], "without colour");
         // A third of a turn is 2/3 of half a turn: red becomes green, green blue.
         let third = 128 + 85;
-        assert_eq!(colour([128, third, 128], [240, 0, 0]).map(|level| level / 10), [0, 23, 0]);
+        assert_eq!(colour([128, third, 128], [240, 0, 0]).map(|level| level / 10), [0, 24, 0]);
         assert_eq!(colour([128, third, 128], [90; 3]), [90; 3], "grey stays grey");
     }
 

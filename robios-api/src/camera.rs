@@ -1,0 +1,263 @@
+//! The camera of RoBIOS 6: images of 80 x 60 pixels.
+
+use robios_sys::ByteRoom;
+use robios_sys::robios6::{
+    AUTOBRIGHTNESS, FPS0_9375, FPS0_46875, FPS1_875, FPS3_75, FPS7_5, FPS15, FPS30, FPS60, INITERROR, NOAUTOBRIGHTNESS,
+    NORMAL, TELE, WIDE,
+};
+
+use crate::device::Device;
+use crate::error::checked;
+use crate::image::{ColorImage, DepthImage, GrayImage, ImageSize, LabelImage};
+use crate::robot::{release, robios};
+use crate::{Error, Result, Robot};
+
+/// The camera, which is switched off when this is dropped.
+///
+/// An image shows what was in front of the camera 1/60 s before the end of the call that takes it. Row 0 is on top; images have
+/// no border here.
+#[derive(Debug)]
+pub struct Camera {
+    robot: Robot,
+}
+
+/// Angle of view.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CameraLens {
+    /// That of the robi file.
+    #[default]
+    Normal,
+    /// Things are half as large.
+    Wide,
+    /// Things are twice as large.
+    Tele,
+}
+
+/// Images a second.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameRate {
+    /// 60.
+    Fps60,
+    /// 30.
+    Fps30,
+    /// 15.
+    Fps15,
+    /// 7.5.
+    Fps7_5,
+    /// 3.75.
+    Fps3_75,
+    /// 1.875.
+    Fps1_875,
+    /// 0.9375.
+    Fps0_9375,
+    /// 0.46875.
+    Fps0_46875,
+}
+
+/// What becomes of the levels of an image: 128 changes nothing, less is less.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Levels {
+    /// Brightness.
+    pub brightness: u8,
+    /// Hue of colour images; what is added to grey ones, less 128.
+    pub hue_or_offset: u8,
+    /// Saturation of colour images, contrast of grey ones.
+    pub saturation_or_contrast: u8,
+}
+
+impl Default for Levels {
+    fn default() -> Self {
+        Self { brightness: 128, hue_or_offset: 128, saturation_or_contrast: 128 }
+    }
+}
+
+impl FrameRate {
+    const fn number(self) -> i32 {
+        match self {
+            Self::Fps60 => FPS60,
+            Self::Fps30 => FPS30,
+            Self::Fps15 => FPS15,
+            Self::Fps7_5 => FPS7_5,
+            Self::Fps3_75 => FPS3_75,
+            Self::Fps1_875 => FPS1_875,
+            Self::Fps0_9375 => FPS0_9375,
+            Self::Fps0_46875 => FPS0_46875,
+        }
+    }
+}
+
+impl Robot {
+    /// Switches the camera on.
+    ///
+    /// # Errors
+    /// [`Error::Unavailable`] if the robot has none.
+    #[track_caller]
+    pub fn camera(&self, lens: CameraLens) -> Result<Camera> {
+        let mode = match lens {
+            CameraLens::Normal => NORMAL,
+            CameraLens::Wide => WIDE,
+            CameraLens::Tele => TELE,
+        };
+        let version: i32 = robios!(self, CAMInit(mode));
+        if version >= INITERROR { Err(Error::Unavailable(Device::Camera)) } else { Ok(Camera { robot: self.clone() }) }
+    }
+}
+
+impl Camera {
+    /// Size of its images.
+    pub const SIZE: ImageSize = ImageSize::EYECAM;
+
+    /// Size of its images behind the colour filter.
+    pub const BAYER_SIZE: ImageSize = ImageSize::QQVGA;
+
+    /// Takes a grey image; waits until it is there.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if there is none, here and below.
+    #[track_caller]
+    pub fn gray(&self) -> Result<GrayImage> {
+        let mut frame = [0; 4800];
+        checked("CAMGetFrameMono", Device::Camera, robios!(&self.robot, CAMGetFrameMono(&mut frame)))?;
+        Ok(GrayImage { size: Self::SIZE, bytes: frame.to_vec() })
+    }
+
+    /// Takes a colour image; waits until it is there.
+    #[track_caller]
+    pub fn color(&self) -> Result<ColorImage> {
+        let mut frame = [0; 14400];
+        checked("CAMGetFrameColor", Device::Camera, robios!(&self.robot, CAMGetFrameColor(&mut frame)))?;
+        Ok(ColorImage { size: Self::SIZE, bytes: frame.to_vec() })
+    }
+
+    /// Takes an image of 160 x 120 pixels behind the colour filter of the sensor, rows of green and blue and of red and green
+    /// in turn; waits until it is there.
+    #[track_caller]
+    pub fn bayer(&self) -> Result<GrayImage> {
+        let mut frame = [0; 19200];
+        checked("CAMGetFrameBayer", Device::Camera, robios!(&self.robot, CAMGetFrameBayer(&mut frame)))?;
+        Ok(GrayImage { size: Self::BAYER_SIZE, bytes: frame.to_vec() })
+    }
+
+    /// From now on images come at this rate, and calls wait for the next one.
+    #[track_caller]
+    pub fn set_frame_rate(&self, rate: FrameRate) -> Result {
+        checked("CAMSet", Device::Camera, robios!(&self.robot, CAMSet(rate.number(), 0, 0)))
+    }
+
+    /// Sets what becomes of the levels of images.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a brightness up to 7 with two zeros, which RoBIOS takes for a frame rate.
+    #[track_caller]
+    pub fn set_levels(&self, levels: Levels) -> Result {
+        let Levels { brightness, hue_or_offset, saturation_or_contrast } = levels;
+        if let (0..=7, 0, 0) = (brightness, hue_or_offset, saturation_or_contrast) {
+            return Err(Error::OutOfRange {
+                what: "setting of the camera",
+                value: format!("{brightness}, 0, 0"),
+                accepted: "a brightness above 7, or another number than 0 behind it",
+            });
+        }
+        let numbers = [brightness, hue_or_offset, saturation_or_contrast].map(i32::from);
+        checked("CAMSet", Device::Camera, robios!(&self.robot, CAMSet(numbers[0], numbers[1], numbers[2])))
+    }
+
+    /// The levels, with a brightness that may have followed the scene; the numbers of a frame rate if that was set last.
+    #[track_caller]
+    pub fn levels(&self) -> Result<Levels> {
+        let mut numbers = [0; 3];
+        let [p1, p2, p3] = &mut numbers;
+        checked("CAMGet", Device::Camera, robios!(&self.robot, CAMGet(p1, p2, p3)))?;
+        let [brightness, hue_or_offset, saturation_or_contrast] = numbers.map(|number| number.clamp(0, 255) as u8);
+        Ok(Levels { brightness, hue_or_offset, saturation_or_contrast })
+    }
+
+    /// Whether the brightness follows the scene.
+    #[track_caller]
+    pub fn set_auto_brightness(&self, is_automatic: bool) -> Result {
+        let mode = if is_automatic { AUTOBRIGHTNESS } else { NOAUTOBRIGHTNESS };
+        checked("CAMMode", Device::Camera, robios!(&self.robot, CAMMode(mode)))
+    }
+
+    /// How far away what the last image shows is, without errors. A function of this simulator.
+    #[track_caller]
+    pub fn depth(&self) -> Result<DepthImage> {
+        let mut mm = vec![f32::INFINITY; Self::SIZE.pixels()];
+        let room = ByteRoom { data: mm.as_mut_ptr().cast(), len: mm.len() };
+        checked("CAMGetDepth", Device::Camera, robios!(&self.robot, CAMGetDepth(room)))?;
+        Ok(DepthImage { size: Self::SIZE, mm })
+    }
+
+    /// What the last image shows. A function of this simulator.
+    #[track_caller]
+    pub fn labels(&self) -> Result<LabelImage> {
+        let mut numbers = vec![0; Self::SIZE.pixels()];
+        let room = ByteRoom { data: numbers.as_mut_ptr().cast(), len: numbers.len() };
+        checked("CAMGetLabels", Device::Camera, robios!(&self.robot, CAMGetLabels(room)))?;
+        Ok(LabelImage { size: Self::SIZE, numbers })
+    }
+}
+
+impl Drop for Camera {
+    fn drop(&mut self) {
+        release!(&self.robot, CAMRelease());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fake::{Fake, Moment};
+    use crate::image::Seen;
+    use crate::robios7::Color;
+    use crate::{Length, Pixel};
+
+    fn fake() -> Fake {
+        let camera = |_: &Moment, at: Pixel| Color { red: at.x as u8, green: at.y as u8, blue: 30 };
+        Fake::new().camera(camera).depth(|_, _| Some(Length::metres(1.5))).labels(|_, _| Seen::Floor)
+    }
+
+    #[test]
+    fn images_are_80_by_60() {
+        fake()
+            .run(|robot| {
+                let camera = robot.camera(CameraLens::Wide)?;
+                let (color, gray, bayer) = (camera.color()?, camera.gray()?, camera.bayer()?);
+                assert_eq!(color.pixel(Pixel { x: 79, y: 59 }), Some(Color { red: 79, green: 59, blue: 30 }));
+                assert_eq!(gray.pixel(Pixel { x: 3, y: 6 }), Some(13), "the mean");
+                let filtered =
+                    [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| bayer.pixel(Pixel { x: 100 + x, y: 50 + y }));
+                // Green, blue; red, green.
+                assert_eq!(filtered, [Some(50), Some(30), Some(100), Some(51)]);
+                assert_eq!(camera.depth()?.distance(Pixel { x: 1, y: 1 }), Some(Length::metres(1.5)));
+                assert_eq!(camera.labels()?.seen(Pixel { x: 1, y: 1 }), Some(Seen::Floor));
+                Ok::<_, Error>(())
+            })
+            .expect_finished();
+    }
+
+    #[test]
+    fn it_is_set() {
+        let run = fake().run(|robot| {
+            let camera = robot.camera(CameraLens::default())?;
+            let levels = Levels { brightness: 100, ..Levels::default() };
+            camera.set_levels(levels)?;
+            assert_eq!(camera.levels()?, levels);
+            camera.set_frame_rate(FrameRate::Fps7_5)?;
+            camera.set_auto_brightness(true)?;
+            let black = Levels { brightness: 3, hue_or_offset: 0, saturation_or_contrast: 0 };
+            assert!(matches!(camera.set_levels(black), Err(Error::OutOfRange { .. })));
+            Ok::<_, Error>(())
+        });
+        let run = run.expect_finished();
+        let calls: Vec<&str> =
+            run.calls_of("CAMSet").chain(run.calls_of("CAMMode")).map(|call| call.text.as_str()).collect();
+        assert_eq!(calls, ["CAMSet(100, 128, 128) = 0", "CAMSet(3, 0, 0) = 0", "CAMMode(1) = 0"]);
+    }
+
+    #[test]
+    fn a_robot_without_a_camera_says_so() {
+        let run = Fake::new().run(|robot| robot.camera(CameraLens::Normal).map(drop));
+        assert!(run.expect_failed().contains("the robot has no camera"));
+    }
+}

@@ -1,0 +1,104 @@
+//! The camera of a fake robot.
+
+use robios_sys::robios7::{CAM5MP, CUSTOM};
+
+use super::robot::{FakeRobot, State};
+use super::{Fake, Moment};
+use crate::image::Seen;
+use crate::lcd::Pixel;
+use crate::robios7::{Color, ImageSize};
+use crate::unit::Length;
+
+/// What a camera gives for a pixel at a moment.
+type Script<T> = Box<dyn Fn(&Moment, Pixel) -> T>;
+
+/// What the camera sees.
+#[derive(Default)]
+pub(super) struct Scripts {
+    color: Option<Script<Color>>,
+    depth: Option<Script<Option<Length>>>,
+    labels: Option<Script<Seen>>,
+}
+
+/// A camera that is switched on.
+#[derive(Clone, Copy)]
+pub(super) struct Setting {
+    pub size: ImageSize,
+    pub numbers: [i32; 3],
+    /// When the last image was taken.
+    taken_us: Option<u64>,
+}
+
+impl Fake {
+    /// Gives it a camera and the colour that it sees in each pixel; images are as large as the program wants them.
+    pub fn camera(mut self, color: impl Fn(&Moment, Pixel) -> Color + 'static) -> Self {
+        self.camera.color = Some(Box::new(color));
+        self
+    }
+
+    /// Says how far away what a pixel shows is; `None` is the sky.
+    pub fn depth(mut self, depth: impl Fn(&Moment, Pixel) -> Option<Length> + 'static) -> Self {
+        self.camera.depth = Some(Box::new(depth));
+        self
+    }
+
+    /// Says what a pixel shows.
+    pub fn labels(mut self, labels: impl Fn(&Moment, Pixel) -> Seen + 'static) -> Self {
+        self.camera.labels = Some(Box::new(labels));
+        self
+    }
+}
+
+impl FakeRobot {
+    /// Switches the camera on; `false` without one.
+    pub(super) fn switch_camera_on(&self, state: &mut State, size: ImageSize) -> bool {
+        let is_there = self.fake.camera.color.is_some();
+        state.camera = is_there.then_some(Setting { size, numbers: [128; 3], taken_us: None });
+        is_there
+    }
+
+    /// Takes an image of this size, or of that which is set: red, green and blue of each pixel; `None` if the camera is off.
+    pub(super) fn colors(&self, state: &mut State, size: Option<ImageSize>) -> Option<Vec<u8>> {
+        let (script, now_us) = (self.fake.camera.color.as_ref()?, state.now_us);
+        let camera = state.camera.as_mut()?;
+        camera.taken_us = Some(now_us);
+        let size = size.unwrap_or(camera.size);
+        let moment = state.moment(now_us);
+        let rgb = |at| {
+            let Color { red, green, blue } = script(&moment, at);
+            [red, green, blue]
+        };
+        Some(size.places().flat_map(rgb).collect())
+    }
+
+    /// The same in grey: the mean.
+    pub(super) fn grays(&self, state: &mut State) -> Option<Vec<u8>> {
+        let colors = self.colors(state, None)?;
+        Some(
+            colors
+                .chunks_exact(3)
+                .map(|rgb| (rgb.iter().map(|level| u16::from(*level)).sum::<u16>() / 3) as u8)
+                .collect(),
+        )
+    }
+
+    /// Distances of what the last image shows, mm.
+    pub(super) fn depths(&self, state: &State) -> Option<Vec<f32>> {
+        let (script, camera) = (self.fake.camera.depth.as_ref()?, state.camera?);
+        let moment = state.moment(camera.taken_us?);
+        let mm = |at| script(&moment, at).map_or(f32::INFINITY, |distance| distance.as_millimetres() as f32);
+        Some(camera.size.places().map(mm).collect())
+    }
+
+    /// Numbers of what the last image shows.
+    pub(super) fn labels(&self, state: &State) -> Option<Vec<i32>> {
+        let (script, camera) = (self.fake.camera.labels.as_ref()?, state.camera?);
+        let moment = state.moment(camera.taken_us?);
+        Some(camera.size.places().map(|at| script(&moment, at).number()).collect())
+    }
+}
+
+/// Whether RoBIOS-7 knows a resolution.
+pub(super) fn is_resolution(number: i32) -> bool {
+    (0..=CAM5MP).contains(&number) || number == CUSTOM
+}

@@ -1,0 +1,244 @@
+//! Images: what cameras give, and what image processing works on. Of both generations.
+
+use crate::Length;
+use crate::lcd::Pixel;
+use crate::robios7::Color;
+
+/// Size of an image in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ImageSize {
+    columns: u16,
+    rows: u16,
+}
+
+impl ImageSize {
+    /// 80 x 60 pixels, the images of RoBIOS 6.
+    pub const EYECAM: Self = Self { columns: 80, rows: 60 };
+    /// 160 x 120 pixels.
+    pub const QQVGA: Self = Self { columns: 160, rows: 120 };
+    /// 320 x 240 pixels.
+    pub const QVGA: Self = Self { columns: 320, rows: 240 };
+    /// 640 x 480 pixels.
+    pub const VGA: Self = Self { columns: 640, rows: 480 };
+
+    /// A size of columns and rows.
+    pub const fn new(columns: u16, rows: u16) -> Self {
+        Self { columns, rows }
+    }
+
+    /// Pixels of a row.
+    pub const fn columns(self) -> u16 {
+        self.columns
+    }
+
+    /// Pixels of a column.
+    pub const fn rows(self) -> u16 {
+        self.rows
+    }
+
+    /// All pixels.
+    pub const fn pixels(self) -> usize {
+        self.columns as usize * self.rows as usize
+    }
+
+    /// Places of all pixels: from the top, each row from the left.
+    pub fn places(self) -> impl Iterator<Item = Pixel> {
+        (0..i32::from(self.rows)).flat_map(move |y| (0..i32::from(self.columns)).map(move |x| Pixel { x, y }))
+    }
+
+    fn index_of(self, pixel: Pixel) -> Option<usize> {
+        let (x, y) = (u16::try_from(pixel.x).ok()?, u16::try_from(pixel.y).ok()?);
+        (x < self.columns && y < self.rows).then(|| usize::from(y) * usize::from(self.columns) + usize::from(x))
+    }
+
+    pub(crate) fn to_robios7(self) -> (i32, i32) {
+        (self.columns.into(), self.rows.into())
+    }
+}
+
+/// A grey image: a byte a pixel, 0 is black, row 0 on top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GrayImage {
+    pub(crate) size: ImageSize,
+    pub(crate) bytes: Vec<u8>,
+}
+
+/// A colour image: red, green and blue of each pixel, row 0 on top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ColorImage {
+    pub(crate) size: ImageSize,
+    pub(crate) bytes: Vec<u8>,
+}
+
+/// How far away what each pixel of an image shows is, along its line of sight; row 0 on top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DepthImage {
+    pub(crate) size: ImageSize,
+    /// Infinite for the sky.
+    pub(crate) mm: Vec<f32>,
+}
+
+/// What each pixel of an image shows; row 0 on top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LabelImage {
+    pub(crate) size: ImageSize,
+    pub(crate) numbers: Vec<i32>,
+}
+
+/// What a pixel shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Seen {
+    /// Nothing.
+    Sky,
+    /// The floor, with what is painted on it, or a terrain.
+    Floor,
+    /// A wall.
+    Wall,
+    /// The robot or object of this number: robots from 1 on, then the objects, as `SIMGetRobot` and `SIMGetObject` number them.
+    Body(u16),
+}
+
+impl Seen {
+    pub(crate) fn from_number(number: i32) -> Self {
+        use robios_sys::robios7::{CAM_BODY, CAM_SKY, CAM_WALL};
+        match number {
+            CAM_SKY => Self::Sky,
+            CAM_WALL => Self::Wall,
+            number if number > CAM_BODY => Self::Body(u16::try_from(number - CAM_BODY).unwrap_or(u16::MAX)),
+            _ => Self::Floor,
+        }
+    }
+
+    pub(crate) fn number(self) -> i32 {
+        use robios_sys::robios7::{CAM_BODY, CAM_FLOOR, CAM_SKY, CAM_WALL};
+        match self {
+            Self::Sky => CAM_SKY,
+            Self::Floor => CAM_FLOOR,
+            Self::Wall => CAM_WALL,
+            Self::Body(number) => CAM_BODY + i32::from(number),
+        }
+    }
+}
+
+impl GrayImage {
+    /// A black image.
+    pub fn new(size: ImageSize) -> Self {
+        Self { size, bytes: vec![0; size.pixels()] }
+    }
+
+    /// Its size.
+    pub fn size(&self) -> ImageSize {
+        self.size
+    }
+
+    /// All of its pixels, row by row.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// All of its pixels, row by row.
+    pub fn bytes_mut(&mut self) -> &mut [u8] {
+        &mut self.bytes
+    }
+
+    /// One pixel; `None` outside of the image.
+    pub fn pixel(&self, at: Pixel) -> Option<u8> {
+        self.size.index_of(at).map(|index| self.bytes[index])
+    }
+}
+
+impl ColorImage {
+    /// A black image.
+    pub fn new(size: ImageSize) -> Self {
+        Self { size, bytes: vec![0; 3 * size.pixels()] }
+    }
+
+    /// Its size.
+    pub fn size(&self) -> ImageSize {
+        self.size
+    }
+
+    /// Red, green and blue of all of its pixels, row by row.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// Red, green and blue of all of its pixels, row by row.
+    pub fn bytes_mut(&mut self) -> &mut [u8] {
+        &mut self.bytes
+    }
+
+    /// One pixel; `None` outside of the image.
+    pub fn pixel(&self, at: Pixel) -> Option<Color> {
+        let start = 3 * self.size.index_of(at)?;
+        let [red, green, blue] = [0, 1, 2].map(|part| self.bytes[start + part]);
+        Some(Color { red, green, blue })
+    }
+
+    /// Each pixel with its place: from the top, each row from the left.
+    pub fn pixels(&self) -> impl Iterator<Item = (Pixel, Color)> {
+        let colors =
+            self.bytes.as_chunks().0.iter().map(|[red, green, blue]| Color { red: *red, green: *green, blue: *blue });
+        self.size.places().zip(colors)
+    }
+}
+
+impl DepthImage {
+    /// Its size.
+    pub fn size(&self) -> ImageSize {
+        self.size
+    }
+
+    /// The distance of what one pixel shows; `None` for the sky, and outside of the image.
+    pub fn distance(&self, at: Pixel) -> Option<Length> {
+        self.size.index_of(at).and_then(|index| within_sight(self.mm[index]))
+    }
+
+    /// The distances of all pixels, row by row; `None` for the sky.
+    pub fn distances(&self) -> impl Iterator<Item = Option<Length>> {
+        self.mm.iter().map(|mm| within_sight(*mm))
+    }
+}
+
+impl LabelImage {
+    /// Its size.
+    pub fn size(&self) -> ImageSize {
+        self.size
+    }
+
+    /// What one pixel shows; `None` outside of the image.
+    pub fn seen(&self, at: Pixel) -> Option<Seen> {
+        self.size.index_of(at).map(|index| Seen::from_number(self.numbers[index]))
+    }
+
+    /// Each pixel with its place and what it shows, row by row.
+    pub fn pixels(&self) -> impl Iterator<Item = (Pixel, Seen)> {
+        self.size.places().zip(self.numbers.iter().map(|number| Seen::from_number(*number)))
+    }
+}
+
+fn within_sight(mm: f32) -> Option<Length> {
+    mm.is_finite().then(|| Length::millimetres(mm.into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_pixel_shows_has_its_number() {
+        for seen in [Seen::Sky, Seen::Floor, Seen::Wall, Seen::Body(1), Seen::Body(300)] {
+            assert_eq!(Seen::from_number(seen.number()), seen);
+        }
+    }
+
+    #[test]
+    fn places_go_from_left_to_right_and_down() {
+        let places: Vec<_> = ImageSize::new(2, 2).places().map(|Pixel { x, y }| (x, y)).collect();
+        assert_eq!(places, [(0, 0), (1, 0), (0, 1), (1, 1)]);
+        let depth = DepthImage { size: ImageSize::new(2, 1), mm: vec![f32::INFINITY, 250.0] };
+        assert_eq!(depth.distances().collect::<Vec<_>>(), [None, Some(Length::millimetres(250.0))]);
+        assert_eq!(depth.distance(Pixel { x: 1, y: 0 }), Some(Length::millimetres(250.0)));
+        assert_eq!(depth.distance(Pixel { x: 2, y: 0 }), None);
+    }
+}

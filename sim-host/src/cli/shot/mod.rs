@@ -1,0 +1,248 @@
+//! `eyesim shot`: runs a scene up to a time and takes a picture: of what a robot sees, of the scene from anywhere, or of a
+//! robot's display.
+
+mod display;
+mod view;
+
+use std::cmp::Ordering;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::{Context, bail};
+use clap::Args;
+use glam::DVec3;
+use sim_core::format::SceneSpec;
+use sim_core::time::Time;
+
+use self::display::Caption;
+use self::view::{Content, Eye, Shot};
+use super::EXIT_PROGRAM;
+use super::options::index_of;
+use super::output::check_outputs;
+use super::run::{self, Ran, RunArgs, carry_out, parse_seconds};
+use crate::record::Outcome;
+use crate::record::frame::Pixels;
+use crate::record::report::write_whole;
+use crate::robios::camera::NoImage;
+
+/// Arguments of `eyesim shot`: those of a run, and what the picture shows.
+#[derive(Args)]
+#[command(after_help = AFTER_HELP, mut_arg("robot", |arg| arg.help(ROBOT_HELP)))]
+pub struct ShotArgs {
+    #[command(flatten)]
+    run: RunArgs,
+    /// Show the display of this robot
+    #[arg(long, value_name = "ROBOT", num_args = 0..=1, default_missing_value = "1", value_parser = parse_robot)]
+    lcd: Option<u32>,
+    /// Simulated seconds at which the picture is taken [default: at the run's end]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, conflicts_with = "until")]
+    at: Option<Time>,
+    /// Look from this point of the world, in millimetres as in a sim file, z upwards
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "to", conflicts_with = "lcd")]
+    from: Option<DVec3>,
+    /// Look at this point of the world; straight down, the top of the picture is where y grows
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "from")]
+    to: Option<DVec3>,
+    /// Angle that the picture's width covers, in degrees, with --from [default: 60]
+    #[arg(long, value_name = "DEGREES", value_parser = parse_fov, requires = "from")]
+    fov: Option<f64>,
+    /// Pixels of the picture [default: as the program has set the camera, else 320x240; with --from 640x480]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, conflicts_with = "lcd")]
+    size: Option<[u32; 2]>,
+    /// Points at which each side of a pixel is looked at [default: those of the camera; with --from 4]
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..=8), conflicts_with = "lcd")]
+    samples: Option<u32>,
+    /// Show how far away things are: 16 bits a pixel, in mm along the line of sight, 0 for the sky
+    #[arg(long, conflicts_with_all = ["lcd", "labels"])]
+    depth: bool,
+    /// Show what each pixel is, with a colour for each: the numbers of the palette are those of CAMGetLabels
+    #[arg(long, conflicts_with = "lcd")]
+    labels: bool,
+    /// The picture [default: view.png, of a display lcd.png]
+    #[arg(short, long, value_name = "FILE.png")]
+    output: Option<PathBuf>,
+    /// Pixels of the picture in each direction for a pixel of the display [default: 2, for the small display of RoBIOS 6 4]
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=16), requires = "lcd")]
+    scale: Option<u8>,
+    /// Show the display's pixels alone, without the frame around them
+    #[arg(long, requires = "lcd")]
+    bare: bool,
+}
+
+const AFTER_HELP: &str = "What is shown: `--robot 2` what robot 2 sees, `--from X,Y,Z --to X,Y,Z` the scene from anywhere, \
+                          `--lcd 2` the display of robot 2.";
+
+const ROBOT_HELP: &str = "Show what this robot sees";
+
+/// What the picture shows.
+enum Subject {
+    Display(u32),
+    View(Eye),
+}
+
+impl Subject {
+    /// Checks that the scene has what is to be shown.
+    fn check(&self, scene: &SceneSpec) -> anyhow::Result<()> {
+        match self {
+            Self::Display(robot) => index_of(scene, *robot).map(drop).context("--lcd"),
+            Self::View(Eye::Robot(robot)) => {
+                let index = index_of(scene, *robot).context("--robot")?;
+                let robi = &scene.robots[index].robi;
+                match robi.camera {
+                    Some(_) => Ok(()),
+                    None => Err(NoImage::NoCamera(robi.file.clone())).with_context(|| format!("--robot {robot}")),
+                }
+            }
+            Self::View(Eye::Point(_)) => Ok(()),
+        }
+    }
+}
+
+/// Runs the command: 0, or 1 if a program failed; the picture is taken all the same. A program that waits for a key is as it
+/// should be.
+///
+/// # Errors
+/// Files or arguments that are wrong.
+pub fn run(mut args: ShotArgs) -> anyhow::Result<ExitCode> {
+    let subject = subject(&mut args)?;
+    let default = if matches!(subject, Subject::Display(_)) { "lcd.png" } else { "view.png" };
+    let output = args.output.take().unwrap_or_else(|| default.into());
+    if !output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+        bail!("-o `{}`: expected a name that ends in .png", output.display());
+    }
+    check_outputs(&[("-o", &output)], std::iter::empty())?;
+    args.run.until = args.at.or(args.run.until);
+    let Some(mut ran) = carry_out(&args.run, |scene| subject.check(scene))? else {
+        return Ok(ExitCode::from(EXIT_PROGRAM));
+    };
+    ran.write_files(&args.run)?;
+    let (file, what) = match &subject {
+        Subject::Display(robot) => of_display(&ran, *robot, &args)?,
+        Subject::View(eye) => of_view(&ran, eye, &args)?,
+    };
+    let inputs = ran.scenery.inputs();
+    let inputs = inputs.iter().map(|input| input.path.as_str());
+    check_outputs(&[("-o", &output)], inputs.chain(ran.report.inputs.iter().map(|input| input.path.as_str())))?;
+    write_whole(&output, &file).with_context(|| format!("-o `{}`", output.display()))?;
+
+    // Who waits for a key is in the picture, not to blame.
+    ran.report.robots.iter_mut().for_each(|robot| {
+        if robot.outcome == Outcome::Waiting {
+            robot.outcome = Outcome::Running;
+        }
+    });
+    run::explain(&ran.options, &ran.report, &ran.ended);
+    run::print(&format!("{}: {what}\n", output.display()))?;
+    let is_failed = ran.report.robots.iter().any(|robot| robot.outcome.is_failure());
+    Ok(if is_failed { ExitCode::from(EXIT_PROGRAM) } else { ExitCode::SUCCESS })
+}
+
+/// What the arguments want to see; a robot that is looked through is no longer one whose calls are shown, unless these are.
+fn subject(args: &mut ShotArgs) -> anyhow::Result<Subject> {
+    let robot = if args.run.verbose { args.run.robot } else { args.run.robot.take() };
+    let subject = match (args.lcd, args.from.zip(args.to), robot) {
+        (Some(_), _, Some(robot)) if !args.run.verbose => {
+            bail!("--robot {robot} is whose view is shown: `--lcd {robot}` shows its display")
+        }
+        (None, Some(_), Some(robot)) if !args.run.verbose => {
+            bail!("--robot {robot} and --from are two views: expected one of them")
+        }
+        (Some(robot), ..) => Subject::Display(robot),
+        (None, Some((from, to)), _) => Subject::View(Eye::looking(from, to, args.fov)?),
+        (None, None, Some(robot)) => Subject::View(Eye::Robot(robot)),
+        (None, None, None) => bail!(
+            "nothing to show: `--robot 1` shows what robot 1 sees, `--from X,Y,Z --to X,Y,Z` the scene from anywhere, `--lcd` \
+             the display of robot 1, `--lcd 2` that of robot 2"
+        ),
+    };
+    Ok(subject)
+}
+
+/// The file of a display's picture, and what it shows.
+fn of_display(ran: &Ran, robot: u32, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, String)> {
+    let index = index_of(&ran.scene, robot).context("--lcd")?;
+    let panel = &ran.ended.robots[index].panel;
+    let time = format!("{:.3} s", ran.report.sim_time_s);
+    let caption = Caption { name: format!("{robot} {}", ran.report.robots[index].name), time };
+    let picture = display::picture(panel, args.scale, Some(&caption).filter(|_| !args.bare));
+    let size = picture.size().map(|side| side as u32);
+    let [width, height] = panel.picture().size();
+    let what = format!("the display of r{robot} at {}, {width} x {height} pixels", caption.time);
+    Ok((Pixels::Colour(picture.pixels().as_flattened()).png(size), what))
+}
+
+/// The file of a view's picture, and what it shows.
+fn of_view(ran: &Ran, eye: &Eye, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, String)> {
+    let content = match args {
+        ShotArgs { depth: true, .. } => Content::Depth,
+        ShotArgs { labels: true, .. } => Content::Labels,
+        _ => Content::Colour { samples: args.samples },
+    };
+    let is_new = ran.scenery.built().is_none();
+    let shot = Shot { eye, at: args.at, size: args.size, content };
+    let picture = shot.take(ran)?;
+    if let Some(built) = ran.scenery.built().filter(|_| is_new) {
+        run::tell(&built.diagnostics, &ran.scenery.inputs(), args.run.strict)?;
+    }
+    let taken = picture.time.seconds();
+    match args.at.map(|at| (at, picture.time.cmp(&at))) {
+        Some((at, Ordering::Less)) => {
+            eprintln!("the run was over at {taken:.3} s, before --at {:.3}: the picture is of then", at.seconds());
+        }
+        Some((at, Ordering::Greater)) => {
+            eprintln!(
+                "--at {:.3}: a slot is longer than what the world remembers, the picture is of {taken:.3} s",
+                at.seconds()
+            );
+        }
+        _ => {}
+    }
+    let [width, height] = picture.size;
+    let what = match (eye, content) {
+        (_, Content::Depth) => "distances",
+        (_, Content::Labels) => "labels",
+        (Eye::Robot(_), _) => "what it sees",
+        (Eye::Point(_), _) => "the scene",
+    };
+    let whose = match eye {
+        Eye::Robot(robot) => format!("r{robot}, "),
+        Eye::Point(_) => String::new(),
+    };
+    let what = format!("{whose}{what} at {taken:.3} s, {width} x {height} pixels");
+    Ok((picture.file, what))
+}
+
+fn parse_robot(text: &str) -> Result<u32, String> {
+    let number = text.strip_prefix(['r', 'R']).unwrap_or(text).parse().ok().filter(|robot| *robot > 0);
+    number.ok_or_else(|| "expected a robot's number from 1, such as `2` or `r2`".into())
+}
+
+/// A point in metres, written in millimetres.
+fn parse_point(text: &str) -> Result<DVec3, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|word| word.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some([x, y, z]) if [x, y, z].iter().all(|mm| mm.abs() <= 1e9) => {
+            Ok(DVec3::new(*x, *y, *z).map(sim_core::unit::metres_from_mm))
+        }
+        _ => Err("expected three numbers of millimetres, such as `1000,500,300`".into()),
+    }
+}
+
+/// An angle in radians, written in degrees.
+fn parse_fov(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(degrees) if (1.0..=view::MOST_FOV_DEG).contains(&degrees) => {
+            Ok(sim_core::unit::radians_from_degrees(degrees))
+        }
+        _ => Err(format!("expected 1 to {} degrees", view::MOST_FOV_DEG)),
+    }
+}
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let sides =
+        text.split_once(['x', 'X']).and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+    let is_size = |sides: &[u32; 2]| sides.iter().all(|side| (1..=view::MOST_SIDE).contains(side));
+    sides
+        .filter(is_size)
+        .ok_or_else(|| format!("expected WIDTHxHEIGHT, each 1 to {}, such as `640x480`", view::MOST_SIDE))
+}

@@ -1,0 +1,124 @@
+//! What a robot's camera sees, or a camera anywhere, at the end of a run.
+
+use anyhow::Context;
+use glam::DVec3;
+use sim_core::RobotId;
+use sim_core::camera::{Camera, Lens, View};
+use sim_core::drive::HISTORY;
+use sim_core::format::{DEFAULT_LENS, MAX_FIELD_OF_VIEW_DEG};
+use sim_core::pose::Pose3;
+use sim_core::time::Time;
+
+use crate::cli::options::index_of;
+use crate::cli::run::Ran;
+use crate::record::frame::Pixels;
+use crate::robios::camera;
+
+/// Most pixels on either side of a picture.
+pub const MOST_SIDE: u32 = 4096;
+
+/// Widest angle of a picture, in degrees.
+pub const MOST_FOV_DEG: f64 = MAX_FIELD_OF_VIEW_DEG;
+
+/// Size of a picture from anywhere.
+const SIZE: [u32; 2] = [640, 480];
+
+/// Points at which each side of a pixel of it is looked at.
+const SAMPLES: u32 = 4;
+
+/// Who looks.
+pub enum Eye {
+    /// The camera of this robot.
+    Robot(u32),
+    /// A camera anywhere, and its lens.
+    Point((Pose3, Lens)),
+}
+
+/// What a picture tells of each pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// Its colour, looked at in so many points a side.
+    Colour {
+        /// `None`: as suits who looks.
+        samples: Option<u32>,
+    },
+    /// How far away it is.
+    Depth,
+    /// What it is.
+    Labels,
+}
+
+/// A picture to be taken.
+pub struct Shot<'a> {
+    /// Who looks.
+    pub eye: &'a Eye,
+    /// When; `None`: at the run's end.
+    pub at: Option<Time>,
+    /// Width and height in pixels; `None`: as suits who looks.
+    pub size: Option<[u32; 2]>,
+    /// What it tells.
+    pub content: Content,
+}
+
+/// A picture that has been taken.
+pub struct Taken {
+    /// As a file.
+    pub file: Vec<u8>,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// When it was taken: the run may have been over before it should have been.
+    pub time: Time,
+}
+
+impl Eye {
+    /// A camera at `from` that looks at `to`, with a horizontal field of view of `fov` rad.
+    ///
+    /// # Errors
+    /// When the two are one point.
+    pub fn looking(from: DVec3, to: DVec3, fov: Option<f64>) -> anyhow::Result<Self> {
+        let pose =
+            View::looking(from, to).context("--from and --to are one point: expected two, which give a direction")?;
+        Ok(Self::Point((pose, fov.map_or(DEFAULT_LENS, |fov| Lens::Pinhole { fov }))))
+    }
+}
+
+impl Shot<'_> {
+    /// Takes the picture of a run that is over.
+    ///
+    /// # Errors
+    /// When the robot or its camera does not exist, or no camera can look from there.
+    pub fn take(&self, ran: &Ran) -> anyhow::Result<Taken> {
+        let run = &ran.ended.run;
+        let world = run.world.read();
+        // Nothing moves after the end; of what was before, the world remembers this much.
+        let time = self.at.unwrap_or(ran.ended.time).min(ran.ended.time).max(world.slot_start() - HISTORY);
+        let (view, by) = match self.eye {
+            Eye::Robot(number) => {
+                let id = RobotId::from_index(index_of(&ran.scene, *number).context("--robot")?);
+                let view = camera::view(&mut run.robot(id), time, self.size);
+                (view.with_context(|| format!("--robot {number}"))?, Some(id))
+            }
+            Eye::Point((pose, lens)) => (View::new(*pose, *lens, self.size.unwrap_or(SIZE))?, None),
+        };
+        let still = ran.scenery.get().still(&world, time);
+        let mut renderer = Camera::default();
+        let size = view.size();
+        let file = match self.content {
+            Content::Colour { samples } => {
+                let own = by.map_or(SAMPLES, |id| camera::samples(&run.robot(id)));
+                let mut picture = renderer.colour(&still, &view, by, samples.unwrap_or(own));
+                if let Some(id) = by {
+                    camera::develop(&run.robot(id), &mut picture);
+                }
+                Pixels::Colour(picture.pixels().as_flattened()).png(size)
+            }
+            Content::Depth => Pixels::Depth(&camera::mm_of_depth(&renderer.depth(&still, &view, by))).png(size),
+            Content::Labels => {
+                let labels = renderer.labels(&still, &view, by);
+                let census = crate::setup::census(&ran.scene);
+                Pixels::Labels(&camera::numbers_of_labels(&labels, &census)).png(size)
+            }
+        };
+        Ok(Taken { file, size, time })
+    }
+}
