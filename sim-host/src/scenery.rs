@@ -37,7 +37,7 @@ impl LazyScenery {
     ) -> Self {
         let build = move || {
             let mut reader = MeshReader::new(&files);
-            let scenery = scenery_of(&scene, &mut reader);
+            let scenery = sim_core::build::scenery(&scene, &mut reader);
             let (mut diagnostics, inputs) = reader.finish();
             diagnostics.retain(|diagnostic| !told.contains(diagnostic));
             Built { scenery, diagnostics, inputs }
@@ -85,14 +85,4 @@ mod tests {
         assert!(lazy.get().parts().is_empty());
         assert!(lazy.built().is_some());
     }
-}
-
-// SEAM: until build::scenery is there.
-fn scenery_of(scene: &SceneSpec, reader: &mut MeshReader<'_>) -> Scenery {
-    use sim_core::camera::{Floor, Ground};
-    let texture = reader.floor(&scene.world);
-    let floor = Some(Floor { size: scene.world.floor, colour: [120, 110, 100], texture });
-    let ground = Ground { colour: [60, 90, 60], floor, spots: Vec::new() };
-    let light = Light { towards: glam::DVec3::Z, ambient: 0.5, fill: 0.0, diffuse: 0.5, shadows: false };
-    Scenery::new(Vec::new(), Some(ground), light, Sky { horizon: [200, 220, 255], zenith: [90, 140, 230] })
 }
