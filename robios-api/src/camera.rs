@@ -103,6 +103,7 @@ impl Robot {
     }
 }
 
+#[allow(clippy::missing_errors_doc, reason = "said once, at the first that has any")]
 impl Camera {
     /// Size of its images.
     pub const SIZE: ImageSize = ImageSize::EYECAM;

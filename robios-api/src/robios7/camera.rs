@@ -36,6 +36,7 @@ impl Robot {
     }
 }
 
+#[allow(clippy::missing_errors_doc, reason = "said once, at the first that has any")]
 impl Camera<'_> {
     /// Size of its images.
     pub fn size(&self) -> ImageSize {
