@@ -74,7 +74,13 @@ pub fn nearest_triangle(
     nearest(distances, range)
 }
 
-fn distance_to_triangle(&[a, b, c]: &[DVec3; 3], origin: DVec3, direction: DVec3, wider: f64) -> Option<f64> {
+/// One triangle of [`nearest_triangle`], without a range.
+pub(crate) fn distance_to_triangle(
+    &[a, b, c]: &[DVec3; 3],
+    origin: DVec3,
+    direction: DVec3,
+    wider: f64,
+) -> Option<f64> {
     let (ab, ac, to_a) = (b - a, c - a, a - origin);
     let normal = ab.cross(ac);
     let area = normal.length();

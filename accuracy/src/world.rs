@@ -1,12 +1,15 @@
 //! Random scenes and rays, the same at every call: what the core and the oracles are compared on.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 use sim_core::math;
-use sim_core::scene::{Bounds, Segment};
+use sim_core::scene::{Bounds, Segment, Walls};
+use sim_core::time::Time;
+use sim_core::world::World;
 
 /// A source of random numbers with a fixed seed.
 pub struct Random(ChaCha8Rng);
@@ -49,6 +52,11 @@ impl Random {
         let up = self.between(-1.0, 1.0);
         (self.direction() * (1.0 - up * up).sqrt()).extend(up)
     }
+}
+
+/// A world without walls, robots and objects.
+pub fn empty() -> World {
+    World::new(Arc::new(Walls::new(Vec::new())), Time::from_millis(50), std::iter::empty())
 }
 
 /// A closed square room of `side` metres with its lower left corner at `corner`, and `boxes` boxes in it with sides of

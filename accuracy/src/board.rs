@@ -1,0 +1,171 @@
+//! A calibration target: a board of black and white squares, and where a picture of it has their inner corners.
+
+use glam::{DMat2, DVec2, DVec3};
+use sim_core::camera::Picture;
+use sim_core::math;
+use sim_core::scene::{Material, Mesh, Triangle};
+
+/// A board in the plane z = 0 with its middle in the origin.
+#[derive(Clone, Copy, Debug)]
+pub struct Board {
+    /// Squares along x and y; black and white in turn.
+    pub squares: [u32; 2],
+    /// Side of a square, m.
+    pub side: f64,
+}
+
+impl Board {
+    /// Its faces: two for each square, and a white border as wide as a square.
+    pub fn mesh(&self) -> Mesh {
+        let grey = |level: f32| Material { colour: [level; 3], ..Material::default() };
+        let mut mesh = Mesh { materials: vec![grey(0.1), grey(0.9)], ..Mesh::default() };
+        let [columns, rows] = self.squares;
+        for row in 0..rows + 2 {
+            for column in 0..columns + 2 {
+                let is_border = column == 0 || row == 0 || column > columns || row > rows;
+                let first = mesh.positions.len() as u32;
+                let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(x, y)| self.corner(column + x, row + y));
+                mesh.positions.extend(corners);
+                let material = u32::from(is_border || (column + row) % 2 == 0);
+                mesh.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|corners| Triangle {
+                    corners: corners.map(|corner| first + corner),
+                    normals: None,
+                    uv: None,
+                    material,
+                }));
+            }
+        }
+        mesh
+    }
+
+    /// The corners in which four squares meet, m.
+    pub fn inner_corners(&self) -> Vec<DVec3> {
+        let [columns, rows] = self.squares;
+        (2..=rows).flat_map(|row| (2..=columns).map(move |column| self.corner(column, row))).collect()
+    }
+
+    /// By numbers of column and row, the border's included.
+    fn corner(&self, column: u32, row: u32) -> DVec3 {
+        let [columns, rows] = self.squares.map(|count| 0.5 * f64::from(count) + 1.0);
+        self.side * DVec3::new(f64::from(column) - columns, f64::from(row) - rows, 0.0)
+    }
+}
+
+/// The places in a picture where two dark and two light fields meet crosswise, to a fraction of a pixel: columns to the right,
+/// rows downwards, the first pixel's middle at (0.5, 0.5).
+///
+/// The saddles of the brightness, blurred by a bell curve of [`BLUR`]: looked for pixel by pixel, then found by Newton's method
+/// as zeros of the gradient. The four fields are the same turned by half a circle about their crossing, so it stays the
+/// saddle under any blur that is, too.
+///
+/// Source: our choice.
+pub fn crossings(picture: &Picture<[u8; 3]>) -> Vec<DVec2> {
+    let brightness = Brightness(picture);
+    let [width, height] = picture.size().map(|side| side as usize);
+    let middle = |column: usize, row: usize| DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
+    let mut saddle = vec![0.0; width * height];
+    for row in MARGIN..height.saturating_sub(MARGIN) {
+        for column in MARGIN..width.saturating_sub(MARGIN) {
+            saddle[row * width + column] = -brightness.around(middle(column, row)).1.determinant();
+        }
+    }
+    let least = 0.1 * saddle.iter().copied().fold(0.0, f64::max);
+    let is_summit = |pixel: usize| {
+        let here = saddle[pixel];
+        let around = (-2..=2).flat_map(|y: isize| (-2..=2).map(move |x: isize| y * width as isize + x));
+        here > least && around.into_iter().all(|step| here >= saddle[pixel.saturating_add_signed(step)])
+    };
+    (0..saddle.len())
+        .filter(|&pixel| is_summit(pixel))
+        .filter_map(|pixel| brightness.saddle(middle(pixel % width, pixel / width)))
+        .collect()
+}
+
+/// Standard deviation of the bell curve, in pixels. Pixels that are means over their squares leave an error that falls with its
+/// square (a hundredth of a pixel at 2.5), so squares of the board should be 15 pixels wide.
+const BLUR: f64 = 2.5;
+/// How far it is followed, in pixels.
+const REACH: isize = 11;
+/// Pixels at the picture's border in which no crossing is looked for.
+const MARGIN: usize = 13;
+
+struct Brightness<'p>(&'p Picture<[u8; 3]>);
+
+impl Brightness<'_> {
+    /// First and second derivatives of the blurred brightness.
+    fn around(&self, at: DVec2) -> (DVec2, DMat2) {
+        let (column, row) = (at.x.floor() as isize, at.y.floor() as isize);
+        // The bell curve is the product of one along each axis.
+        let along = |middle: isize, place: f64| {
+            (middle - REACH..=middle + REACH).map(move |pixel| {
+                let offset = pixel as f64 + 0.5 - place;
+                let weight = math::exp(-0.5 * offset * offset / (BLUR * BLUR));
+                (pixel as u32, weight, offset / (BLUR * BLUR))
+            })
+        };
+        let columns: Vec<_> = along(column, at.x).collect();
+        let (mut gradient, mut hessian) = (DVec2::ZERO, DMat2::ZERO);
+        for (row, above, y) in along(row, at.y) {
+            for &(column, beside, x) in &columns {
+                let light = above * beside * f64::from(self.0.pixel(column, row)[1]);
+                gradient += light * DVec2::new(x, y);
+                let curvature = [x * x - 1.0 / (BLUR * BLUR), x * y, x * y, y * y - 1.0 / (BLUR * BLUR)];
+                hessian += DMat2::from_cols_array(&curvature) * light;
+            }
+        }
+        (gradient, hessian)
+    }
+
+    /// The saddle next to `start`; `None` if there is none within two pixels.
+    fn saddle(&self, start: DVec2) -> Option<DVec2> {
+        let mut at = start;
+        for _ in 0..20 {
+            let (gradient, hessian) = self.around(at);
+            let step = (hessian.determinant() < 0.0).then(|| hessian.inverse() * gradient)?;
+            at -= step;
+            if (at - start).abs().max_element() > 2.0 {
+                return None;
+            }
+            if step.length() < 1e-9 {
+                break;
+            }
+        }
+        Some(at)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_crossing_is_found_between_pixels() {
+        // Two lines through the place, turned, each pixel the mean of 16 by 16 points.
+        for (place, turn) in
+            [(DVec2::new(20.3, 15.8), 0.2), (DVec2::new(19.0, 16.25), 0.6), (DVec2::new(20.5, 15.5), 1.4)]
+        {
+            let (sin, cos) = math::sin_cos(turn);
+            let is_light = |at: DVec2| {
+                let turned = DVec2::new(cos, -sin).rotate(at - place);
+                turned.x * turned.y > 0.0
+            };
+            let pixel = |number: u32| {
+                let corner = DVec2::new(f64::from(number % 40), f64::from(number / 40));
+                let within = |part: u32| DVec2::new(f64::from(part % 16) + 0.5, f64::from(part / 16) + 0.5) / 16.0;
+                let light = (0..256).filter(|&part| is_light(corner + within(part))).count();
+                [(20.0 + light as f64 / 256.0 * 200.0) as u8; 3]
+            };
+            let picture = Picture::new([40, 32], (0..40 * 32).map(pixel).collect());
+            let found = crossings(&picture);
+            assert!(found.len() == 1 && (found[0] - place).length() < 0.015, "{found:?} for {place}");
+        }
+    }
+
+    #[test]
+    fn a_board_has_its_squares_around_its_middle() {
+        let board = Board { squares: [3, 2], side: 0.1 };
+        assert_eq!(board.mesh().triangles.len(), 2 * 5 * 4);
+        let corners = board.inner_corners();
+        assert!(corners.len() == 2 && (corners[0] - DVec3::new(-0.05, 0.0, 0.0)).length() < 1e-15, "{corners:?}");
+    }
+}
