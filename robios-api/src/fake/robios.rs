@@ -358,7 +358,8 @@ impl Robios6 for FakeRobot {
         self.act(|state| {
             let filtered = self.colors(state, Some(ImageSize::QQVGA)).map(|colors| {
                 let rows = colors.chunks_exact(3 * 160).enumerate();
-                let channel = |row: usize, column: usize| if row.is_multiple_of(2) { 1 + column % 2 } else { column % 2 };
+                let channel =
+                    |row: usize, column: usize| if row.is_multiple_of(2) { 1 + column % 2 } else { column % 2 };
                 let row = |(row, colors): (usize, &[u8])| -> Vec<u8> {
                     colors.chunks_exact(3).enumerate().map(|(column, rgb)| rgb[channel(row, column)]).collect()
                 };

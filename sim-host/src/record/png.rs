@@ -44,7 +44,7 @@ fn colour_of_label(label: u8) -> [u8; 3] {
         _ => {
             let hue = u32::from(label) * 1373 % 3600;
             let (sector, rest) = (hue / 600, hue % 600);
-            let most = if label % 2 == 0 { 255 } else { 190 };
+            let most = if label.is_multiple_of(2) { 255 } else { 190 };
             let (rising, falling) = (most * rest / 600, most * (600 - rest) / 600);
             let rgb = match sector {
                 0 => [most, rising, 0],

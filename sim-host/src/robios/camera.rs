@@ -4,6 +4,7 @@
 //! camera stand then; other bodies stand as they were public then. `camera6.rs` and `camera7.rs` give images to programs.
 //! Source: RoBIOS 6 and RoBIOS-7 library, camera; Koestler & Bräunl, section 4.1; the time of exposure is our choice.
 
+use std::collections::VecDeque;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -11,6 +12,7 @@ use robios_sys::robios7::{CAM_BODY, CAM_FLOOR, CAM_SKY, CAM_WALL};
 use robios_sys::{OutFloats, OutInts};
 use sim_core::RobotId;
 use sim_core::camera::{Camera as Renderer, Label, Lens, Picture, View, ViewError};
+use sim_core::drive::HISTORY;
 use sim_core::format::{JointSpec, RobiSpec};
 use sim_core::math;
 use sim_core::noise::{ImageErrors, Profile};
@@ -51,6 +53,8 @@ pub struct Camera {
     pub(super) setting: Option<Setting>,
     /// Images taken so far.
     taken: u64,
+    /// When those were exposed that were taken lately, in order.
+    exposed: VecDeque<Time>,
     /// The last one since it was switched on.
     last: Option<Exposure>,
     renderer: Box<Renderer>,
@@ -127,11 +131,16 @@ impl Camera {
         self.setting.take().is_some()
     }
 
-    /// What lens and sensor make of a picture as the next image: blur and noise.
-    fn err<const CHANNELS: usize>(&self, picture: &mut Picture<[u8; CHANNELS]>) {
+    /// What lens and sensor make of a picture as image `number`: blur and noise.
+    fn err<const CHANNELS: usize>(&self, number: u64, picture: &mut Picture<[u8; CHANNELS]>) {
         if let Some(errors) = &self.errors {
-            errors.expose(self.taken + 1, picture.size()[0] as usize, picture.pixels_mut());
+            errors.expose(number, picture.size()[0] as usize, picture.pixels_mut());
         }
+    }
+
+    /// Number of an image that is exposed at `at`.
+    fn number_at(&self, at: Time) -> u64 {
+        self.taken + 1 - self.exposed.iter().filter(|exposed| **exposed >= at).count() as u64
     }
 }
 
@@ -150,7 +159,7 @@ pub(super) fn setting(robot: &Robot) -> Result<Setting, NoImage> {
 /// Takes a colour image.
 pub(super) fn take_colour(robot: &mut Robot, world: &World) -> Result<Picture<[u8; 3]>, NoImage> {
     let (exposure, mut picture) = expose(robot, world, setting(robot)?.size)?;
-    develop(robot, &mut picture);
+    develop(robot, exposure.number, &mut picture);
     follow(robot, &picture::grey_of_colour(picture.pixels().as_flattened()));
     keep(robot, exposure, picture.size(), Pixels::Colour(picture.pixels().as_flattened()));
     Ok(picture)
@@ -163,7 +172,7 @@ pub(super) fn take_grey(robot: &mut Robot, world: &World) -> Result<Picture<[u8;
     let grey = picture::grey_of_colour(picture.pixels().as_flattened());
     let mut picture = Picture::new(size, grey.into_iter().map(|level| [level]).collect());
     levels.grey(picture.pixels_mut());
-    robot.devices.camera.err(&mut picture);
+    robot.devices.camera.err(exposure.number, &mut picture);
     follow(robot, picture.pixels().as_flattened());
     keep(robot, exposure, size, Pixels::Grey(picture.pixels().as_flattened()));
     Ok(picture)
@@ -173,12 +182,12 @@ pub(super) fn take_grey(robot: &mut Robot, world: &World) -> Result<Picture<[u8;
 pub(super) fn take_bayer(robot: &mut Robot, world: &World, size: [u32; 2]) -> Result<Vec<u8>, NoImage> {
     setting(robot)?;
     let (exposure, mut picture) = expose(robot, world, size)?;
-    develop(robot, &mut picture);
+    develop(robot, exposure.number, &mut picture);
     let filtered = |(row, pixels): (usize, &[[u8; 3]])| -> Vec<u8> {
-        let channels = if row % 2 == 0 { [1, 2] } else { [0, 1] };
+        let channels = if row.is_multiple_of(2) { [1, 2] } else { [0, 1] };
         pixels.iter().zip(channels.into_iter().cycle()).map(|(pixel, channel)| pixel[channel]).collect()
     };
-    let levels: Vec<u8> = picture.rows().enumerate().flat_map(|row| filtered(row)).collect();
+    let levels: Vec<u8> = picture.rows().enumerate().flat_map(filtered).collect();
     follow(robot, &levels);
     keep(robot, exposure, size, Pixels::Bayer(&levels));
     Ok(levels)
@@ -254,11 +263,9 @@ pub fn samples(robot: &Robot) -> u32 {
     robot.spec.camera.as_ref().map_or(1, |camera| camera.samples)
 }
 
-/// Makes of what the robot's camera sees its next image: levels as they are set, blur and noise.
-pub fn develop(robot: &Robot, picture: &mut Picture<[u8; 3]>) {
-    let camera = &robot.devices.camera;
-    camera.setting.unwrap_or_default().levels.colour(picture.pixels_mut());
-    camera.err(picture);
+/// Makes of what the robot's camera sees at `at` the image that a program gets: levels as they are set, blur and noise.
+pub fn develop_at(robot: &Robot, at: Time, picture: &mut Picture<[u8; 3]>) {
+    develop(robot, robot.devices.camera.number_at(at), picture);
 }
 
 /// Depths in metres as programs get them, in mm.
@@ -294,6 +301,13 @@ fn expose(robot: &mut Robot, world: &World, size: [u32; 2]) -> Result<(Exposure,
     Ok((Exposure { number: *taken + 1, at, view, poses: still.poses().to_vec() }, picture))
 }
 
+/// Makes of what the camera sees image `number`.
+fn develop(robot: &Robot, number: u64, picture: &mut Picture<[u8; 3]>) {
+    let camera = &robot.devices.camera;
+    camera.setting.unwrap_or_default().levels.colour(picture.pixels_mut());
+    camera.err(number, picture);
+}
+
 /// Lets an automatic brightness follow an image with these levels.
 fn follow(robot: &mut Robot, levels: &[u8]) {
     if let Some(setting) = &mut robot.devices.camera.setting {
@@ -304,8 +318,13 @@ fn follow(robot: &mut Robot, levels: &[u8]) {
 
 /// Counts an image that has been taken, and records it.
 fn keep(robot: &mut Robot, exposure: Exposure, size: [u32; 2], pixels: Pixels<'_>) {
-    robot.devices.camera.taken = exposure.number;
-    robot.devices.camera.last = Some(exposure);
+    let Camera { taken, exposed, last, .. } = &mut robot.devices.camera;
+    *taken = exposure.number;
+    while exposed.front().is_some_and(|oldest| *oldest + HISTORY < exposure.at) {
+        exposed.pop_front();
+    }
+    exposed.push_back(exposure.at);
+    *last = Some(exposure);
     tell(robot, size, pixels);
 }
 

@@ -108,7 +108,7 @@ impl Shot<'_> {
                 let own = by.map_or(SAMPLES, |id| camera::samples(&run.robot(id)));
                 let mut picture = renderer.colour(&still, &view, by, samples.unwrap_or(own));
                 if let Some(id) = by {
-                    camera::develop(&run.robot(id), &mut picture);
+                    camera::develop_at(&run.robot(id), time, &mut picture);
                 }
                 Pixels::Colour(picture.pixels().as_flattened()).png(size)
             }
