@@ -109,7 +109,7 @@ impl Hull {
         let radius = 0.5 * diameter;
         // Wheels show below the hull, and beside that of a car.
         let (outline, bottom, half, height) = match robi.drive.kind {
-            DriveKind::Differential => (circle(radius, HULL_SIDES), 0.5 * wheel, DVec2::splat(radius), ROUND_HEIGHT),
+            DriveKind::Differential => (circle(radius, HULL_SIDES), 0.7 * wheel, DVec2::splat(radius), ROUND_HEIGHT),
             DriveKind::Ackermann | DriveKind::Omni => {
                 let between = robi.wheel.track - (WHEEL_WIDTH + 0.1) * wheel;
                 let width = between.clamp(0.35 * diameter, 0.75 * diameter);
@@ -297,7 +297,7 @@ fn draw_wheels(sketch: &mut Sketch, robi: &RobiSpec, hull: &Hull) {
             let size = Round { radius: castor, height: 0.6 * castor, sides: SMALL_SIDES };
             let position = DVec3::new(place.x, place.y - 0.5 * size.height, castor);
             let at = Pose3 { position, ..Pose3::about_axis(DVec3::X, -0.25 * TAU) };
-            sketch.cylinder(&at, size, 1, [tyre, hub]);
+            sketch.cylinder(&at, size, 1, [tyre; 2]);
             // Its fork, up into the hull.
             let high = hull.middle().max(castor);
             let fork = Pose3 { position: place.extend(0.5 * (castor + high)), ..Pose3::IDENTITY };

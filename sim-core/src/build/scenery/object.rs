@@ -1,18 +1,73 @@
-//! What objects without a mesh look like: their shape in their colour.
+//! What objects without a mesh look like: their shape in their colour; those that are built in a little more so.
 
 use std::sync::Arc;
 
-use super::sketch::Sketch;
-use crate::format::{Collider, ObjectType};
-use crate::scene::Mesh;
+use glam::DVec3;
+
+use super::sketch::{Round, SIDES, Sketch};
+use crate::format::{Collider, ObjectType, builtin};
+use crate::pose::Pose3;
+use crate::scene::{Mesh, Texture};
 
 /// Red, green, blue of an object without a colour of its own: yellow. Source: our choice.
 const COLOUR: [u8; 3] = [240, 228, 66];
 
+/// The lids of the built-in can.
+const METAL: [u8; 3] = [200, 202, 206];
+
 /// Shape and colour of an object's type.
 pub fn looks(kind: &ObjectType) -> Arc<Mesh> {
+    let colour = kind.colour.unwrap_or(COLOUR);
+    let is_built_in = builtin::OBJECTS.contains(&kind.file.as_str());
     let mut sketch = Sketch::default();
-    let paint = sketch.paint(kind.colour.unwrap_or(COLOUR));
-    kind.colliders.iter().for_each(|collider: &Collider| sketch.collider(collider, paint));
+    for collider in &kind.colliders {
+        match *collider {
+            Collider::Cylinder { centre, radius, height } if is_built_in => {
+                can(&mut sketch, centre, Round { radius, height, sides: SIDES }, colour);
+            }
+            Collider::Box { centre, size } if is_built_in => {
+                let planks = sketch.image(planks(colour));
+                sketch.cuboid(&Pose3 { position: centre, ..Pose3::IDENTITY }, size, planks);
+            }
+            _ => {
+                let paint = sketch.paint(colour);
+                sketch.collider(collider, paint);
+            }
+        }
+    }
     sketch.finish()
+}
+
+/// A drink can: its colour between two narrower rims of metal.
+fn can(sketch: &mut Sketch, centre: DVec3, size: Round, colour: [u8; 3]) {
+    let at = |height: f64| Pose3 { position: centre - 0.5 * height * DVec3::Z, ..Pose3::IDENTITY };
+    let (paint, metal) = (sketch.paint(colour), sketch.paint(METAL));
+    let painted = Round { height: 0.9 * size.height, ..size };
+    sketch.cylinder(&at(painted.height), painted, 1, [paint; 2]);
+    let rims = Round { radius: 0.9 * size.radius, ..size };
+    sketch.cylinder(&at(rims.height), rims, 1, [metal; 2]);
+}
+
+/// The side of a wooden box: a frame and a brace from the lower left to the upper right, on boards.
+fn planks(colour: [u8; 3]) -> Arc<Texture> {
+    const SIZE: u32 = 64;
+    const FRAME: u32 = 9;
+    const BOARD: u32 = 12;
+    let shade = |column: u32, row: u32| {
+        let border = column.min(row).min(SIZE - 1 - column).min(SIZE - 1 - row);
+        let brace = (column + row).abs_diff(SIZE - 1);
+        // In percent of the colour.
+        let light: u32 = match (border, brace) {
+            (FRAME, _) => 60,
+            (..FRAME, _) => 100,
+            (_, ..7) => 94,
+            (_, ..9) => 60,
+            _ if (row - FRAME) % BOARD == 0 => 62,
+            _ => 78 + (row - FRAME) / BOARD * 7 % 9,
+        };
+        let [red, green, blue] = colour.map(|level| (u32::from(level) * light / 100) as u8);
+        [red, green, blue, 255]
+    };
+    let pixels = (0..SIZE * SIZE).map(|pixel| shade(pixel % SIZE, pixel / SIZE)).collect();
+    Arc::new(Texture::new(SIZE, SIZE, pixels).expect("as many pixels as it has"))
 }

@@ -1,16 +1,25 @@
 //! Sceneries of scenes, and the bodies in them.
 
+use std::f64::consts::TAU;
+use std::io::Cursor;
+
+use glam::DVec2;
+
 use super::*;
+use crate::RobotId;
+use crate::camera::{Camera, Lens, Picture, View};
 use crate::format::{FileError, Files, builtin, load_scene, load_world, read_companion, read_robi};
-use crate::{RobotId, scene::Triangle};
+use crate::scene::{Texture, Triangle, Walls};
+use crate::time::Time;
+use crate::world::World;
 
 /// A file system that has these files.
-struct Memory(&'static [(&'static str, &'static str)]);
+struct Memory(Vec<(&'static str, Vec<u8>)>);
 
 impl Files for Memory {
     fn read(&self, path: &str) -> Result<Vec<u8>, FileError> {
         let file = self.0.iter().find(|(name, _)| *name == path);
-        file.map(|(_, text)| text.as_bytes().to_vec()).ok_or(FileError::Missing)
+        file.map(|(_, bytes)| bytes.clone()).ok_or(FileError::Missing)
     }
 
     fn list(&self, _: &str) -> Vec<String> {
@@ -20,6 +29,10 @@ impl Files for Memory {
     fn home(&self) -> Option<&str> {
         None
     }
+}
+
+fn memory<const N: usize>(texts: [(&'static str, &str); N]) -> Memory {
+    Memory(texts.into_iter().map(|(name, text)| (name, text.as_bytes().to_vec())).collect())
 }
 
 fn of(scene: &SceneSpec, files: &Memory) -> Scenery {
@@ -38,7 +51,7 @@ const WALLS: &str = "floor 4000 3000\n0 0 4000 0\n4000 0 4000 3000 0 150 1 2 3\n
 
 #[test]
 fn walls_stand_on_the_floor_and_share_their_corners_to_the_bit() {
-    let files = Memory(&[("a.wld", WALLS)]);
+    let files = memory([("a.wld", WALLS)]);
     let scenery = of(&load_world("a.wld", &files).scene, &files);
     let [south, east, slanting] = scenery.parts() else { panic!("three walls") };
     assert_eq!([south.label, east.label, slanting.label], [0, 1, 2].map(Label::Wall));
@@ -66,7 +79,7 @@ fn a_scene_has_its_ground_markers_objects_and_robots() {
         [[object]]\ntype = \"can\"\nx_mm = 900\ny_mm = 300\n\
         [[robot]]\ntype = \"S4\"\ncount = 7\nlayout = { kind = \"grid\", from_mm = [200, 500], spacing_mm = [250, 250], columns = 7 }\n\
         [[marker]]\nx_mm = 100\ny_mm = 900\ncolour = [0, 0, 255]\nopacity = 100\n";
-    let files = Memory(&[("a.scene.toml", SCENE)]);
+    let files = memory([("a.scene.toml", SCENE)]);
     let loaded = load_scene("a.scene.toml", &files);
     assert_eq!(loaded.diagnostics, []);
     let scenery = of(&loaded.scene, &files);
@@ -89,7 +102,7 @@ fn a_scene_has_its_ground_markers_objects_and_robots() {
 #[test]
 fn a_terrain_takes_the_place_of_the_ground() {
     const SCENE: &str = "[world]\nfloor_mm = [2000, 1000]\nterrain = \"h.obj\"\n";
-    let files = Memory(&[("a.scene.toml", SCENE), ("h.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n")]);
+    let files = memory([("a.scene.toml", SCENE), ("h.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n")]);
     let scenery = of(&load_scene("a.scene.toml", &files).scene, &files);
     assert!(scenery.ground().is_none());
     assert_eq!((scenery.parts().len(), scenery.parts()[0].label), (1, Label::Ground));
@@ -190,4 +203,107 @@ fn a_part_in_the_air_would_be_found() {
     sketch.cuboid(&at(0.05), DVec3::splat(0.1), paint);
     sketch.cuboid(&at(0.16), DVec3::splat(0.1), paint);
     assert!(!stands(&sketch.finish()));
+}
+
+const RED: [u8; 3] = [255, 0, 0];
+const GREEN: [u8; 3] = [0, 255, 0];
+const BLUE: [u8; 3] = [0, 0, 255];
+const YELLOW: [u8; 3] = [255, 255, 0];
+
+/// An image of four fields: red and green above, blue and yellow below.
+fn fields() -> image::RgbaImage {
+    image::RgbaImage::from_fn(64, 64, |column, row| {
+        let [red, green, blue] = [[RED, GREEN], [BLUE, YELLOW]][row as usize / 32][column as usize / 32];
+        image::Rgba([red, green, blue, 255])
+    })
+}
+
+/// What is seen of a scenery without things that move.
+fn seen(scenery: &Scenery, from: DVec3, to: DVec3, size: [u32; 2]) -> Picture<[u8; 3]> {
+    let pose = View::looking(from, to).expect("a direction");
+    let view = View::new(pose, Lens::Pinhole { fov: 0.7 }, size).expect("a view");
+    let world = World::new(Arc::new(Walls::new(Vec::new())), Time::from_millis(50), []);
+    Camera::default().colour(&scenery.still(&world, Time::ZERO), &view, None, 1)
+}
+
+/// A mesh alone in the world.
+fn alone(mesh: Arc<Mesh>) -> Scenery {
+    let place = Place::Fixed(Pose3::IDENTITY);
+    let part = Part { mesh, label: Label::Fixed(0), place };
+    let white = Light { towards: DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
+    Scenery::new(vec![part], None, white, Sky { horizon: [0; 3], zenith: [0; 3] })
+}
+
+#[test]
+fn the_image_of_the_floor_lies_as_the_world_is_drawn() {
+    let mut png = Cursor::new(Vec::new());
+    fields().write_to(&mut png, image::ImageFormat::Png).expect("an image");
+    let mut files = memory([("a.wld", "floor 1000 1000\nfloor_texture f.png\n")]);
+    files.0.push(("f.png", png.into_inner()));
+    let scene = SceneSpec { world: load_world("a.wld", &files).scene.world, ..SceneSpec::default() };
+    let full = LightSpec { ambient: 1.0, ..LightSpec::default() };
+    let mut scene = scene;
+    scene.world.looks.light = full;
+    let scenery = of(&scene, &files);
+    // From above, y upwards in the image.
+    let picture = seen(&scenery, DVec3::new(0.5, 0.5, 1.2), DVec3::new(0.5, 0.5, 0.0), [40, 40]);
+    let corners = [(10, 10), (30, 10), (10, 30), (30, 30)].map(|(column, row)| *picture.pixel(column, row));
+    assert_eq!(corners, [RED, GREEN, BLUE, YELLOW]);
+    // As seen by who stands at its lower border.
+    let picture = seen(&scenery, DVec3::new(0.5, -0.7, 0.6), DVec3::new(0.5, 0.5, 0.0), [40, 40]);
+    let corners = [(14, 16), (26, 16), (12, 24), (28, 24)].map(|(column, row)| *picture.pixel(column, row));
+    assert_eq!(corners, [RED, GREEN, BLUE, YELLOW]);
+}
+
+#[test]
+fn images_stand_upright_on_every_side_of_a_box() {
+    let pixels = fields().pixels().map(|pixel| pixel.0).collect();
+    let texture = Arc::new(Texture::new(64, 64, pixels).expect("an image"));
+    let mut sketch = Sketch::default();
+    let paint = sketch.image(texture);
+    sketch.cuboid(&Pose3::IDENTITY, DVec3::ONE, paint);
+    let scenery = alone(sketch.finish());
+    for way in [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y, DVec3::Z] {
+        let picture = seen(&scenery, 2.5 * way, DVec3::ZERO, [40, 40]);
+        let corners = [(14, 14), (26, 14), (14, 26), (26, 26)].map(|(column, row)| *picture.pixel(column, row));
+        assert_eq!(corners, [RED, GREEN, BLUE, YELLOW], "from {way}");
+    }
+}
+
+#[test]
+fn the_heading_of_a_body_is_seen_from_every_side_and_from_above() {
+    // What stands out from a blue body: lamps of the sides and of the back, those of the front and the nose.
+    let is_red = |[r, g, b]: [u8; 3]| r > 150 && g < 80 && b < 80;
+    let is_green = |[r, g, b]: [u8; 3]| g > 180 && r < 80 && b < 110;
+    let is_white = |[r, g, b]: [u8; 3]| r > 220 && g > 220 && b > 220;
+    let is_screen = |[r, g, b]: [u8; 3]| g > 150 && (120..180).contains(&r) && b < 140;
+    // Of the odd types wheels hide the sides.
+    for robi in types().into_iter().filter(|robi| robi.colliders.is_empty() && robi.name != "a") {
+        let scenery = alone(body::looks(&robi, ROBOT_COLOURS[0]));
+        let middle = DVec3::new(0.0, 0.0, 0.2 * robi.diameter);
+        let count = |angle: f64, is: &dyn Fn([u8; 3]) -> bool| {
+            let way = sketch::direction(angle).extend(0.3);
+            let picture = seen(&scenery, middle + 3.0 * robi.diameter * way, middle, [80, 60]);
+            picture.pixels().iter().filter(|pixel| is(**pixel)).count()
+        };
+        let [front, left, back, right] = [0.0, 0.25, 0.5, 0.75].map(|turn| turn * TAU);
+        let name = &robi.name;
+        // The edges of the lamps at its sides show from its front.
+        let white = count(front, &is_white);
+        assert!(white > 4 && 3 * count(front, &is_red).max(count(front, &is_green)) < white, "{name} from its front");
+        assert_eq!(count(front, &is_screen), 0, "{name} from its front");
+        assert!(count(back, &is_red) > 4 && count(back, &is_screen) > 4, "{name} from behind");
+        assert!(count(left, &is_red) > 2 && count(left, &is_green) == 0, "{name} from its left");
+        assert!(count(right, &is_green) > 2, "{name} from its right");
+        let picture = seen(&scenery, DVec3::new(0.0, 0.0, 4.0 * robi.diameter), DVec3::ZERO, [80, 80]);
+        let mean = |is: &dyn Fn([u8; 3]) -> bool| {
+            let places = (0..80).flat_map(|row| (0..80).map(move |column| (column, row)));
+            let hits = places.filter(|(column, row)| is(*picture.pixel(*column, *row)));
+            let hits: Vec<DVec2> = hits.map(|(column, row)| DVec2::new(f64::from(column), f64::from(row))).collect();
+            hits.iter().sum::<DVec2>() / hits.len() as f64
+        };
+        // From above, x lies to the right.
+        let (nose, screen) = (mean(&is_white), mean(&is_screen));
+        assert!(nose.x > screen.x + 4.0 && (nose.y - screen.y).abs() < 2.0, "{name} from above: {nose} {screen}");
+    }
 }
