@@ -21,13 +21,23 @@
 //! Textures are filtered: see [`Pyramid`]. Colours are added and multiplied as the numbers of the image, 0 to 255, as
 //! graphics cards without a colour space do.
 
+mod bins;
 mod face;
+mod optics;
 mod picture;
+mod rays;
 mod render;
 mod scenery;
 mod shade;
+mod shadow;
+mod shape;
+mod surface;
 mod texture;
+mod tile;
 mod view;
+
+#[cfg(test)]
+mod tests;
 
 pub use picture::Picture;
 pub use render::Camera;

@@ -1,69 +1,102 @@
-//! From a still to a picture: which face each pixel shows, and in which colour.
+//! From a still to a picture, tile by tile.
 
+use fearless_simd::Level;
 use glam::{DVec2, DVec3};
 
-use super::face::Face;
-use super::shade::Shading;
-use super::{Label, Picture, Still, View};
+use super::bins::Bins;
+use super::optics::{Optics, TILE};
+use super::rays::{PIXELS, RayTable, Rays, Window};
+use super::shade::{Colours, Shading, shade};
+use super::shadow::{Axes, ShadowGrid};
+use super::surface::Looks;
+use super::tile::{GROUND, SKY, Tile, look};
+use super::{Label, Picture, Place, Still, View};
 use crate::RobotId;
-use crate::pose::Pose3;
 
 /// Renders pictures; keeps its memory from one to the next.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Camera {
-    faces: Vec<Face>,
-    /// By pixel its ray; with no length where the lens shows nothing.
-    rays: Vec<DVec3>,
-    /// By pixel the nearest thing so far.
-    hits: Vec<Hit>,
+    level: Level,
+    bins: Bins,
+    rays: RayTable,
+    /// What moves, in the sun's way.
+    moving: ShadowGrid,
+    /// By pixel the sum of its samples.
+    sums: Vec<[f32; 3]>,
 }
 
-/// What a pixel shows: what is nearest along its ray.
-#[derive(Clone, Copy, Debug)]
-struct Hit {
-    /// 1 over the multiple of the ray; 0 for the sky.
-    nearness: f64,
-    shown: Shown,
+impl Default for Camera {
+    fn default() -> Self {
+        Self::at_level(Level::new())
+    }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Shown {
-    Sky,
-    Ground,
-    Face(u32),
+/// All that tiles are rendered from.
+struct Frame<'a> {
+    looks: Looks<'a>,
+    optics: &'a Optics,
+    view: &'a View,
+    bins: &'a Bins,
+    rays: &'a RayTable,
 }
 
 impl Camera {
+    pub(super) fn at_level(level: Level) -> Self {
+        Self {
+            level,
+            bins: Bins::default(),
+            rays: RayTable::default(),
+            moving: ShadowGrid::default(),
+            sums: Vec::new(),
+        }
+    }
+
     /// What a camera with this view sees: red, green, blue. The body of `by` is left out. Each pixel is the mean of `samples` x
     /// `samples` pixels of a larger picture, rounded; as many as [`View`] allows, at least 1.
     pub fn colour(&mut self, still: &Still, view: &View, by: Option<RobotId>, samples: u32) -> Picture<[u8; 3]> {
         let (samples, fine) =
             (1..=samples.max(1)).rev().find_map(|n| Some((n, view.enlarged(n).ok()?))).unwrap_or((1, *view));
-        self.meet(still, &fine, by);
+        let optics = Optics::new(&fine);
+        self.prepare(still, &fine, &optics, by);
+        let light = still.scenery().light();
+        if light.shadows {
+            let moves = |part: &super::Part| !matches!(part.place, Place::Fixed(_));
+            self.moving.fill(still.scenery(), Some(still), &Axes::new(light.towards), moves);
+        }
+        let looks = Looks::new(still, &fine, optics.camera_from_lens, light.shadows.then_some(&self.moving));
+        let frame = Frame { looks, optics: &optics, view: &fine, bins: &self.bins, rays: &self.rays };
         let [width, height] = view.size();
-        let n = samples as usize;
-        let row_length = width as usize * n;
-        let shading = Shading::new(still, &fine);
-        let mut pixels = Vec::with_capacity(width as usize * height as usize);
-        for row in 0..height as usize {
-            for column in 0..width as usize {
-                let mut sum = [0.0_f32; 3];
-                for y in 0..n {
-                    for x in 0..n {
-                        let (fine_row, fine_column) = (row * n + y, column * n + x);
-                        let pixel = fine_row * row_length + fine_column;
-                        let at = DVec2::new(fine_column as f64 + 0.5, fine_row as f64 + 0.5);
-                        let colour = match self.hits[pixel].shown {
-                            _ if self.rays[pixel] == DVec3::ZERO => [0.0; 3],
-                            Shown::Sky => shading.sky(self.rays[pixel]),
-                            Shown::Ground => shading.ground(at, self.rays[pixel]),
-                            Shown::Face(face) => shading.face(&self.faces[face as usize], at, self.rays[pixel]),
-                        };
-                        sum = std::array::from_fn(|channel| sum[channel] + colour[channel]);
+        let mut pixels = vec![[0; 3]; width as usize * height as usize];
+        let write = |tile: &Tile, colours: &Colours| {
+            let [across, down] = frame.inside(tile.origin);
+            for row in 0..down {
+                let first = (tile.origin[1] as usize + row) * width as usize + tile.origin[0] as usize;
+                for (column, pixel) in pixels[first..first + across].iter_mut().enumerate() {
+                    *pixel = colours.map(|channel| rounded(channel[row * TILE as usize + column]));
+                }
+            }
+        };
+        if samples == 1 {
+            frame.paint(self.level, write);
+        } else {
+            self.sums.clear();
+            self.sums.resize(pixels.len(), [0.0; 3]);
+            let sums = &mut self.sums;
+            frame.paint(self.level, |tile, colours| {
+                let [across, down] = frame.inside(tile.origin);
+                for row in 0..down {
+                    let line = (tile.origin[1] + row as u32) / samples * width;
+                    for column in 0..across {
+                        let sum = &mut sums[(line + (tile.origin[0] + column as u32) / samples) as usize];
+                        for (sum, channel) in sum.iter_mut().zip(colours) {
+                            *sum += channel[row * TILE as usize + column];
+                        }
                     }
                 }
-                // A conversion to an integer saturates.
-                pixels.push(sum.map(|channel| (channel / (n * n) as f32 + 0.5) as u8));
+            });
+            let share = 1.0 / (samples * samples) as f32;
+            for (pixel, sum) in pixels.iter_mut().zip(sums) {
+                *pixel = sum.map(|channel| rounded(channel * share));
             }
         }
         Picture::new(view.size(), pixels)
@@ -71,74 +104,132 @@ impl Camera {
 
     /// How far it is along each pixel's line of sight, m; infinite for the sky.
     pub fn depth(&mut self, still: &Still, view: &View, by: Option<RobotId>) -> Picture<f32> {
-        self.meet(still, view, by);
-        let depth = |(hit, ray): (&Hit, &DVec3)| (ray.length() / hit.nearness) as f32;
-        Picture::new(view.size(), self.hits.iter().zip(&self.rays).map(depth).collect())
+        let depth = |frame: &Frame, number, at: [u32; 2]| {
+            let plane = match number {
+                SKY => return f32::INFINITY,
+                GROUND => frame.looks.ground,
+                _ => frame.bins.faces[number as usize].plane,
+            };
+            let ray = frame.ray(at);
+            let length = (frame.optics.camera_from_lens * ray).length();
+            (length / plane.dot(ray)) as f32
+        };
+        self.each(still, view, by, f32::INFINITY, depth)
     }
 
     /// What each pixel shows.
     pub fn labels(&mut self, still: &Still, view: &View, by: Option<RobotId>) -> Picture<Label> {
-        self.meet(still, view, by);
-        let label = |hit: &Hit| match hit.shown {
-            Shown::Sky => Label::Sky,
-            Shown::Ground => Label::Ground,
-            Shown::Face(face) => still.scenery().parts()[self.faces[face as usize].part as usize].label,
+        let label = |frame: &Frame, number, _| match number {
+            SKY => Label::Sky,
+            GROUND => Label::Ground,
+            _ => still.scenery().parts()[frame.bins.faces[number as usize].part as usize].label,
         };
-        Picture::new(view.size(), self.hits.iter().map(label).collect())
+        self.each(still, view, by, Label::Sky, label)
     }
 
-    /// Finds what each pixel shows.
-    fn meet(&mut self, still: &Still, view: &View, by: Option<RobotId>) {
-        self.collect(still, view.world_from_camera(), by);
-        let [width, height] = view.size();
-        self.rays.clear();
-        for row in 0..height {
-            let ray = |column| view.ray(DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5));
-            self.rays.extend((0..width).map(|column| ray(column).unwrap_or_default()));
+    /// The picture of what `value` says of each pixel: of what it shows, and where it is.
+    fn each<T: Copy>(
+        &mut self,
+        still: &Still,
+        view: &View,
+        by: Option<RobotId>,
+        nothing: T,
+        value: impl Fn(&Frame, u32, [u32; 2]) -> T,
+    ) -> Picture<T> {
+        let optics = Optics::new(view);
+        self.prepare(still, view, &optics, by);
+        let looks = Looks::new(still, view, optics.camera_from_lens, None);
+        let frame = Frame { looks, optics: &optics, view, bins: &self.bins, rays: &self.rays };
+        let width = view.size()[0] as usize;
+        let mut pixels = vec![nothing; width * view.size()[1] as usize];
+        frame.survey(self.level, |tile, _, _| {
+            let [across, down] = frame.inside(tile.origin);
+            for row in 0..down {
+                for column in 0..across {
+                    let pixel = row * TILE as usize + column;
+                    let at = tile.pixel(pixel);
+                    pixels[at[1] as usize * width + at[0] as usize] = value(&frame, tile.shown[pixel], at);
+                }
+            }
+        });
+        Picture::new(view.size(), pixels)
+    }
+
+    fn prepare(&mut self, still: &Still, view: &View, optics: &Optics, by: Option<RobotId>) {
+        self.rays.prepare(view, optics.tiles());
+        self.bins.fill(still, view, optics, &self.rays, by);
+    }
+}
+
+impl Frame<'_> {
+    /// Columns and rows of a tile that are within the image.
+    fn inside(&self, origin: [u32; 2]) -> [usize; 2] {
+        [0, 1].map(|axis| (self.optics.size[axis] - origin[axis]).min(TILE) as usize)
+    }
+
+    /// The ray through a pixel's middle, in lens space.
+    fn ray(&self, [column, row]: [u32; 2]) -> DVec3 {
+        let at = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
+        if self.optics.is_flat { at.extend(1.0) } else { self.view.ray(at).unwrap_or_default() }
+    }
+
+    /// Hands `visit` each tile in its colours.
+    fn paint(&self, level: Level, mut visit: impl FnMut(&Tile, &Colours)) {
+        let mut colours = [[0.0; PIXELS]; 3];
+        let shading = Shading { looks: &self.looks, faces: &self.bins.faces, is_flat: self.optics.is_flat };
+        self.survey(level, |tile, rays, window| {
+            let wanted = self.wanted(tile, &mut colours);
+            let ray_of = |pixel| self.ray(tile.pixel(pixel));
+            shade(level, &shading, (rays, window), tile, (wanted, &ray_of), &mut colours);
+            visit(tile, &colours);
+        });
+    }
+
+    /// The pixels of a tile that are within the image, bit by bit. Those where a fisheye shows nothing become black.
+    fn wanted(&self, tile: &Tile, colours: &mut Colours) -> u64 {
+        let [across, down] = self.inside(tile.origin);
+        if self.optics.is_flat && [across, down] == [TILE as usize; 2] {
+            return u64::MAX;
         }
-        let ground = ground_nearness(still, view.world_from_camera());
-        self.hits.clear();
-        self.hits.extend(self.rays.iter().map(|ray| {
-            let nearness = ground.dot(*ray).max(0.0);
-            Hit { nearness, shown: if nearness > 0.0 { Shown::Ground } else { Shown::Sky } }
-        }));
-        for (number, face) in self.faces.iter().enumerate() {
-            for (hit, ray) in self.hits.iter_mut().zip(&self.rays) {
-                if face.is_met(*ray) {
-                    let nearness = face.nearness(*ray);
-                    if nearness > hit.nearness {
-                        *hit = Hit { nearness, shown: Shown::Face(number as u32) };
-                    }
+        let mut wanted = 0;
+        for row in 0..down {
+            for column in 0..across {
+                let pixel = row * TILE as usize + column;
+                if self.optics.is_flat || self.rays.ray(tile.pixel(pixel)) != DVec3::ZERO {
+                    wanted |= 1 << pixel;
+                } else {
+                    colours.iter_mut().for_each(|channel| channel[pixel] = 0.0);
                 }
             }
         }
+        wanted
     }
 
-    /// The faces of all parts but the body of `by`, in the camera's frame.
-    fn collect(&mut self, still: &Still, world_from_camera: &Pose3, by: Option<RobotId>) {
-        self.faces.clear();
-        for (number, (part, pose)) in still.scenery().parts().iter().zip(still.poses()).enumerate() {
-            if by.is_some_and(|by| part.label == Label::Robot(by)) {
-                continue;
-            }
-            let in_camera = |point: &DVec3| world_from_camera.inverse_transform_point(pose.transform_point(*point));
-            let corners: Vec<DVec3> = part.mesh.positions.iter().map(in_camera).collect();
-            for (place, triangle) in part.mesh.triangles.iter().enumerate() {
-                if still.scenery().look(number, triangle.material).is_seen {
-                    let corners = triangle.corners.map(|corner| corners[corner as usize]);
-                    self.faces.extend(Face::new(number as u32, place as u32, corners));
-                }
+    /// Hands `visit` what is shown in each tile.
+    fn survey(&self, level: Level, mut visit: impl FnMut(&Tile, &Rays, &Window)) {
+        let [columns, rows] = self.optics.tiles();
+        let is_flat = self.optics.is_flat;
+        let mut tile = Tile { origin: [0; 2], shown: [SKY; PIXELS] };
+        let mut rays = Rays::flat();
+        for down in 0..rows {
+            for across in 0..columns {
+                let number = (down * columns + across) as usize;
+                tile.origin = [across * TILE, down * TILE];
+                let window = if is_flat {
+                    Window::flat([across, down])
+                } else {
+                    rays.curve(self.rays, [across, down]);
+                    Window::curved(self.rays.cone_of(number))
+                };
+                let faces = (self.bins.faces.as_slice(), self.bins.tiles[number].as_slice());
+                look(level, is_flat, (&rays, &window), self.looks.ground, faces, &mut tile.shown);
+                visit(&tile, &rays, &window);
             }
         }
     }
 }
 
-/// The vector whose product with a ray is 1 over the multiple of the ray that reaches the ground; none where it is 0 or less.
-/// 0 where there is no ground, or the camera is not above it.
-fn ground_nearness(still: &Still, world_from_camera: &Pose3) -> DVec3 {
-    let height = world_from_camera.position.z;
-    if still.scenery().ground().is_none() || height <= 0.0 {
-        return DVec3::ZERO;
-    }
-    world_from_camera.rotation.transpose() * DVec3::NEG_Z / height
+/// A conversion to an integer saturates.
+fn rounded(channel: f32) -> u8 {
+    (channel + 0.5) as u8
 }

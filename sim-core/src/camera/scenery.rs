@@ -1,10 +1,12 @@
 //! All that cameras can see of a scene, and where it stands at an instant.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::{DVec2, DVec3};
 
+use super::shadow::{Axes, ShadowGrid};
+use super::shape::Shape;
 use super::texture::{Pyramid, Wrap};
 use crate::pose::Pose3;
 use crate::scene::{Material, Mesh, Texture};
@@ -113,13 +115,23 @@ pub struct Spot {
 #[derive(Debug)]
 pub struct Scenery {
     parts: Vec<Part>,
-    /// By part where its materials begin in `looks`.
-    first_look: Vec<usize>,
-    looks: Vec<Look>,
+    /// By part the place of its mesh in `forms`.
+    form: Vec<usize>,
+    forms: Vec<Form>,
     ground: Option<Ground>,
     floor: Option<Pyramid>,
     light: Light,
     sky: Sky,
+    /// What stands always in the sun's way; made when it is asked for.
+    shadows: OnceLock<ShadowGrid>,
+}
+
+/// A mesh made ready.
+#[derive(Clone, Debug)]
+struct Form {
+    shape: Shape,
+    /// By material.
+    looks: Vec<Look>,
 }
 
 /// A material with its image made ready.
@@ -136,18 +148,17 @@ impl Scenery {
     pub fn new(parts: Vec<Part>, ground: Option<Ground>, light: Light, sky: Sky) -> Self {
         let mut pyramids: BTreeMap<*const Texture, Arc<Pyramid>> = BTreeMap::new();
         let mut of_meshes: BTreeMap<*const Mesh, usize> = BTreeMap::new();
-        let mut looks = Vec::new();
-        let first_look = parts.iter().map(|part| {
+        let mut forms = Vec::new();
+        let form = parts.iter().map(|part| {
             *of_meshes.entry(Arc::as_ptr(&part.mesh)).or_insert_with(|| {
-                let first = looks.len();
-                looks.extend(part.mesh.materials.iter().map(|material| Look::new(material, &mut pyramids)));
-                first
+                forms.push(Form::new(&part.mesh, &mut pyramids));
+                forms.len() - 1
             })
         });
-        let first_look = first_look.collect();
+        let form = form.collect();
         let image = ground.as_ref().and_then(|ground| ground.floor.as_ref()?.texture.as_ref());
         let floor = image.map(|image| Pyramid::new(image, Wrap::Clamp));
-        Self { parts, first_look, looks, ground, floor, light, sky }
+        Self { parts, form, forms, ground, floor, light, sky, shadows: OnceLock::new() }
     }
 
     /// The parts.
@@ -177,7 +188,21 @@ impl Scenery {
 
     /// The looks of a part's materials.
     pub(super) fn look(&self, part: usize, material: u32) -> &Look {
-        &self.looks[self.first_look[part] + material as usize]
+        &self.forms[self.form[part]].looks[material as usize]
+    }
+
+    /// The faces that stand always, in the way of the sun.
+    pub(super) fn fixed_shadows(&self) -> &ShadowGrid {
+        self.shadows.get_or_init(|| {
+            let mut grid = ShadowGrid::default();
+            grid.fill(self, None, &Axes::new(self.light.towards), |part| matches!(part.place, Place::Fixed(_)));
+            grid
+        })
+    }
+
+    /// A part's faces.
+    pub(super) fn shape(&self, part: usize) -> &Shape {
+        &self.forms[self.form[part]].shape
     }
 
     /// Where all parts stand at `at`, as it was public then: not more than 100 ms before the world's present slot.
@@ -216,6 +241,13 @@ impl<'s> Still<'s> {
     /// Poses of the parts, in their order: the part's frame in that of the world.
     pub fn poses(&self) -> &[Pose3] {
         &self.poses
+    }
+}
+
+impl Form {
+    fn new(mesh: &Mesh, pyramids: &mut BTreeMap<*const Texture, Arc<Pyramid>>) -> Self {
+        let looks: Vec<Look> = mesh.materials.iter().map(|material| Look::new(material, pyramids)).collect();
+        Self { shape: Shape::new(mesh, |material| looks[material as usize].is_seen), looks }
     }
 }
 

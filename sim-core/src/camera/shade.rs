@@ -1,118 +1,308 @@
-//! The colour of what a pixel shows.
+//! The colours of a tile's pixels.
 
-use glam::{DVec2, DVec3};
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch};
+use glam::DVec3;
 
 use super::face::Face;
-use super::scenery::Look;
-use super::{Scenery, Still, View};
+use super::rays::{PIXELS, Rays, Window};
+use super::surface::{Attribute, Lighting, Looks, Painted, Shares, Surface, fill_from};
+use super::texture::Wrap;
+use super::tile::{GROUND, SKY, Tile};
 
-/// Colours of a still in a view, 0 to 255 for each channel.
+/// Red, green and blue of a tile's pixels, 0 to 255.
+pub type Colours = [[f32; PIXELS]; 3];
+
+type Rgb<S> = [<S as Simd>::f32s; 3];
+
+/// An [`Attribute`] in a tile: what it is at one of the pixels, and how it differs elsewhere.
+#[derive(Clone, Copy)]
+struct Local {
+    here: f64,
+    form: [f32; 3],
+}
+
+impl Local {
+    #[inline(always)]
+    fn new<const FLAT: bool>(attribute: &Attribute, plane: DVec3, ray: DVec3, window: &Window) -> Self {
+        let here = attribute.form.dot(ray) / plane.dot(ray);
+        let here = if here.is_finite() { here } else { 0.0 };
+        Self { here: attribute.base + here, form: window.local::<FLAT>(attribute.form - plane * here) }
+    }
+}
+
+/// What the colours of a tile are made from.
 pub struct Shading<'a> {
-    still: &'a Still<'a>,
-    scenery: &'a Scenery,
-    view: &'a View,
+    pub looks: &'a Looks<'a>,
+    pub faces: &'a [Face],
+    pub is_flat: bool,
 }
 
-impl<'a> Shading<'a> {
-    pub fn new(still: &'a Still<'a>, view: &'a View) -> Self {
-        Self { still, scenery: still.scenery(), view }
+/// Colours the `wanted` pixels of a tile, bit by bit; `ray_of` gives their rays in lens space.
+pub fn shade(
+    level: Level,
+    shading: &Shading,
+    at: (&Rays, &Window),
+    tile: &Tile,
+    wanted: (u64, &dyn Fn(usize) -> DVec3),
+    colours: &mut Colours,
+) {
+    if shading.is_flat {
+        dispatch!(level, simd => shade_at::<_, true>(simd, shading, at, tile, wanted, colours));
+    } else {
+        dispatch!(level, simd => shade_at::<_, false>(simd, shading, at, tile, wanted, colours));
     }
+}
 
-    /// Of the sky along `ray`.
-    pub fn sky(&self, ray: DVec3) -> [f32; 3] {
-        let up = (self.view.world_from_camera().rotation * ray.normalize_or_zero()).z.max(0.0) as f32;
-        let sky = self.scenery.sky();
-        std::array::from_fn(|channel| {
-            let [horizon, zenith] = [sky.horizon, sky.zenith].map(|colour| f32::from(colour[channel]));
-            horizon + up * (zenith - horizon)
-        })
-    }
-
-    /// Of the ground along `ray`, at the place `at` of the image.
-    pub fn ground(&self, at: DVec2, ray: DVec3) -> [f32; 3] {
-        let Some(ground) = self.scenery.ground() else { return [0.0; 3] };
-        let camera = self.view.world_from_camera();
-        let way = camera.rotation * ray;
-        let scale = camera.position.z / -way.z;
-        let point = camera.position.truncate() + scale * way.truncate();
-        let change = |step: DVec3| {
-            let step = camera.rotation * step;
-            scale * (step.truncate() - way.truncate() * (step.z / way.z))
+#[inline(always)]
+fn shade_at<S: Simd, const FLAT: bool>(
+    simd: S,
+    Shading { looks, faces, .. }: &Shading,
+    (rays, window): (&Rays, &Window),
+    tile: &Tile,
+    (wanted, ray_of): (u64, &dyn Fn(usize) -> DVec3),
+    colours: &mut Colours,
+) {
+    let mut pending = wanted;
+    while pending != 0 {
+        let pixel = pending.trailing_zeros() as usize % PIXELS;
+        let number = tile.shown[pixel];
+        let id = S::u32s::splat(simd, number);
+        let mut same = 1 << pixel;
+        let mut first = 0;
+        while first < PIXELS {
+            let shown = S::u32s::from_slice(simd, &tile.shown[first..first + S::f32s::LEN]);
+            same |= shown.simd_eq(id).to_bitmask() << first;
+            first += S::f32s::LEN;
+        }
+        same &= pending;
+        pending &= !same;
+        if number == SKY {
+            sky::<S, FLAT>(simd, looks, (rays, window), same, colours);
+            continue;
+        }
+        let surface = if number == GROUND {
+            let Some(ground) = looks.scenery.ground() else { continue };
+            looks.ground(ground)
+        } else {
+            looks.face(&faces[number as usize])
         };
-        let mut colour = ground.colour.map(f32::from);
-        if let Some(floor) = &ground.floor
-            && point.cmpge(DVec2::ZERO).all()
-            && point.cmple(floor.size).all()
+        let has_sun = match &surface.light {
+            Lighting::Flat(shares) => shares.sun > 0.0,
+            Lighting::Smooth(..) => true,
+        };
+        let lit = match &looks.sun {
+            Some(sun) if has_sun => sun.reaches(surface.plane, surface.name, same, ray_of),
+            _ => same,
+        };
+        paint::<S, FLAT>(simd, looks, (rays, window), &surface, (same, lit, ray_of(pixel)), colours);
+    }
+}
+
+/// Colours pixels that show one surface; the sun reaches those that are `lit`, if it does not look away from it.
+#[inline(always)]
+fn paint<S: Simd, const FLAT: bool>(
+    simd: S,
+    looks: &Looks,
+    (rays, window): (&Rays, &Window),
+    surface: &Surface,
+    (pixels, lit, ray): (u64, u64, DVec3),
+    colours: &mut Colours,
+) {
+    let local = |attribute: &Attribute| Local::new::<FLAT>(attribute, surface.plane, ray, window);
+    let plane = window.local::<FLAT>(surface.plane);
+    let image = surface.image.as_ref().map(|image| (image.pyramid, [local(&image.place[0]), local(&image.place[1])]));
+    let painted = surface.painted.as_ref().map(|painted| (painted, [local(&painted.at[0]), local(&painted.at[1])]));
+    let one = S::f32s::splat(simd, 1.0);
+    let mut first = 0;
+    while first < PIXELS {
+        let lanes = lanes_of::<S>(pixels, first);
+        if lanes == 0 {
+            first += S::f32s::LEN;
+            continue;
+        }
+        let per_near = one / rays.value::<S, FLAT>(simd, plane, first);
+        let mut colour = rgb(simd, surface.colour);
+        let mut wanted = lanes;
+        let mut at = [one; 2];
+        if let Some((painted, [x, y])) = &painted {
+            at = [
+                rays.value::<S, FLAT>(simd, x.form, first) * per_near,
+                rays.value::<S, FLAT>(simd, y.form, first) * per_near,
+            ];
+            wanted &= on_floor(simd, painted, [x.here, y.here], at);
+        }
+        if let Some((pyramid, [u, v])) = &image
+            && wanted != 0
         {
-            colour = floor.colour.map(f32::from);
-            if let Some(image) = self.scenery.floor() {
-                let [across, down] = self.steps(at).map(|step| change(step) / floor.size);
-                colour = over(image.filtered(point / floor.size, across, down), colour);
+            let away = [
+                rays.value::<S, FLAT>(simd, u.form, first) * per_near,
+                rays.value::<S, FLAT>(simd, v.form, first) * per_near,
+            ];
+            let [width, height] = pyramid.size().map(|side| side as f32);
+            let base = |here: f64| match pyramid.wrap() {
+                Wrap::Repeat => (here - here.floor()) as f32,
+                Wrap::Clamp => here as f32,
+            };
+            let place = [away[0] + base(u.here), away[1] + base(v.here)];
+            let mut axes = [[one; 2]; 2];
+            let mut axis = 0;
+            while axis < 2 {
+                let across = rays.step::<S, FLAT>(simd, plane, first, axis);
+                let u_step = rays.step::<S, FLAT>(simd, u.form, first, axis);
+                let v_step = rays.step::<S, FLAT>(simd, v.form, first, axis);
+                axes[axis][0] = (u_step - away[0] * across) * (per_near * width);
+                axes[axis][1] = (v_step - away[1] * across) * (per_near * height);
+                axis += 1;
             }
+            let found = pyramid.sample(simd, wanted, place, axes);
+            let tint = rgb(simd, surface.tint);
+            let tinted = [found[0] * tint[0], found[1] * tint[1], found[2] * tint[2]];
+            colour = if pyramid.is_opaque { tinted } else { over(simd, tinted, found[3] * (1.0 / 255.0), colour) };
         }
-        for spot in &ground.spots {
-            if point.distance_squared(spot.centre) <= spot.radius * spot.radius {
-                colour = over(spot.colour.map(f32::from), colour);
-            }
+        if let Some((painted, [x, y])) = &painted {
+            let inside = S::mask32s::from_bitmask(simd, wanted);
+            colour = select(simd, inside, colour, rgb(simd, painted.ground.colour.map(f32::from)));
+            colour = spots(simd, painted, [x.here, y.here], at, colour);
         }
-        lit(colour, self.light(DVec3::Z))
-    }
-
-    /// Of a face along `ray`, at the place `at` of the image.
-    pub fn face(&self, face: &Face, at: DVec2, ray: DVec3) -> [f32; 3] {
-        let part = &self.scenery.parts()[face.part as usize];
-        let triangle = &part.mesh.triangles[face.triangle as usize];
-        let shares = face.shares(ray, self.steps(at));
-        let look = self.scenery.look(face.part as usize, triangle.material);
-        let colour = match (&look.texture, triangle.uv) {
-            (Some(image), Some(uv)) => {
-                let uv = uv.map(|corner| corner.as_dvec2());
-                let [across, down] = shares.changes(uv);
-                tinted(look, image.filtered(shares.point(uv), across, down))
+        let [dim, sun] = match &surface.light {
+            Lighting::Flat(shares) => [S::f32s::splat(simd, shares.dim), S::f32s::splat(simd, shares.sun)],
+            Lighting::Smooth(forms, flat) => {
+                let forms =
+                    [window.local::<FLAT>(forms[0]), window.local::<FLAT>(forms[1]), window.local::<FLAT>(forms[2])];
+                smooth::<S, FLAT>(simd, looks, rays, (forms, flat), first)
             }
-            _ => look.colour,
         };
-        let [a, b, c] = part.mesh.corners(triangle);
-        let flat = (b - a).cross(c - a).normalize_or_zero();
-        let normal = triangle.normals.map_or(flat, |normals| {
-            let blended: DVec3 = normals.iter().zip(shares.here).map(|(normal, share)| normal.as_dvec3() * share).sum();
-            blended.normalize_or(flat)
-        });
-        let normal = self.still.poses()[face.part as usize].rotation * normal;
-        lit(colour, self.light(if face.is_outside { normal } else { -normal }))
-    }
-
-    /// How the ray changes from the pixel around `at` to the next column and the next row: its difference between two opposite
-    /// borders of the pixel.
-    fn steps(&self, at: DVec2) -> [DVec3; 2] {
-        [DVec2::X, DVec2::Y].map(|step| {
-            let [before, behind] = [-0.5, 0.5].map(|half| self.view.ray(at + half * step).unwrap_or_default());
-            behind - before
-        })
-    }
-
-    /// Share of light on a surface with this normal on the side that is seen.
-    fn light(&self, normal: DVec3) -> f32 {
-        let light = self.scenery.light();
-        let fill_from = DVec3::new(-light.towards.x, -light.towards.y, light.towards.z);
-        let fill = 0.5 * (1.0 + normal.dot(fill_from));
-        let sun = normal.dot(light.towards).max(0.0);
-        (light.ambient + light.fill * fill + light.diffuse * sun) as f32
+        let lit = S::mask32s::from_bitmask(simd, lanes_of::<S>(lit, first));
+        let light = dim + lit.select(sun, S::f32s::splat(simd, 0.0));
+        store(simd, colours, first, lanes, [colour[0] * light, colour[1] * light, colour[2] * light]);
+        first += S::f32s::LEN;
     }
 }
 
-fn lit(colour: [f32; 3], light: f32) -> [f32; 3] {
-    colour.map(|channel| (channel * light).min(255.0))
+/// Which lanes show the world's floor.
+#[inline(always)]
+fn on_floor<S: Simd>(simd: S, painted: &Painted, here: [f64; 2], away: [S::f32s; 2]) -> u64 {
+    let Some(floor) = &painted.ground.floor else { return 0 };
+    let low = [-here[0] as f32, -here[1] as f32];
+    let high = [(floor.size.x - here[0]) as f32, (floor.size.y - here[1]) as f32];
+    let x = away[0].simd_ge(S::f32s::splat(simd, low[0])) & away[0].simd_le(S::f32s::splat(simd, high[0]));
+    let y = away[1].simd_ge(S::f32s::splat(simd, low[1])) & away[1].simd_le(S::f32s::splat(simd, high[1]));
+    (x & y).to_bitmask()
 }
 
-/// A colour with an opacity over another.
-fn over([red, green, blue, opacity]: [f32; 4], under: [f32; 3]) -> [f32; 3] {
-    let upper = [red, green, blue];
-    std::array::from_fn(|channel| under[channel] + opacity / 255.0 * (upper[channel] - under[channel]))
+/// Paints the spots over what is beneath them.
+#[inline(always)]
+fn spots<S: Simd>(simd: S, painted: &Painted, here: [f64; 2], away: [S::f32s; 2], under: Rgb<S>) -> Rgb<S> {
+    let mut colour = under;
+    for spot in &painted.ground.spots {
+        let (x, y) = ((spot.centre.x - here[0]) as f32, (spot.centre.y - here[1]) as f32);
+        let (dx, dy) = (away[0] - x, away[1] - y);
+        let within = (dx * dx + dy * dy).simd_le(S::f32s::splat(simd, (spot.radius * spot.radius) as f32));
+        if within.to_bitmask() != 0 {
+            let [red, green, blue, opacity] = spot.colour.map(f32::from);
+            let opacity = S::f32s::splat(simd, opacity / 255.0);
+            colour = select(simd, within, over(simd, rgb(simd, [red, green, blue]), opacity, colour), colour);
+        }
+    }
+    colour
 }
 
-/// A texture's colour in that of its material.
-fn tinted(look: &Look, [red, green, blue, opacity]: [f32; 4]) -> [f32; 3] {
-    let [r, g, b] = look.colour.map(|channel| channel / 255.0);
-    over([red * r, green * g, blue * b, opacity], look.colour)
+/// Shares of light, dim and sun, where the normal changes over the surface.
+#[inline(always)]
+fn smooth<S: Simd, const FLAT: bool>(
+    simd: S,
+    looks: &Looks,
+    rays: &Rays,
+    (forms, flat): ([[f32; 3]; 3], &Shares),
+    first: usize,
+) -> [S::f32s; 2] {
+    let light = looks.scenery.light();
+    let (sun, fill) = (light.towards.as_vec3(), fill_from(light).as_vec3());
+    let x = rays.value::<S, FLAT>(simd, forms[0], first);
+    let y = rays.value::<S, FLAT>(simd, forms[1], first);
+    let z = rays.value::<S, FLAT>(simd, forms[2], first);
+    let length = (x * x + y * y + z * z).sqrt();
+    let per_length = S::f32s::splat(simd, 1.0) / length;
+    let (x, y, z) = (x * per_length, y * per_length, z * per_length);
+    let fill = (x * fill.x + y * fill.y + z * fill.z + 1.0) * (0.5 * light.fill as f32);
+    let zero = S::f32s::splat(simd, 0.0);
+    let to_sun = x * sun.x + y * sun.y + z * sun.z;
+    let to_sun = to_sun.simd_gt(zero).select(to_sun, zero) * light.diffuse as f32;
+    let is_sound = length.simd_gt(f32::MIN_POSITIVE);
+    [
+        is_sound.select(fill + light.ambient as f32, S::f32s::splat(simd, flat.dim)),
+        is_sound.select(to_sun, S::f32s::splat(simd, flat.sun)),
+    ]
+}
+
+/// Colours pixels that show the sky.
+#[inline(always)]
+fn sky<S: Simd, const FLAT: bool>(
+    simd: S,
+    looks: &Looks,
+    (rays, window): (&Rays, &Window),
+    pixels: u64,
+    colours: &mut Colours,
+) {
+    let sky = looks.scenery.sky();
+    let (horizon, zenith) = (rgb(simd, sky.horizon.map(f32::from)), rgb(simd, sky.zenith.map(f32::from)));
+    let zero = S::f32s::splat(simd, 0.0);
+    let x = window.local::<FLAT>(looks.world_from_lens.row(0));
+    let y = window.local::<FLAT>(looks.world_from_lens.row(1));
+    let z = window.local::<FLAT>(looks.world_from_lens.row(2));
+    let mut first = 0;
+    while first < PIXELS {
+        let lanes = lanes_of::<S>(pixels, first);
+        if lanes != 0 {
+            let x = rays.value::<S, FLAT>(simd, x, first);
+            let y = rays.value::<S, FLAT>(simd, y, first);
+            let z = rays.value::<S, FLAT>(simd, z, first);
+            let up = z / (x * x + y * y + z * z).sqrt();
+            let up = up.simd_gt(zero).select(up, zero);
+            let blend = |channel: usize| horizon[channel] + up * (zenith[channel] - horizon[channel]);
+            store(simd, colours, first, lanes, [blend(0), blend(1), blend(2)]);
+        }
+        first += S::f32s::LEN;
+    }
+}
+
+/// Of these pixels those that are computed together, from `first` on.
+#[inline(always)]
+fn lanes_of<S: Simd>(pixels: u64, first: usize) -> u64 {
+    pixels >> first & ((1 << S::f32s::LEN) - 1)
+}
+
+#[inline(always)]
+fn rgb<S: Simd>(simd: S, [red, green, blue]: [f32; 3]) -> Rgb<S> {
+    [S::f32s::splat(simd, red), S::f32s::splat(simd, green), S::f32s::splat(simd, blue)]
+}
+
+/// A colour with an opacity, 0 to 1, over another.
+#[inline(always)]
+fn over<S: Simd>(_: S, upper: Rgb<S>, opacity: S::f32s, under: Rgb<S>) -> Rgb<S> {
+    [
+        under[0] + opacity * (upper[0] - under[0]),
+        under[1] + opacity * (upper[1] - under[1]),
+        under[2] + opacity * (upper[2] - under[2]),
+    ]
+}
+
+#[inline(always)]
+fn select<S: Simd>(_: S, mask: S::mask32s, upper: Rgb<S>, under: Rgb<S>) -> Rgb<S> {
+    [mask.select(upper[0], under[0]), mask.select(upper[1], under[1]), mask.select(upper[2], under[2])]
+}
+
+/// Stores colours, at most 255, in these lanes of a part.
+#[inline(always)]
+fn store<S: Simd>(simd: S, colours: &mut Colours, first: usize, lanes: u64, colour: Rgb<S>) {
+    let mask = S::mask32s::from_bitmask(simd, lanes);
+    let white = S::f32s::splat(simd, 255.0);
+    let mut channel = 0;
+    while channel < 3 {
+        let place = &mut colours[channel][first..first + S::f32s::LEN];
+        let before = S::f32s::from_slice(simd, place);
+        mask.select(colour[channel].min(white), before).store_slice(place);
+        channel += 1;
+    }
 }

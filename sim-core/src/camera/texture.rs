@@ -1,6 +1,7 @@
 //! Filtered images on surfaces.
 
-use glam::DVec2;
+use fearless_simd::Simd;
+use fearless_simd::prelude::*;
 
 use crate::scene::Texture;
 
@@ -13,153 +14,274 @@ pub enum Wrap {
     Clamp,
 }
 
-/// An image in all its smaller versions, each half as wide and high as the one before (mip map).
+/// An image in all its smaller versions, each half as wide and high as the one before (mip map: Williams, Pyramidal
+/// parametrics, 1983).
+///
+/// A texel of a version is the mean of the two by two below it, or of the one or two that there are, rounded half up; a last odd
+/// row or column is left out.
 ///
 /// # Filter
 /// A pixel's footprint in the image has the axes a (a step to the next column) and b (to the next row), in texels, from the
-/// derivatives of u and v at the pixel's middle. With the longer of them L and the shorter S, n = ceil(|L| / |S|), 1 to
-/// [`PROBES`](Self::PROBES), probes lie evenly along L about the middle ((i + 1/2) / n - 1/2 of it); each blends, linearly
-/// in level = log2(|L| / n), two versions of the image, in each of which it blends the four nearest texels linearly. Level 0
-/// is the image, and the first where the footprint is smaller than a texel. Transparent texels show the material's colour.
+/// derivatives of u and v at the pixel's middle. It is taken as long as the longer of them, L, and as wide as the shorter, S. Up
+/// to twice as long as wide it is seen by one probe, beyond that by n = |L| / (2 |S|) of them, 4 at most, each L / n long:
+/// two probes at the distances (1 - 1/n) / 2 of L on either side of the middle, or, where n is above 2, two such for each half
+/// of L, at (1/2 - 1/n) / 2 of it from the middles of the halves. The colour is the mean of the probes, and changes
+/// continuously with the footprint.
+///
+/// A probe blends, linearly in level = log2(|L| / n), two versions of the image, in each of which it blends the four nearest
+/// texels linearly; level 0 is the image, and the first where the probe is smaller than a texel. Transparent texels show the
+/// material's colour.
+///
+/// Our choice, after Feline (McCormack et al., 1999).
 #[derive(Clone, Debug)]
 pub struct Pyramid {
     levels: Vec<Level>,
+    /// Of all levels, each with a border of one texel of what is beyond it; red is the lowest byte, opacity the highest.
+    texels: Vec<i32>,
     wrap: Wrap,
+    pub(super) is_opaque: bool,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Level {
-    width: u32,
-    height: u32,
-    /// Row by row from the top.
-    texels: Vec<[u8; 4]>,
+    size: [u32; 2],
+    /// Place of the border's first texel.
+    start: usize,
+}
+
+impl Level {
+    fn stride(&self) -> usize {
+        self.size[0] as usize + 2
+    }
 }
 
 impl Pyramid {
-    /// Most probes of a footprint that is longer than wide.
-    pub const PROBES: u32 = 8;
+    /// Longest footprint, in probes.
+    pub(super) const PROBES: f32 = 4.0;
 
-    /// The versions of `image`: a texel of the next one is the mean of the two by two below it, or of the one or two that there
-    /// are, rounded half up; a last odd row or column is left out.
+    /// The versions of `image`.
     pub fn new(image: &Texture, wrap: Wrap) -> Self {
         let (width, height) = image.size();
-        let texels = (0..height).flat_map(|row| (0..width).map(move |column| image.pixel(column, row))).collect();
-        let mut levels = vec![Level { width, height, texels }];
-        while let Some(level) = levels.last().filter(|level| level.width > 1 || level.height > 1) {
-            let half = level.halved();
-            levels.push(half);
+        let mut pixels: Vec<[u8; 4]> =
+            (0..height).flat_map(|row| (0..width).map(move |column| image.pixel(column, row))).collect();
+        let is_opaque = pixels.iter().all(|pixel| pixel[3] == u8::MAX);
+        let mut pyramid = Self { levels: Vec::new(), texels: Vec::new(), wrap, is_opaque };
+        let mut size = [width, height];
+        pyramid.add(size, &pixels);
+        while size != [1, 1] {
+            (size, pixels) = halved(size, &pixels);
+            pyramid.add(size, &pixels);
         }
-        Self { levels, wrap }
+        pyramid
+    }
+
+    fn add(&mut self, size: [u32; 2], pixels: &[[u8; 4]]) {
+        self.levels.push(Level { size, start: self.texels.len() });
+        let [width, height] = size.map(i64::from);
+        let within = |place: i64, size: i64| match self.wrap {
+            Wrap::Repeat => place.rem_euclid(size),
+            Wrap::Clamp => place.clamp(0, size - 1),
+        };
+        for row in -1..=height {
+            let row = within(row, height) * width;
+            let of_row = (-1..=width).map(|column| pixels[(row + within(column, width)) as usize]);
+            self.texels.extend(of_row.map(i32::from_le_bytes));
+        }
     }
 
     /// Width and height of the image.
     pub fn size(&self) -> [u32; 2] {
-        [self.levels[0].width, self.levels[0].height]
+        self.levels[0].size
     }
 
-    /// Red, green, blue and opacity, 0 to 255, at u to the right and v upwards from the lower left corner, 1 being the whole
-    /// image, where the next column's pixel is `across` away, and the next row's `down`.
-    pub fn filtered(&self, uv: DVec2, across: DVec2, down: DVec2) -> [f32; 4] {
-        let texels = DVec2::from(self.size().map(f64::from));
-        let (a, b) = ((across * texels).length(), (down * texels).length());
-        let (long, axis, short) = if a >= b { (a, across, b) } else { (b, down, a) };
-        let is_sound = uv.is_finite() && long.is_finite();
-        if !is_sound {
-            return self.bilinear(self.levels.len() - 1, DVec2::ZERO);
+    /// What is beyond its border.
+    pub fn wrap(&self) -> Wrap {
+        self.wrap
+    }
+
+    /// Red, green, blue and opacity, 0 to 255, at `place` (to the right and downwards from the upper left corner, 1 being the
+    /// whole image), where the next column's pixel is `axes[0]` away, and the next row's `axes[1]`, in texels. Of lanes that are
+    /// not in `wanted` they may be anything.
+    #[inline(always)]
+    pub(super) fn sample<S: Simd>(
+        &self,
+        simd: S,
+        wanted: u64,
+        place: [S::f32s; 2],
+        axes: [[S::f32s; 2]; 2],
+    ) -> [S::f32s; 4] {
+        let [a, b] = axes;
+        let (a2, b2) = (a[0] * a[0] + a[1] * a[1], b[0] * b[0] + b[1] * b[1]);
+        let is_a = a2.simd_ge(b2);
+        let (long, short) = (is_a.select(a2, b2), is_a.select(b2, a2));
+        let widest = (short * 4.0).max(long * (1.0 / (Self::PROBES * Self::PROBES)));
+        // Of a probe; all lengths are squared.
+        let length = long.min(widest);
+        let zero = S::f32s::splat(simd, 0.0);
+        let level = (log2(simd, length) * 0.5).max(zero).min((self.levels.len() - 1) as f32);
+        let is_one = long.simd_le(widest);
+        let [width, height] = self.size().map(|side| 1.0 / side as f32);
+        let axis = [is_a.select(a[0], b[0]) * width, is_a.select(a[1], b[1]) * height];
+        let (mut apart, mut halves, mut probes) = (zero, zero, 1);
+        if is_one.to_bitmask() & wanted != wanted {
+            // 1 / n.
+            let share = is_one.select(S::f32s::splat(simd, 1.0), (length / long).sqrt());
+            apart = ((S::f32s::splat(simd, 1.0) - share) * 0.5).min(0.25);
+            halves = ((S::f32s::splat(simd, 0.5) - share) * 0.5).max(zero);
+            probes = if halves.simd_le(zero).to_bitmask() & wanted == wanted { 2 } else { 4 };
         }
-        let probes = (long / short).ceil().clamp(1.0, f64::from(Self::PROBES));
-        let level = libm::log2(long / probes).clamp(0.0, (self.levels.len() - 1) as f64);
-        let mut sum = [0.0; 4];
-        for probe in 0..probes as u32 {
-            let at = uv + axis * ((f64::from(probe) + 0.5) / probes - 0.5);
-            let colour = self.trilinear(level, at);
-            sum = std::array::from_fn(|channel| sum[channel] + colour[channel]);
+        let mut sum = [zero; 4];
+        let mut number = 0;
+        while number < probes {
+            let half = if number & 1 == 0 { apart } else { -apart };
+            let along = if number & 2 == 0 { half + halves } else { half - halves };
+            let at = [place[0] + axis[0] * along, place[1] + axis[1] * along];
+            let colour = self.probe(simd, wanted, at, level);
+            sum = [sum[0] + colour[0], sum[1] + colour[1], sum[2] + colour[2], sum[3] + colour[3]];
+            number += 1;
         }
-        sum.map(|channel| channel / probes as f32)
+        let share = 1.0 / probes as f32;
+        [sum[0] * share, sum[1] * share, sum[2] * share, sum[3] * share]
     }
 
-    fn trilinear(&self, level: f64, at: DVec2) -> [f32; 4] {
-        let (lower, share) = (level as usize, (level - level.floor()) as f32);
-        let fine = self.bilinear(lower, at);
-        if share == 0.0 {
-            return fine;
-        }
-        let coarse = self.bilinear(lower + 1, at);
-        std::array::from_fn(|channel| fine[channel] + share * (coarse[channel] - fine[channel]))
-    }
-
-    fn bilinear(&self, level: usize, at: DVec2) -> [f32; 4] {
-        let level = &self.levels[level];
-        let wrapped = |part: f64| match self.wrap {
-            Wrap::Repeat => part - part.floor(),
-            Wrap::Clamp => part.clamp(0.0, 1.0),
-        };
-        let x = wrapped(at.x) * f64::from(level.width) - 0.5;
-        let y = (1.0 - wrapped(at.y)) * f64::from(level.height) - 0.5;
-        let (left, top) = (x.floor(), y.floor());
-        let column = |column: i64| self.within(column, level.width);
-        let row = |row: i64| self.within(row, level.height);
-        let [x0, x1] = [column(left as i64), column(left as i64 + 1)];
-        let [y0, y1] = [row(top as i64), row(top as i64 + 1)];
-        let texel = |x: u32, y: u32| level.texels[(y * level.width + x) as usize].map(f32::from);
-        let (fx, fy) = ((x - left) as f32, (y - top) as f32);
-        let [nw, ne, sw, se] = [texel(x0, y0), texel(x1, y0), texel(x0, y1), texel(x1, y1)];
-        std::array::from_fn(|channel| {
-            let north = nw[channel] + fx * (ne[channel] - nw[channel]);
-            let south = sw[channel] + fx * (se[channel] - sw[channel]);
-            north + fy * (south - north)
-        })
-    }
-
-    fn within(&self, place: i64, size: u32) -> u32 {
-        let size = i64::from(size);
-        (match self.wrap {
-            Wrap::Repeat => place.rem_euclid(size),
-            Wrap::Clamp => place.clamp(0, size - 1),
-        }) as u32
-    }
-}
-
-impl Level {
-    fn halved(&self) -> Self {
-        let [width, height] = [self.width, self.height].map(|side| (side / 2).max(1));
-        let below = |place: u32, size: u32| [(2 * place).min(size - 1), (2 * place + 1).min(size - 1)];
-        let texel = |column: u32, row: u32| {
-            let mut sum = [0_u32; 4];
-            for y in below(row, self.height) {
-                for x in below(column, self.width) {
-                    let texel = self.texels[(y * self.width + x) as usize];
-                    sum = std::array::from_fn(|channel| sum[channel] + u32::from(texel[channel]));
-                }
+    /// Blends two versions of the image.
+    #[inline(always)]
+    fn probe<S: Simd>(&self, simd: S, wanted: u64, place: [S::f32s; 2], level: S::f32s) -> [S::f32s; 4] {
+        let place = [self.wrapped(simd, place[0]), self.wrapped(simd, place[1])];
+        let lower = level.floor();
+        let share = level - lower;
+        let zero = S::f32s::splat(simd, 0.0);
+        let last = self.levels.len() - 1;
+        let mut colour = [zero; 4];
+        let mut pending = wanted;
+        while pending != 0 {
+            let lane = pending.trailing_zeros() as usize % S::f32s::LEN;
+            let number = lower.as_slice()[lane];
+            let same = lower.simd_eq(number).to_bitmask() & pending | 1 << lane;
+            pending &= !same;
+            // A cast saturates.
+            let mut number = (number as usize).min(last);
+            let versions = if share.simd_gt(zero).to_bitmask() & same == 0 { 1 } else { 2 };
+            let mut part = S::f32s::splat(simd, 1.0) - share;
+            let mut found = [zero; 4];
+            let mut version = 0;
+            while version < versions {
+                let of_level = self.bilinear(simd, same, place, self.levels[number]);
+                found = [
+                    found[0] + of_level[0] * part,
+                    found[1] + of_level[1] * part,
+                    found[2] + of_level[2] * part,
+                    found[3] + of_level[3] * part,
+                ];
+                number = (number + 1).min(last);
+                part = share;
+                version += 1;
             }
-            sum.map(|channel| ((channel + 2) / 4) as u8)
-        };
-        let texels = (0..height).flat_map(|row| (0..width).map(move |column| texel(column, row))).collect();
-        Self { width, height, texels }
+            let of_level = S::mask32s::from_bitmask(simd, same);
+            colour = [
+                of_level.select(found[0], colour[0]),
+                of_level.select(found[1], colour[1]),
+                of_level.select(found[2], colour[2]),
+                of_level.select(found[3], colour[3]),
+            ];
+        }
+        colour
+    }
+
+    /// A coordinate within the image, from 0 to 1; 0 for what is no number.
+    #[inline(always)]
+    fn wrapped<S: Simd>(&self, simd: S, part: S::f32s) -> S::f32s {
+        let (zero, one) = (S::f32s::splat(simd, 0.0), S::f32s::splat(simd, 1.0));
+        match self.wrap {
+            Wrap::Repeat => {
+                let part = part - part.floor();
+                (part.simd_ge(zero) & part.simd_le(one)).select(part, zero)
+            }
+            Wrap::Clamp => part.simd_gt(zero).select(part.simd_lt(one).select(part, one), zero),
+        }
+    }
+
+    /// Blends the four nearest texels of a version.
+    #[inline(always)]
+    fn bilinear<S: Simd>(&self, simd: S, wanted: u64, place: [S::f32s; 2], level: Level) -> [S::f32s; 4] {
+        let [width, height] = level.size.map(|side| side as f32);
+        // From the middle of the border's first texel.
+        let (x, y) = (place[0] * width + 0.5, place[1] * height + 0.5);
+        let (left, top) = (x.floor(), y.floor());
+        let (right_share, low_share) = (x - left, y - top);
+        let stride = level.stride();
+        let (column, row): (S::i32s, S::i32s) = (left.to_int(), top.to_int());
+        let first = row * S::i32s::splat(simd, stride as i32) + column;
+        let first = first.as_slice();
+        let texels = &self.texels[level.start..];
+        let mut found = [[0_i32; MOST_LANES]; 4];
+        let mut pending = wanted;
+        while pending != 0 {
+            let lane = pending.trailing_zeros() as usize % S::f32s::LEN;
+            pending &= pending - 1;
+            let at = first[lane] as usize;
+            let (upper, lower) = (&texels[at..at + 2], &texels[at + stride..at + stride + 2]);
+            found[0][lane] = upper[0];
+            found[1][lane] = upper[1];
+            found[2][lane] = lower[0];
+            found[3][lane] = lower[1];
+        }
+        let one = S::f32s::splat(simd, 1.0);
+        let (left_share, high_share) = (one - right_share, one - low_share);
+        let shares =
+            [left_share * high_share, right_share * high_share, left_share * low_share, right_share * low_share];
+        let mut sum = [S::f32s::splat(simd, 0.0); 4];
+        let low_byte = S::i32s::splat(simd, 255);
+        let mut corner = 0;
+        while corner < 4 {
+            let texel = S::i32s::from_slice(simd, &found[corner][..S::f32s::LEN]);
+            let red: S::f32s = (texel & low_byte).to_float();
+            let green: S::f32s = ((texel >> 8) & low_byte).to_float();
+            let blue: S::f32s = ((texel >> 16) & low_byte).to_float();
+            sum[0] = sum[0] + red * shares[corner];
+            sum[1] = sum[1] + green * shares[corner];
+            sum[2] = sum[2] + blue * shares[corner];
+            if !self.is_opaque {
+                let opacity: S::f32s = ((texel >> 24) & low_byte).to_float();
+                sum[3] = sum[3] + opacity * shares[corner];
+            }
+            corner += 1;
+        }
+        sum
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// Lanes of the widest vectors.
+const MOST_LANES: usize = 16;
 
-    fn checks() -> Pyramid {
-        let grey = |level| [level, level, level, 255];
-        let image = Texture::new(2, 2, vec![grey(0), grey(200), grey(200), grey(0)]).expect("four pixels");
-        Pyramid::new(&image, Wrap::Repeat)
-    }
+/// Logarithm to the base 2, within 5e-5; of what is 0 or less, or no number, anything.
+#[inline(always)]
+fn log2<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
+    let bits: S::u32s = x.bitcast();
+    let exponent: S::i32s = (bits >> 23).bitcast();
+    let exponent: S::f32s = (exponent - S::i32s::splat(simd, 127)).to_float();
+    let mantissa = (bits & S::u32s::splat(simd, 0x007f_ffff)) | S::u32s::splat(simd, 0x3f80_0000);
+    let mantissa: S::f32s = mantissa.bitcast();
+    let t = mantissa - 1.0;
+    // Through the values at 0, 1 and four places between them: continuous.
+    let curve = ((t * -0.044_873_955 + 0.150_533_2) * t - 0.269_578) * t + 0.442_418_58;
+    exponent + t + t * (S::f32s::splat(simd, 1.0) - t) * curve
+}
 
-    #[test]
-    fn a_small_footprint_shows_texels_and_what_is_between() {
-        let image = checks();
-        let at = |u, v| image.filtered(DVec2::new(u, v), DVec2::new(1e-3, 0.0), DVec2::new(0.0, 1e-3))[0];
-        assert_eq!([at(0.25, 0.75), at(0.75, 0.75), at(0.5, 0.5), at(0.5, 0.75)], [0.0, 200.0, 100.0, 100.0]);
-        assert_eq!(at(0.0, 0.75), 100.0, "the image repeats");
-    }
-
-    #[test]
-    fn a_large_footprint_shows_the_mean() {
-        let found = checks().filtered(DVec2::new(0.3, 0.1), DVec2::new(5.0, 0.0), DVec2::new(0.0, 5.0));
-        assert_eq!(found, [100.0, 100.0, 100.0, 255.0]);
-    }
+/// An image of half the width and height.
+fn halved([width, height]: [u32; 2], pixels: &[[u8; 4]]) -> ([u32; 2], Vec<[u8; 4]>) {
+    let half = [width, height].map(|side| (side / 2).max(1));
+    let below = |place: u32, size: u32| [(2 * place).min(size - 1), (2 * place + 1).min(size - 1)];
+    let texel = |column: u32, row: u32| {
+        let mut sum = [0_u32; 4];
+        for y in below(row, height) {
+            for x in below(column, width) {
+                let texel = pixels[y as usize * width as usize + x as usize];
+                sum = std::array::from_fn(|channel| sum[channel] + u32::from(texel[channel]));
+            }
+        }
+        sum.map(|channel| ((channel + 2) / 4) as u8)
+    };
+    let texels = (0..half[1]).flat_map(|row| (0..half[0]).map(move |column| texel(column, row))).collect();
+    (half, texels)
 }

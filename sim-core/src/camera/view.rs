@@ -114,14 +114,20 @@ impl View {
     /// The ray through the place `at` (columns to the right, rows downwards), in the camera's frame: (1, y, z) for a
     /// pinhole, of length 1 for a fisheye; `None` where a fisheye's image ends, pi off the axis.
     pub fn ray(&self, at: DVec2) -> Option<DVec3> {
+        let (angle, ray) = self.continued_ray(at);
+        (angle <= PI).then_some(ray)
+    }
+
+    /// The ray, and the angle of a fisheye, also where its image ends: there the ray goes on beyond pi.
+    pub(super) fn continued_ray(&self, at: DVec2) -> (f64, DVec3) {
         let [width, height] = self.size.map(f64::from);
         let (y, z) = ((0.5 * width - at.x) / self.focal, (0.5 * height - at.y) / self.focal);
         match self.lens {
-            Lens::Pinhole { .. } => Some(DVec3::new(1.0, y, z)),
+            Lens::Pinhole { .. } => (0.0, DVec3::new(1.0, y, z)),
             Lens::Fisheye { .. } => {
                 let angle = math::hypot(y, z);
                 let sinc = math::sinc(angle);
-                (angle <= PI).then(|| DVec3::new(math::cos(angle), y * sinc, z * sinc))
+                (angle, DVec3::new(math::cos(angle), y * sinc, z * sinc))
             }
         }
     }

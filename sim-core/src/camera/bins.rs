@@ -1,0 +1,105 @@
+//! Which faces may be seen in which tile of the image.
+
+use glam::DVec3;
+
+use super::face::Face;
+use super::optics::{Area, Optics, TILE};
+use super::rays::{RayTable, Window};
+use super::{Label, Still, View};
+use crate::RobotId;
+
+/// The faces that a camera may see, and by tile those that may be seen there.
+#[derive(Clone, Debug, Default)]
+pub struct Bins {
+    pub faces: Vec<Face>,
+    /// By tile numbers of faces, in their order.
+    pub tiles: Vec<Vec<u32>>,
+    /// Corners of a cluster in lens space, with their landmarks.
+    corners: Vec<(DVec3, DVec3)>,
+}
+
+impl Bins {
+    /// Puts all faces in the view into tiles; the body of `by` is left out.
+    pub fn fill(&mut self, still: &Still, view: &View, optics: &Optics, rays: &RayTable, by: Option<RobotId>) {
+        let [columns, rows] = optics.tiles().map(|count| count as usize);
+        self.faces.clear();
+        self.tiles.iter_mut().for_each(Vec::clear);
+        self.tiles.resize_with(columns * rows, Vec::new);
+        let camera = view.world_from_camera();
+        let camera_from_world = camera.rotation.transpose();
+        let scenery = still.scenery();
+        for (number, (part, pose)) in scenery.parts().iter().zip(still.poses()).enumerate() {
+            if by.is_some_and(|by| part.label == Label::Robot(by)) {
+                continue;
+            }
+            let shape = scenery.shape(number);
+            let offset = camera_from_world * (pose.position - camera.position);
+            let turn = camera_from_world * pose.rotation;
+            let may_show =
+                |sphere: &super::shape::Sphere| optics.may_show(offset + turn * sphere.centre, sphere.radius);
+            if !may_show(&shape.bounds) {
+                continue;
+            }
+            let lens_from_part = optics.lens_from_camera * turn;
+            let offset = optics.lens_from_camera * offset;
+            let eye = pose.inverse_transform_point(camera.position);
+            for cluster in &shape.clusters {
+                if shape.clusters.len() > 1 && !may_show(&cluster.bounds) {
+                    continue;
+                }
+                let is_outside = |(low, high): (DVec3, DVec3)| eye.cmplt(low).any() || eye.cmpgt(high).any();
+                let is_hidden = cluster.closed.is_some_and(is_outside);
+                self.corners.clear();
+                self.corners.extend(shape.corners[cluster.corners.clone()].iter().map(|corner| {
+                    let corner = lens_from_part * *corner + offset;
+                    (corner, optics.landmark(corner))
+                }));
+                for face in &shape.faces[cluster.faces.clone()] {
+                    let corners = face.corners.map(|corner| self.corners[usize::from(corner)]);
+                    let Some(area) = optics.area(corners.map(|corner| corner.1)) else { continue };
+                    let corners = corners.map(|corner| corner.0);
+                    if let Some(face) =
+                        Face::new((number as u32, face.triangle), corners, &optics.lens_from_camera, is_hidden)
+                    {
+                        self.add(face, area, optics, rays);
+                    }
+                }
+            }
+        }
+    }
+
+    fn add(&mut self, face: Face, area: Area, optics: &Optics, rays: &RayTable) {
+        let number = self.faces.len() as u32;
+        let columns = optics.tiles()[0];
+        let (first, last) = (area.first.map(|pixel| pixel / TILE), area.last.map(|pixel| pixel / TILE));
+        let is_alone = first == last;
+        let mut is_seen = false;
+        for down in first[1]..=last[1] {
+            for across in first[0]..=last[0] {
+                let tile = (down * columns + across) as usize;
+                let may_show = is_alone
+                    || if optics.is_flat {
+                        may_meet::<true>(&face, &Window::flat([across, down]))
+                    } else {
+                        may_meet::<false>(&face, &Window::curved(rays.cone_of(tile)))
+                    };
+                if may_show {
+                    self.tiles[tile].push(number);
+                    is_seen = true;
+                }
+            }
+        }
+        if is_seen {
+            self.faces.push(face);
+        }
+    }
+}
+
+/// Whether a ray of the tile may meet the face.
+#[inline(always)]
+fn may_meet<const FLAT: bool>(face: &Face, window: &Window) -> bool {
+    face.edges.iter().all(|edge| {
+        let (middle, more) = window.range::<FLAT>(*edge);
+        middle + more > -2.0 * window.slack::<FLAT>(*edge)
+    })
+}

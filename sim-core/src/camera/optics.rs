@@ -1,0 +1,178 @@
+//! A view made ready for faces and tiles.
+//!
+//! Faces are put into *lens space*, a linear image of the camera's frame in which the ray of a pixel is simple: for a pinhole the
+//! ray through the place (x, y) of the image is (x, y, 1) (homogeneous coordinates of the image: Olano and Greer, Triangle scan
+//! conversion using 2D homogeneous coordinates, 1997); for a fisheye lens space is the camera's frame, and rays come from a table.
+
+use glam::{DMat3, DVec2, DVec3};
+
+use super::{Lens, View};
+use crate::math;
+
+/// Pixels on either side of a tile.
+pub const TILE: u32 = 8;
+
+/// A view's lens space, and what of the world can be in the image.
+#[derive(Clone, Debug)]
+pub struct Optics {
+    /// Whether straight lines are straight in the image: a pinhole.
+    pub is_flat: bool,
+    pub lens_from_camera: DMat3,
+    pub camera_from_lens: DMat3,
+    pub size: [u32; 2],
+    /// Pixels per radian of a fisheye.
+    focal: f64,
+    field: Field,
+}
+
+/// What of the camera's frame can be in the image.
+#[derive(Clone, Debug)]
+enum Field {
+    /// Between four planes through the camera; their normals, of length 1, inwards.
+    Sides([DVec3; 4]),
+    /// Within this angle of the axis.
+    Cone(f64),
+}
+
+/// Pixels from the first to the last, both included, by axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Area {
+    pub first: [u32; 2],
+    pub last: [u32; 2],
+}
+
+/// By as much as an area is wider than what is seen in it, in pixels: far above rounding.
+const MARGIN: f64 = 0.0625;
+
+impl Optics {
+    pub fn new(view: &View) -> Self {
+        let [width, height] = view.size().map(f64::from);
+        let (half, focal) = (0.5 * DVec2::new(width, height), view.focal());
+        let common = Self {
+            is_flat: false,
+            lens_from_camera: DMat3::IDENTITY,
+            camera_from_lens: DMat3::IDENTITY,
+            size: view.size(),
+            focal,
+            field: Field::Cone((half.length() + 1.0) / focal),
+        };
+        match view.lens() {
+            Lens::Fisheye { .. } => common,
+            Lens::Pinhole { .. } => {
+                let sides = [
+                    DVec3::new(half.x, -focal, 0.0),
+                    DVec3::new(half.x, focal, 0.0),
+                    DVec3::new(half.y, 0.0, -focal),
+                    DVec3::new(half.y, 0.0, focal),
+                ];
+                let (x, y) = (DVec3::new(0.0, -1.0 / focal, 0.0), DVec3::new(0.0, 0.0, -1.0 / focal));
+                Self {
+                    is_flat: true,
+                    lens_from_camera: DMat3::from_cols(
+                        DVec3::new(half.x, half.y, 1.0),
+                        DVec3::new(-focal, 0.0, 0.0),
+                        DVec3::new(0.0, -focal, 0.0),
+                    ),
+                    camera_from_lens: DMat3::from_cols(x, y, DVec3::new(1.0, half.x / focal, half.y / focal)),
+                    field: Field::Sides(sides.map(DVec3::normalize_or_zero)),
+                    ..common
+                }
+            }
+        }
+    }
+
+    /// Tiles across and down.
+    pub fn tiles(&self) -> [u32; 2] {
+        self.size.map(|side| side.div_ceil(TILE))
+    }
+
+    /// Whether something of a sphere may be in the image; `centre` in the camera's frame.
+    pub fn may_show(&self, centre: DVec3, radius: f64) -> bool {
+        match &self.field {
+            Field::Sides(sides) => sides.iter().all(|side| side.dot(centre) >= -radius),
+            Field::Cone(angle) => {
+                let distance_squared = centre.length_squared();
+                if distance_squared <= radius * radius {
+                    return true;
+                }
+                let off_axis = math::atan2(math::hypot(centre.y, centre.z), centre.x);
+                let half_width = math::atan2(radius, (distance_squared - radius * radius).sqrt());
+                off_axis <= angle + half_width + 1e-9
+            }
+        }
+    }
+
+    /// What a corner in lens space is for [`area`](Self::area): a place in the image, or the direction to it.
+    pub fn landmark(&self, corner: DVec3) -> DVec3 {
+        if !self.is_flat {
+            corner.normalize_or_zero()
+        } else if corner.z > 0.0 {
+            DVec3::new(corner.x / corner.z, corner.y / corner.z, 1.0)
+        } else {
+            // Not ahead: kept as it is.
+            DVec3::new(corner.x, corner.y, corner.z.min(0.0))
+        }
+    }
+
+    /// The pixels that may show something of a face with these landmarks; `None` for none of the image.
+    pub fn area(&self, [a, b, c]: [DVec3; 3]) -> Option<Area> {
+        if !self.is_flat {
+            return self.curved_area([a, b, c]);
+        }
+        if a.z > 0.0 && b.z > 0.0 && c.z > 0.0 {
+            let (low, high) = (a.min(b).min(c).truncate(), a.max(b).max(c).truncate());
+            return self.within(low, high);
+        }
+        // Across the camera's plane: out of sight only if all of it is beyond one border.
+        let all = |is_beyond: fn(DVec3, DVec2) -> bool| {
+            let size = DVec2::from(self.size.map(f64::from));
+            is_beyond(a, size) && is_beyond(b, size) && is_beyond(c, size)
+        };
+        let is_out = all(|h, _| h.z <= 0.0)
+            || all(|h, _| h.x < -MARGIN * h.z)
+            || all(|h, _| h.y < -MARGIN * h.z)
+            || all(|h, size| h.x > (size.x + MARGIN) * h.z)
+            || all(|h, size| h.y > (size.y + MARGIN) * h.z);
+        (!is_out).then_some(self.everything())
+    }
+
+    fn everything(&self) -> Area {
+        Area { first: [0; 2], last: self.size.map(|side| side - 1) }
+    }
+
+    /// Pixels with their middles between these places.
+    fn within(&self, low: DVec2, high: DVec2) -> Option<Area> {
+        let low = (low - 0.5 - MARGIN).ceil().max(DVec2::ZERO);
+        let high = (high - 0.5 + MARGIN).floor();
+        let side = |low: f64, high: f64, size: u32| {
+            let last = high.min(f64::from(size - 1));
+            // False for what is not a number.
+            (low <= last).then_some([low as u32, last as u32])
+        };
+        let [left, right] = side(low.x, high.x, self.size[0])?;
+        let [top, bottom] = side(low.y, high.y, self.size[1])?;
+        Some(Area { first: [left, top], last: [right, bottom] })
+    }
+
+    /// For a fisheye: a circle about the face's middle, as far as the lens stretches anything within it at most.
+    fn curved_area(&self, corners: [DVec3; 3]) -> Option<Area> {
+        let middle = (corners[0] + corners[1] + corners[2]).normalize_or_zero();
+        let chord = corners.iter().map(|corner| middle.distance(*corner)).fold(0.0, f64::max);
+        if !(middle != DVec3::ZERO && chord <= 1.0) {
+            return Some(self.everything());
+        }
+        // The angle of a chord up to 1 is less than pi / 3 times as much.
+        let width = 1.0472 * chord + 1e-9;
+        let across = math::hypot(middle.y, middle.z);
+        let off_axis = math::atan2(across, middle.x);
+        let farthest = off_axis + width;
+        if farthest > 3.0 {
+            return Some(self.everything());
+        }
+        // About the axis, a fisheye stretches by angle / sin(angle), and never less along the radius.
+        let reach = self.focal * width / math::sinc(farthest) + 1.0;
+        let scale = if across > 0.0 { self.focal * off_axis / across } else { 0.0 };
+        let at = 0.5 * DVec2::from(self.size.map(f64::from)) - scale * DVec2::new(middle.y, middle.z);
+        self.within(at - reach, at + reach)
+    }
+}

@@ -1,0 +1,191 @@
+//! The rays of a tile's pixels, by lens.
+
+use fearless_simd::Simd;
+use std::f64::consts::PI;
+
+use fearless_simd::prelude::*;
+use glam::{DVec2, DVec3};
+
+use super::optics::TILE;
+use super::{Lens, View};
+
+/// Pixels of a tile.
+pub const PIXELS: usize = (TILE * TILE) as usize;
+
+/// A fisheye's rays, and cones around those of each tile. Kept as long as lens and size stay the same.
+#[derive(Clone, Debug, Default)]
+pub struct RayTable {
+    made_for: Option<(Lens, [u32; 2])>,
+    /// By axis; row by row, with one more around the tiles' pixels on all sides.
+    axes: [Vec<f32>; 3],
+    /// Which of them are in the image: others are there for the changes from pixel to pixel.
+    is_shown: Vec<bool>,
+    stride: usize,
+    cones: Vec<Cone>,
+}
+
+/// All rays of a tile lie no farther than `radius` from `middle`.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Cone {
+    pub middle: DVec3,
+    pub radius: f64,
+}
+
+impl RayTable {
+    /// Makes it that of `view`.
+    pub fn prepare(&mut self, view: &View, tiles: [u32; 2]) {
+        let made_for = Some((view.lens(), view.size()));
+        if self.made_for == made_for || matches!(view.lens(), Lens::Pinhole { .. }) {
+            return;
+        }
+        self.made_for = made_for;
+        let [columns, rows] = tiles.map(|tiles| (tiles * TILE + 2) as usize);
+        self.stride = columns;
+        for axis in &mut self.axes {
+            axis.clear();
+        }
+        self.is_shown.clear();
+        for row in 0..rows {
+            for column in 0..columns {
+                let (angle, ray) = view.continued_ray(DVec2::new(column as f64 - 0.5, row as f64 - 0.5));
+                self.is_shown.push(angle <= PI);
+                for (axis, part) in self.axes.iter_mut().zip(ray.to_array()) {
+                    axis.push(part as f32);
+                }
+            }
+        }
+        self.cones.clear();
+        for down in 0..tiles[1] {
+            for across in 0..tiles[0] {
+                self.cones.push(self.cone(across, down));
+            }
+        }
+    }
+
+    fn cone(&self, across: u32, down: u32) -> Cone {
+        let pixels = (0..TILE * TILE).map(|pixel| self.ray([across * TILE + pixel % TILE, down * TILE + pixel / TILE]));
+        let middle = pixels.clone().sum::<DVec3>() / f64::from(TILE * TILE);
+        let radius = pixels.map(|ray| ray.distance(middle)).fold(0.0, f64::max);
+        Cone { middle, radius: radius + 1e-6 }
+    }
+
+    fn place(&self, [column, row]: [u32; 2]) -> usize {
+        (row as usize + 1) * self.stride + column as usize + 1
+    }
+
+    /// The ray of a pixel; 0 where the lens shows nothing.
+    pub fn ray(&self, pixel: [u32; 2]) -> DVec3 {
+        let place = self.place(pixel);
+        if !self.is_shown[place] {
+            return DVec3::ZERO;
+        }
+        let [x, y, z] = &self.axes;
+        DVec3::new(f64::from(x[place]), f64::from(y[place]), f64::from(z[place]))
+    }
+
+    /// The cone of a tile by its number.
+    pub fn cone_of(&self, tile: usize) -> Cone {
+        self.cones[tile]
+    }
+}
+
+/// The rays of a tile's pixels in lens space, row by row.
+///
+/// For a pinhole (`FLAT`) they are counted from the tile's middle, of which linear forms are taken in `f64` (see
+/// [`Window::local`]): x and y are pixels from there.
+#[derive(Clone, Debug)]
+pub struct Rays {
+    axes: [[f32; PIXELS]; 3],
+    /// Their changes to the next column and the next row; of a fisheye only.
+    steps: [[[f32; PIXELS]; 3]; 2],
+}
+
+/// Where a tile lies, for what is linear in the ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Window {
+    /// For a pinhole the middle of the tile in lens space, else the middle of its rays.
+    middle: DVec3,
+    /// Greatest distance of a ray from the middle: for a pinhole on either axis.
+    radius: f64,
+}
+
+impl Window {
+    pub fn flat(tile: [u32; 2]) -> Self {
+        let [x, y] = tile.map(|place| f64::from(place * TILE) + 0.5 * f64::from(TILE));
+        Self { middle: DVec3::new(x, y, 1.0), radius: 0.5 * f64::from(TILE - 1) }
+    }
+
+    pub fn curved(cone: Cone) -> Self {
+        Self { middle: cone.middle, radius: cone.radius }
+    }
+
+    /// Value of a linear form on the middle, and by how much other rays of the tile have more or less at most.
+    #[inline(always)]
+    pub fn range<const FLAT: bool>(&self, form: DVec3) -> (f64, f64) {
+        let middle = form.dot(self.middle);
+        let size = if FLAT { form.x.abs() + form.y.abs() } else { form.length() };
+        (middle, size * self.radius)
+    }
+
+    /// By how much less than 0 an edge may have on a ray that meets its face: 1e-4 pixels, or 2e-6 rad of a fisheye. Wider than
+    /// the rounding of `f32`, so that nothing shows through between faces that share an edge or a corner.
+    #[inline(always)]
+    pub fn slack<const FLAT: bool>(&self, edge: DVec3) -> f64 {
+        if FLAT { 1e-4 * (edge.x.abs() + edge.y.abs()) } else { 2e-6 * edge.length() }
+    }
+
+    /// The form for [`Rays::value`].
+    #[inline(always)]
+    pub fn local<const FLAT: bool>(&self, form: DVec3) -> [f32; 3] {
+        let last = if FLAT { form.dot(self.middle) } else { form.z };
+        [form.x as f32, form.y as f32, last as f32]
+    }
+}
+
+impl Rays {
+    /// Those of any tile of a pinhole.
+    pub fn flat() -> Self {
+        let from_middle = |place: usize| place as f32 - 0.5 * (TILE - 1) as f32;
+        let side = TILE as usize;
+        let x = std::array::from_fn(|pixel| from_middle(pixel % side));
+        let y = std::array::from_fn(|pixel| from_middle(pixel / side));
+        Self { axes: [x, y, [1.0; PIXELS]], steps: [[[0.0; PIXELS]; 3]; 2] }
+    }
+
+    /// Makes them those of a fisheye's tile.
+    pub fn curve(&mut self, table: &RayTable, tile: [u32; 2]) {
+        let start = table.place(tile.map(|place| place * TILE));
+        for row in 0..TILE as usize {
+            let at = start + row * table.stride;
+            for (axis, of_axis) in table.axes.iter().enumerate() {
+                for column in 0..TILE as usize {
+                    let (pixel, at) = (row * TILE as usize + column, at + column);
+                    self.axes[axis][pixel] = if table.is_shown[at] { of_axis[at] } else { 0.0 };
+                    self.steps[0][axis][pixel] = 0.5 * (of_axis[at + 1] - of_axis[at - 1]);
+                    self.steps[1][axis][pixel] = 0.5 * (of_axis[at + table.stride] - of_axis[at - table.stride]);
+                }
+            }
+        }
+    }
+
+    /// Values of a [local](Window::local) form on as many rays as there are lanes, from `first` on.
+    #[inline(always)]
+    pub fn value<S: Simd, const FLAT: bool>(&self, simd: S, [x, y, z]: [f32; 3], first: usize) -> S::f32s {
+        let at = first..first + S::f32s::LEN;
+        let across = S::f32s::from_slice(simd, &self.axes[0][at.clone()]) * x;
+        let down = S::f32s::from_slice(simd, &self.axes[1][at.clone()]) * y;
+        if FLAT { (across + z) + down } else { (across + down) + S::f32s::from_slice(simd, &self.axes[2][at]) * z }
+    }
+
+    /// How the values change to the next column (`axis` 0) or the next row (1).
+    #[inline(always)]
+    pub fn step<S: Simd, const FLAT: bool>(&self, simd: S, form: [f32; 3], first: usize, axis: usize) -> S::f32s {
+        if FLAT {
+            return S::f32s::splat(simd, form[axis]);
+        }
+        let at = first..first + S::f32s::LEN;
+        let [x, y, z] = &self.steps[axis];
+        (S::f32s::from_slice(simd, &x[at.clone()]) * form[0] + S::f32s::from_slice(simd, &y[at.clone()]) * form[1])
+            + S::f32s::from_slice(simd, &z[at]) * form[2]
+    }
+}

@@ -1,0 +1,228 @@
+//! Where the sun reaches: a grid across the sun's direction with the faces that are in its way.
+//!
+//! The shadows are hard and exact, without a shadow map: a place is in the shade if, seen from it, a face covers the sun that is
+//! farther than [`AWAY`] and not the one on which the place lies. All that is seen throws shadows, a camera's own robot too; the
+//! ground throws none. Our choice.
+
+use glam::{DVec2, DVec3};
+
+use super::{Part, Place, Scenery, Still};
+
+/// What is nearer than this, in metres, throws no shadow: faces that touch each other are one within rounding.
+pub const AWAY: f64 = 1e-6;
+
+/// As much is a face wider on all sides, in metres, so that no light comes through between two.
+const SLACK: f64 = 1e-9;
+
+/// Coordinates in which the sun is at infinity along the third.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axes([DVec3; 3]);
+
+/// Faces by the cells of a grid across the sun's direction.
+#[derive(Clone, Debug, Default)]
+pub struct ShadowGrid {
+    low: DVec2,
+    per_cell: f64,
+    size: [usize; 2],
+    /// By cell where its faces begin in `members`, and where the last one's end.
+    starts: Vec<u32>,
+    /// Numbers of faces; in each cell those first that reach farthest towards the sun.
+    members: Vec<u32>,
+    faces: Vec<Caster>,
+}
+
+/// A face in the way of the sun.
+#[derive(Clone, Debug)]
+struct Caster {
+    /// By edge a linear function of the place across: metres from it, to the inside.
+    edges: [[f64; 3]; 3],
+    /// How far the face is towards the sun, as such a function.
+    height: [f64; 3],
+    /// How far it reaches towards the sun.
+    highest: f64,
+    /// Lowest and highest corner of the box around it.
+    low: DVec2,
+    high: DVec2,
+    part: u32,
+    triangle: u32,
+}
+
+#[inline(always)]
+fn value([x, y, one]: [f64; 3], at: DVec2) -> f64 {
+    x * at.x + y * at.y + one
+}
+
+impl Axes {
+    /// Those for a sun in the direction `towards`, of length 1.
+    pub fn new(towards: DVec3) -> Self {
+        let (first, second) = towards.any_orthonormal_pair();
+        Self([first, second, towards])
+    }
+
+    /// The two axes across the sun's direction, and the one towards it.
+    pub fn directions(&self) -> [DVec3; 3] {
+        self.0
+    }
+
+    fn of(&self, point: DVec3) -> DVec3 {
+        DVec3::from(self.0.map(|axis| axis.dot(point)))
+    }
+}
+
+impl Caster {
+    /// `None` for a face of which the sun sees the edge, or which is hidden behind another of its closed surface.
+    fn new((part, triangle): (u32, u32), corners: [DVec3; 3], is_closed: bool) -> Option<Self> {
+        let [a, b, c] = corners.map(DVec3::truncate);
+        let area = (b - a).perp_dot(c - a);
+        let longest = (b - a).length_squared().max((c - a).length_squared());
+        // A ray leaves a closed surface through a face that looks along it, and enters through others.
+        let is_hidden = is_closed && area < 0.0;
+        // False for what is not a number.
+        let is_wide = area.abs() > 1e-9 * longest && longest < 1e30;
+        if is_hidden || !is_wide {
+            return None;
+        }
+        let edge = |from: DVec2, to: DVec2| {
+            let inwards = (to - from).perp().normalize_or_zero() * area.signum();
+            [inwards.x, inwards.y, -inwards.dot(from)]
+        };
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let (x, y) = (-normal.x / normal.z, -normal.y / normal.z);
+        let heights = corners.map(|corner| corner.z);
+        Some(Self {
+            edges: [edge(a, b), edge(b, c), edge(c, a)],
+            height: [x, y, corners[0].z - x * a.x - y * a.y],
+            highest: heights[0].max(heights[1]).max(heights[2]),
+            low: a.min(b).min(c),
+            high: a.max(b).max(c),
+            part,
+            triangle,
+        })
+    }
+
+    /// Whether it covers a place.
+    #[inline(always)]
+    fn covers(&self, at: DVec2, height: f64) -> bool {
+        self.edges.iter().all(|edge| value(*edge, at) >= -SLACK) && value(self.height, at) > height + AWAY
+    }
+}
+
+impl ShadowGrid {
+    /// Makes it that of all parts whose places `counts`.
+    pub fn fill(&mut self, scenery: &Scenery, still: Option<&Still>, axes: &Axes, counts: impl Fn(&Part) -> bool) {
+        self.faces.clear();
+        let mut corners = Vec::new();
+        for (number, part) in scenery.parts().iter().enumerate().filter(|(_, part)| counts(part)) {
+            let pose = match (part.place, still) {
+                (Place::Fixed(pose), _) => pose,
+                (_, Some(still)) => still.poses()[number],
+                (_, None) => continue,
+            };
+            let shape = scenery.shape(number);
+            for cluster in &shape.clusters {
+                corners.clear();
+                let of_cluster = &shape.corners[cluster.corners.clone()];
+                corners.extend(of_cluster.iter().map(|corner| axes.of(pose.transform_point(*corner))));
+                for face in &shape.faces[cluster.faces.clone()] {
+                    let corners = face.corners.map(|corner| corners[usize::from(corner)]);
+                    let name = (number as u32, face.triangle);
+                    self.faces.extend(Caster::new(name, corners, cluster.closed.is_some()));
+                }
+            }
+        }
+        self.sort_in();
+    }
+
+    /// Puts the faces into cells, about as many as faces.
+    fn sort_in(&mut self) {
+        let low = self.faces.iter().fold(DVec2::INFINITY, |low, face| low.min(face.low)) - 2.0 * SLACK;
+        let high = self.faces.iter().fold(DVec2::NEG_INFINITY, |high, face| high.max(face.high)) + 2.0 * SLACK;
+        self.starts.clear();
+        self.members.clear();
+        if self.faces.is_empty() {
+            self.size = [0; 2];
+            return;
+        }
+        let extent = high - low;
+        let cells = (4 * self.faces.len()).clamp(64, 1 << 20) as f64;
+        let cell = (extent.x * extent.y / cells).sqrt().max(extent.max_element() / 4096.0);
+        self.low = low;
+        self.per_cell = 1.0 / cell;
+        self.size = [extent.x, extent.y].map(|side| (side * self.per_cell) as usize + 1);
+        self.starts.resize(self.size[0] * self.size[1] + 1, 0);
+        let mut starts = std::mem::take(&mut self.starts);
+        for face in &self.faces {
+            self.cells(face, |cell| starts[cell + 1] += 1);
+        }
+        for cell in 1..starts.len() {
+            starts[cell] += starts[cell - 1];
+        }
+        let mut members = std::mem::take(&mut self.members);
+        members.resize(starts.last().map_or(0, |end| *end as usize), 0);
+        let mut next = starts.clone();
+        let mut order: Vec<u32> = (0..self.faces.len() as u32).collect();
+        order.sort_by(|a, b| {
+            let highest = |face: &u32| self.faces[*face as usize].highest;
+            highest(b).total_cmp(&highest(a)).then(a.cmp(b))
+        });
+        for number in order {
+            self.cells(&self.faces[number as usize], |cell| {
+                members[next[cell] as usize] = number;
+                next[cell] += 1;
+            });
+        }
+        (self.starts, self.members) = (starts, members);
+    }
+
+    /// The cells that a face touches.
+    fn cells(&self, face: &Caster, mut visit: impl FnMut(usize)) {
+        let [columns, rows] = self.size;
+        let place = |at: DVec2| ((at - self.low) * self.per_cell).max(DVec2::ZERO);
+        let (first, last) = (place(face.low - SLACK), place(face.high + SLACK));
+        let half = 0.5 / self.per_cell;
+        for row in first.y as usize..=(last.y as usize).min(rows - 1) {
+            for column in first.x as usize..=(last.x as usize).min(columns - 1) {
+                let middle = self.low + DVec2::new(column as f64 + 0.5, row as f64 + 0.5) / self.per_cell;
+                let touches = face.edges.iter().all(|edge| {
+                    let reach = (edge[0].abs() + edge[1].abs()) * half;
+                    value(*edge, middle) >= -reach * (1.0 + 1e-6) - 2.0 * SLACK
+                });
+                if touches {
+                    visit(row * columns + column);
+                }
+            }
+        }
+    }
+
+    /// Whether one of the faces is between the sun and a place on the face `own`; `last` is the one that was last.
+    #[inline]
+    pub fn shades(&self, place: DVec3, own: (u32, u32), last: &mut usize) -> bool {
+        let at = place.truncate();
+        let cell = (at - self.low) * self.per_cell;
+        let [columns, rows] = self.size;
+        // False for what is not a number.
+        let is_inside = cell.x >= 0.0 && cell.y >= 0.0 && cell.x < columns as f64 && cell.y < rows as f64;
+        if !is_inside {
+            return false;
+        }
+        let is_own = |face: &Caster| face.part == own.0 && face.triangle == own.1;
+        if let Some(face) = self.faces.get(*last)
+            && face.covers(at, place.z)
+            && !is_own(face)
+        {
+            return true;
+        }
+        let cell = cell.y as usize * columns + cell.x as usize;
+        for &number in &self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
+            let face = &self.faces[number as usize];
+            if face.highest <= place.z + AWAY {
+                return false;
+            }
+            if face.covers(at, place.z) && !is_own(face) {
+                *last = number as usize;
+                return true;
+            }
+        }
+        false
+    }
+}

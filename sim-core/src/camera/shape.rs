@@ -1,0 +1,157 @@
+//! A mesh made ready for cameras: its faces in clusters that are seen, or not, together.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use glam::DVec3;
+
+use crate::scene::Mesh;
+
+/// Faces of a cluster at most.
+const CLUSTER: usize = 64;
+
+/// The faces of a mesh that can be seen, in their order.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    pub bounds: Sphere,
+    pub clusters: Vec<Cluster>,
+    /// By cluster its corners, each once for the cluster.
+    pub corners: Vec<DVec3>,
+    pub faces: Vec<ShapeFace>,
+}
+
+/// A sphere around something, in the mesh's frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Sphere {
+    pub centre: DVec3,
+    pub radius: f64,
+}
+
+/// Some faces that follow each other.
+#[derive(Clone, Debug)]
+pub struct Cluster {
+    pub bounds: Sphere,
+    pub corners: Range<usize>,
+    pub faces: Range<usize>,
+    /// The box around the closed surface that the faces belong to: from outside it, nobody sees its faces from behind.
+    pub closed: Option<(DVec3, DVec3)>,
+}
+
+/// A face by its corners' places in the cluster.
+#[derive(Clone, Copy, Debug)]
+pub struct ShapeFace {
+    pub triangle: u32,
+    pub corners: [u8; 3],
+}
+
+impl Shape {
+    /// The faces of `mesh` whose materials are seen.
+    pub fn new(mesh: &Mesh, is_seen: impl Fn(u32) -> bool) -> Self {
+        let seen: Vec<usize> =
+            (0..mesh.triangles.len()).filter(|&number| is_seen(mesh.triangles[number].material)).collect();
+        let (surface_of, surfaces) = surfaces(mesh, &seen);
+        let mut shape = Self {
+            bounds: Sphere::around(&mesh.positions),
+            clusters: Vec::new(),
+            corners: Vec::new(),
+            faces: Vec::with_capacity(seen.len()),
+        };
+        let mut start = 0;
+        while start < seen.len() {
+            let surface = surface_of[start];
+            let count = surface_of[start..].iter().take(CLUSTER).take_while(|other| **other == surface).count();
+            shape.add(mesh, &seen[start..start + count], surfaces[surface]);
+            start += count;
+        }
+        shape
+    }
+
+    fn add(&mut self, mesh: &Mesh, triangles: &[usize], closed: Option<(DVec3, DVec3)>) {
+        let (first_corner, first_face) = (self.corners.len(), self.faces.len());
+        let mut places = BTreeMap::new();
+        for &number in triangles {
+            let triangle = &mesh.triangles[number];
+            let corners = triangle.corners.map(|corner| {
+                *places.entry(corner).or_insert_with(|| {
+                    self.corners.push(mesh.positions[corner as usize]);
+                    // No more than three for each face.
+                    (self.corners.len() - 1 - first_corner) as u8
+                })
+            });
+            self.faces.push(ShapeFace { triangle: number as u32, corners });
+        }
+        self.clusters.push(Cluster {
+            bounds: Sphere::around(&self.corners[first_corner..]),
+            corners: first_corner..self.corners.len(),
+            faces: first_face..self.faces.len(),
+            closed,
+        });
+    }
+}
+
+impl Sphere {
+    fn around(points: &[DVec3]) -> Self {
+        let low = points.iter().copied().reduce(DVec3::min).unwrap_or_default();
+        let high = points.iter().copied().reduce(DVec3::max).unwrap_or_default();
+        let centre = 0.5 * low + 0.5 * high;
+        let radius = points.iter().map(|point| point.distance(centre)).fold(0.0, f64::max);
+        Self { centre, radius: radius * (1.0 + 1e-9) }
+    }
+}
+
+/// Which faces hang together by their corners: by place in `triangles` the number of the surface, and by surface the box around
+/// it if it is closed with its faces looking outwards.
+fn surfaces(mesh: &Mesh, triangles: &[usize]) -> (Vec<usize>, Vec<Option<(DVec3, DVec3)>>) {
+    let mut parents: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    for &number in triangles {
+        let [a, b, c] = mesh.triangles[number].corners;
+        for other in [b, c] {
+            let (from, to) = (root(&mut parents, other), root(&mut parents, a));
+            parents[from as usize] = to;
+        }
+    }
+    let mut numbers = BTreeMap::new();
+    let mut surface_of = Vec::with_capacity(triangles.len());
+    let mut volumes: Vec<(DVec3, f64)> = Vec::new();
+    let mut edges: Vec<(u32, u32, bool, usize)> = Vec::with_capacity(3 * triangles.len());
+    for &number in triangles {
+        let triangle = &mesh.triangles[number];
+        let [a, b, c] = mesh.corners(triangle);
+        let surface = *numbers.entry(root(&mut parents, triangle.corners[0])).or_insert_with(|| {
+            volumes.push((a, 0.0));
+            volumes.len() - 1
+        });
+        surface_of.push(surface);
+        let (origin, volume) = &mut volumes[surface];
+        *volume += (a - *origin).dot((b - *origin).cross(c - *origin));
+        let [a, b, c] = triangle.corners;
+        edges.extend([(a, b), (b, c), (c, a)].map(|(from, to)| (from.min(to), from.max(to), from < to, surface)));
+    }
+    // Closed: each edge is there once in either direction.
+    edges.sort_unstable();
+    let mut is_closed: Vec<bool> = volumes.iter().map(|(_, volume)| *volume > 0.0).collect();
+    for of_edge in edges.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1)) {
+        if !(of_edge.len() == 2 && of_edge[0].2 != of_edge[1].2) {
+            is_closed[of_edge[0].3] = false;
+        }
+    }
+    let mut boxes = vec![(DVec3::INFINITY, DVec3::NEG_INFINITY); volumes.len()];
+    for (&number, &surface) in triangles.iter().zip(&surface_of) {
+        for corner in mesh.corners(&mesh.triangles[number]) {
+            let (low, high) = boxes[surface];
+            boxes[surface] = (low.min(corner), high.max(corner));
+        }
+    }
+    let closed = boxes.into_iter().zip(is_closed).map(|(around, is_closed)| is_closed.then_some(around)).collect();
+    (surface_of, closed)
+}
+
+fn root(parents: &mut [u32], of: u32) -> u32 {
+    let mut at = of;
+    while parents[at as usize] != at {
+        let grandparent = parents[parents[at as usize] as usize];
+        parents[at as usize] = grandparent;
+        at = grandparent;
+    }
+    at
+}

@@ -1,0 +1,192 @@
+//! What a face or the ground looks like, before it is known to which pixels: linear forms on rays, and shares of light.
+
+use glam::{DMat3, DVec2, DVec3};
+
+use super::face::Face;
+use super::scenery::Look;
+use super::shadow::{Axes, ShadowGrid};
+use super::texture::Pyramid;
+use super::{Ground, Light, Scenery, Still, View};
+
+/// A number that on a surface is `base` and the product of `form` with the ray, over that of the surface's plane.
+#[derive(Clone, Copy, Debug)]
+pub struct Attribute {
+    pub base: f64,
+    pub form: DVec3,
+}
+
+/// What is the same for all pixels that show a surface.
+pub struct Surface<'a> {
+    /// Its product with a ray is 1 over the multiple of the ray that lies on the surface.
+    pub plane: DVec3,
+    /// Red, green, blue, 0 to 255, where there is no image.
+    pub colour: [f32; 3],
+    /// Share of the image's colours.
+    pub tint: [f32; 3],
+    pub image: Option<Image<'a>>,
+    pub light: Lighting,
+    /// Part and triangle; of the ground none that there is.
+    pub name: (u32, u32),
+    pub painted: Option<Painted<'a>>,
+}
+
+/// An image on a surface.
+pub struct Image<'a> {
+    pub pyramid: &'a Pyramid,
+    /// To the right and downwards from the upper left corner, 1 being the whole image.
+    pub place: [Attribute; 2],
+}
+
+/// Light on a surface: what reaches it anyway, and what comes from the sun.
+pub enum Lighting {
+    Flat(Shares),
+    /// By the normal, whose direction (world frame, on the side that is seen) these forms have; with the flat one.
+    Smooth([DVec3; 3], Shares),
+}
+
+/// Shares of light.
+#[derive(Clone, Copy, Debug)]
+pub struct Shares {
+    pub dim: f32,
+    pub sun: f32,
+}
+
+/// What is painted on the ground.
+pub struct Painted<'a> {
+    pub ground: &'a Ground,
+    /// x and y of the world.
+    pub at: [Attribute; 2],
+}
+
+/// Which places the sun reaches.
+pub struct Sun<'a> {
+    /// Of the faces that stand always, and of the others.
+    pub grids: [&'a ShadowGrid; 2],
+    /// Coordinates across the sun's direction, and towards it.
+    at: [Attribute; 3],
+}
+
+impl Sun<'_> {
+    /// Of the pixels, bit by bit, that show the face `own`, those in the sun; `ray_of` gives their rays in lens space.
+    pub fn reaches(&self, plane: DVec3, own: (u32, u32), pixels: u64, ray_of: &dyn Fn(usize) -> DVec3) -> u64 {
+        let mut lit = pixels;
+        let mut last = [usize::MAX; 2];
+        let mut pending = pixels;
+        while pending != 0 {
+            let pixel = pending.trailing_zeros() as usize;
+            pending &= pending - 1;
+            let ray = ray_of(pixel);
+            let scale = 1.0 / plane.dot(ray);
+            let [x, y, z] = &self.at;
+            let place = DVec3::new(
+                x.base + x.form.dot(ray) * scale,
+                y.base + y.form.dot(ray) * scale,
+                z.base + z.form.dot(ray) * scale,
+            );
+            let [fixed, moving] = &mut last;
+            if self.grids[0].shades(place, own, fixed) || self.grids[1].shades(place, own, moving) {
+                lit &= !(1 << pixel);
+            }
+        }
+        lit
+    }
+}
+
+/// What all surfaces of a still in a view need.
+pub struct Looks<'a> {
+    pub still: &'a Still<'a>,
+    pub scenery: &'a Scenery,
+    /// The camera's place.
+    pub eye: DVec3,
+    pub world_from_lens: DMat3,
+    /// The ground's plane in lens space; 0 where there is none, or the camera is not above it.
+    pub ground: DVec3,
+    /// `None` where nothing throws shadows.
+    pub sun: Option<Sun<'a>>,
+}
+
+impl<'a> Looks<'a> {
+    /// `moving` are the faces in the sun's way that do not stand always.
+    pub fn new(still: &'a Still<'a>, view: &View, camera_from_lens: DMat3, moving: Option<&'a ShadowGrid>) -> Self {
+        let scenery = still.scenery();
+        let camera = view.world_from_camera();
+        let world_from_lens = camera.rotation * camera_from_lens;
+        let height = camera.position.z;
+        let is_above = scenery.ground().is_some() && height > 0.0;
+        let ground = if is_above { -world_from_lens.row(2) / height } else { DVec3::ZERO };
+        let ground = if ground.abs().max_element() <= 1e30 { ground } else { DVec3::ZERO };
+        let eye = camera.position;
+        let sun = moving.map(|moving| {
+            let axes = Axes::new(scenery.light().towards).directions();
+            let at = axes.map(|axis| Attribute { base: axis.dot(eye), form: world_from_lens.transpose() * axis });
+            Sun { grids: [scenery.fixed_shadows(), moving], at }
+        });
+        Self { still, scenery, eye, world_from_lens, ground, sun }
+    }
+
+    /// The surface of a face.
+    pub fn face(&self, face: &Face) -> Surface<'a> {
+        let part = &self.scenery.parts()[face.part as usize];
+        let triangle = &part.mesh.triangles[face.triangle as usize];
+        let look: &'a Look = self.scenery.look(face.part as usize, triangle.material);
+        let rotation = self.still.poses()[face.part as usize].rotation;
+        let side = if face.is_outside { 1.0 } else { -1.0 };
+        let [a, b, c] = part.mesh.corners(triangle);
+        let flat = rotation * (b - a).cross(c - a).normalize_or_zero() * side;
+        let flat = shares(self.scenery.light(), flat);
+        let light = triangle.normals.map_or(Lighting::Flat(flat), |normals| {
+            let [a, b, c] = normals.map(|normal| rotation * normal.as_dvec3() * (side * face.per_det));
+            let [x, y, z] = face.edges;
+            let form = |axis: usize| x * a[axis] + y * b[axis] + z * c[axis];
+            Lighting::Smooth([form(0), form(1), form(2)], flat)
+        });
+        let image = look.texture.as_deref().zip(triangle.uv).map(|(pyramid, uv)| {
+            let [a, b, c] = uv.map(|uv| uv.as_dvec2());
+            let u = Attribute { base: a.x, form: face.form([a.x, b.x, c.x]) };
+            let v = Attribute { base: 1.0 - a.y, form: -face.form([a.y, b.y, c.y]) };
+            Image { pyramid, place: [u, v] }
+        });
+        let tint = look.colour.map(|channel| channel / 255.0);
+        Surface {
+            plane: face.plane,
+            colour: look.colour,
+            tint,
+            image,
+            light,
+            name: (face.part, face.triangle),
+            painted: None,
+        }
+    }
+
+    /// The surface of the ground.
+    pub fn ground(&self, ground: &'a Ground) -> Surface<'a> {
+        let size = ground.floor.as_ref().map_or(DVec2::ONE, |floor| floor.size);
+        let [x, y] = [0, 1].map(|axis| Attribute { base: self.eye[axis], form: self.world_from_lens.row(axis) });
+        let image = self.scenery.floor().map(|pyramid| {
+            let u = Attribute { base: x.base / size.x, form: x.form / size.x };
+            let v = Attribute { base: 1.0 - y.base / size.y, form: -y.form / size.y };
+            Image { pyramid, place: [u, v] }
+        });
+        Surface {
+            plane: self.ground,
+            colour: ground.floor.as_ref().map_or(ground.colour, |floor| floor.colour).map(f32::from),
+            tint: [1.0; 3],
+            image,
+            light: Lighting::Flat(shares(self.scenery.light(), DVec3::Z)),
+            name: (u32::MAX, u32::MAX),
+            painted: Some(Painted { ground, at: [x, y] }),
+        }
+    }
+}
+
+/// The direction from which the fill light comes: the side opposite to the sun.
+pub fn fill_from(light: &Light) -> DVec3 {
+    DVec3::new(-light.towards.x, -light.towards.y, light.towards.z)
+}
+
+/// Light on a surface with this normal on the side that is seen.
+fn shares(light: &Light, normal: DVec3) -> Shares {
+    let fill = 0.5 * (1.0 + normal.dot(fill_from(light)));
+    let sun = normal.dot(light.towards).max(0.0);
+    Shares { dim: (light.ambient + light.fill * fill) as f32, sun: (light.diffuse * sun) as f32 }
+}

@@ -1,0 +1,131 @@
+//! What the pixels of a tile show.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch};
+use glam::DVec3;
+
+use super::face::Face;
+use super::optics::TILE;
+use super::rays::{PIXELS, Rays, Window};
+
+/// What a pixel shows, as numbers that vectors hold: the number of a face, and beyond them these.
+pub const SKY: u32 = u32::MAX;
+pub const GROUND: u32 = u32::MAX - 1;
+
+/// What each pixel of a tile shows, row by row.
+#[derive(Clone, Debug)]
+pub struct Tile {
+    /// Of which pixel is the first: column and row.
+    pub origin: [u32; 2],
+    pub shown: [u32; PIXELS],
+}
+
+impl Tile {
+    /// The column and row of one of its pixels.
+    pub fn pixel(&self, pixel: usize) -> [u32; 2] {
+        [self.origin[0] + pixel as u32 % TILE, self.origin[1] + pixel as u32 / TILE]
+    }
+}
+
+/// By how much a face must be nearer to cover one that comes before it: this times the nearest that a ray of the tile could find
+/// it. So of faces in one plane the first is seen. It moves the line where two faces cut each other by less than 1e-5 pixels.
+const COPLANAR: f64 = 5e-7;
+
+/// Finds what the pixels of a tile show: of the faces in `list` and the ground, whose plane is `ground`.
+pub fn look(
+    level: Level,
+    is_flat: bool,
+    (rays, window): (&Rays, &Window),
+    ground: DVec3,
+    faces: (&[Face], &[u32]),
+    shown: &mut [u32; PIXELS],
+) {
+    if is_flat {
+        dispatch!(level, simd => nearest::<_, true>(simd, rays, window, ground, faces, shown));
+    } else {
+        dispatch!(level, simd => nearest::<_, false>(simd, rays, window, ground, faces, shown));
+    }
+}
+
+// What has to do with vectors is written without closures: only functions that are inlined always are compiled for the
+// processor that is dispatched to. Vectors have as many lanes as the processor likes.
+#[inline(always)]
+fn nearest<S: Simd, const FLAT: bool>(
+    simd: S,
+    rays: &Rays,
+    window: &Window,
+    ground: DVec3,
+    (faces, list): (&[Face], &[u32]),
+    shown: &mut [u32; PIXELS],
+) {
+    let lanes = S::f32s::LEN;
+    let mut nearest = [0.0_f32; PIXELS];
+    *shown = [SKY; PIXELS];
+    // All pixels show what is nearer than this.
+    let mut all_nearer = 0.0;
+    let (middle, more) = window.range::<FLAT>(ground);
+    if middle + more > 0.0 {
+        let form = window.local::<FLAT>(ground);
+        let zero = S::f32s::splat(simd, 0.0);
+        let mut first = 0;
+        while first < PIXELS {
+            let at = first..first + lanes;
+            let near = rays.value::<S, FLAT>(simd, form, first);
+            let is_ground = near.simd_gt(zero);
+            is_ground.select(near, zero).store_slice(&mut nearest[at.clone()]);
+            is_ground.select(S::u32s::splat(simd, GROUND), S::u32s::splat(simd, SKY)).store_slice(&mut shown[at]);
+            first += lanes;
+        }
+        all_nearer = (middle - more) - 1e-6 * (middle.abs() + more);
+    }
+    for &number in list {
+        let face = &faces[number as usize];
+        let (middle, more) = window.range::<FLAT>(face.plane);
+        if middle + more <= all_nearer {
+            continue;
+        }
+        let lead = (COPLANAR * (middle.abs() + more)) as f32;
+        let plane = window.local::<FLAT>(face.plane);
+        let is_filled = fills::<FLAT>(face, window);
+        if is_filled {
+            all_nearer = f64::max(all_nearer, (middle - more) - 1e-6 * (middle.abs() + more));
+        }
+        let edges = [
+            window.local::<FLAT>(face.edges[0]),
+            window.local::<FLAT>(face.edges[1]),
+            window.local::<FLAT>(face.edges[2]),
+        ];
+        let least = [
+            -window.slack::<FLAT>(face.edges[0]) as f32,
+            -window.slack::<FLAT>(face.edges[1]) as f32,
+            -window.slack::<FLAT>(face.edges[2]) as f32,
+        ];
+        let mut first = 0;
+        while first < PIXELS {
+            let at = first..first + lanes;
+            let near = rays.value::<S, FLAT>(simd, plane, first);
+            let before = S::f32s::from_slice(simd, &nearest[at.clone()]);
+            let mut is_seen = near.simd_gt(before + lead);
+            if !is_filled {
+                is_seen = is_seen
+                    & rays.value::<S, FLAT>(simd, edges[0], first).simd_ge(least[0])
+                    & rays.value::<S, FLAT>(simd, edges[1], first).simd_ge(least[1])
+                    & rays.value::<S, FLAT>(simd, edges[2], first).simd_ge(least[2]);
+            }
+            is_seen.select(near, before).store_slice(&mut nearest[at.clone()]);
+            let ids = S::u32s::from_slice(simd, &shown[at.clone()]);
+            is_seen.select(S::u32s::splat(simd, number), ids).store_slice(&mut shown[at]);
+            first += lanes;
+        }
+    }
+}
+
+/// Whether all rays of the tile meet the face.
+#[inline(always)]
+fn fills<const FLAT: bool>(face: &Face, window: &Window) -> bool {
+    let is_beyond = |edge: DVec3| {
+        let (middle, more) = window.range::<FLAT>(edge);
+        middle - more > window.slack::<FLAT>(edge)
+    };
+    is_beyond(face.edges[0]) & is_beyond(face.edges[1]) & is_beyond(face.edges[2])
+}
