@@ -34,7 +34,7 @@ fn corners_of_a_board_are_found_where_they_are_projected() {
             let pose = View::looking(target + distance * offset, target).expect("another place");
             let roll = Pose3::about_axis(DVec3::X, 2.0 * aside());
             let view = View::new(pose.then(&roll), lens, [240, 180]).expect("a view");
-            let found = crossings(&camera.colour(&still, &view, None, 6));
+            let found = crossings(&camera.colour(&still, &view, None, 12));
             let corners = board.inner_corners();
             for corner in &corners {
                 let place = view.project(*corner).expect("before the camera");

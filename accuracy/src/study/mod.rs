@@ -3,6 +3,7 @@
 //! Errors are functions of the code alone, the same at every call; times are of this machine at this moment. Tables, files
 //! and pictures are made of the [`Outcome`]s by whoever asked for them.
 
+mod camera;
 mod contact;
 mod drive;
 mod figure;
@@ -99,4 +100,5 @@ pub const STUDIES: &[Study] = &[
     reflectance::STUDY,
     moving_target::STUDY,
     noise::STUDY,
+    camera::STUDY,
 ];

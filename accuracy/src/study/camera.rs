@@ -1,0 +1,129 @@
+//! `camera`: pictures of a furnished room, and what their pixels would show if each were the mean over its square.
+
+use sim_core::camera::{Camera, Lens, Light, Still, View};
+use sim_core::time::Time;
+
+use super::{Effort, Outcome, Row, Study, nanoseconds};
+use crate::camera::Reference;
+use crate::room;
+use crate::world;
+
+pub const STUDY: Study = Study { name: "camera", title: "Pictures of a room, against their size and samples", run };
+
+/// Width and height, and samples along a pixel's side.
+const SETTINGS: [([u32; 2], u32); 6] =
+    [([80, 60], 1), ([160, 120], 1), ([320, 240], 1), ([160, 120], 2), ([160, 120], 3), ([160, 120], 4)];
+/// Views of the room.
+const VIEWS: usize = 6;
+/// Samples along a pixel's side for the truth.
+const TRUTH: u32 = 12;
+/// Pixels of each view that are compared, at most.
+const PIXELS: usize = 60;
+
+fn run(effort: Effort) -> Outcome {
+    let mut rows = Vec::new();
+    for shadows in [false, true] {
+        let scenery = room::scenery(Light { shadows, ..room::light() });
+        let still = scenery.still(&world::empty(), Time::ZERO);
+        let settings = SETTINGS.map(|setting| row(&still, shadows, setting, effort));
+        rows.extend(settings);
+        rows.push(by_all(&still, shadows));
+    }
+    rows.into()
+}
+
+fn method(by: &str, shadows: bool) -> String {
+    format!("{by}, {} shadows", if shadows { "with" } else { "without" })
+}
+
+fn views(size: [u32; 2]) -> Vec<View> {
+    let view = |stand: room::Stand| View::new(stand.pose(), Lens::Pinhole { fov: room::FIELD }, size);
+    room::stands(VIEWS).into_iter().filter_map(|stand| view(stand).ok()).collect()
+}
+
+/// Columns and rows of pixels spread over the picture.
+fn places([width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
+    // No divisor of a width, so that they are in all columns.
+    let step = ((width * height) as usize / PIXELS) | 1;
+    (step / 2..(width * height) as usize).step_by(step).map(move |pixel| [pixel as u32 % width, pixel as u32 / width])
+}
+
+/// Mean difference of colours from the truth, grey levels.
+fn error(reference: &Reference, views: &[View], mut colour: impl FnMut(&View, [u32; 2]) -> [f64; 3]) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for view in views {
+        for at @ [column, row] in places(view.size()) {
+            let truth = reference.pixel(view, column, row, TRUTH).unwrap_or_default();
+            let found = colour(view, at);
+            sum += (0..3).map(|channel| (found[channel] - truth[channel]).abs()).sum::<f64>();
+            count += 3.0;
+        }
+    }
+    sum / count
+}
+
+fn row(still: &Still, shadows: bool, (size, samples): ([u32; 2], u32), effort: Effort) -> Row {
+    let [width, height] = size;
+    let views = views(size);
+    let mut camera = Camera::default();
+    let time_ns = nanoseconds(effort.of(50), views.len(), || {
+        views.iter().map(|view| u64::from(camera.colour(still, view, None, samples).pixels()[0][0])).sum::<u64>()
+    });
+    let pictures: Vec<_> = views.iter().map(|view| camera.colour(still, view, None, samples)).collect();
+    let picture_of =
+        |view: &View| views.iter().position(|other| other == view).map_or(&pictures[0], |at| &pictures[at]);
+    let error = error(&Reference::new(still, None), &views, |view, [column, row]| {
+        picture_of(view).pixel(column, row).map(f64::from)
+    });
+    let samples = if samples == 1 { String::new() } else { format!(", {samples} x {samples} samples") };
+    let setting = format!("{width} x {height}{samples}");
+    Row {
+        study: STUDY.name,
+        method: method("camera", shadows),
+        setting,
+        error,
+        unit: "grey levels",
+        time_ns,
+        per: "picture",
+    }
+}
+
+/// One ray a pixel and, for shadows, another, tried on all faces.
+fn by_all(still: &Still, shadows: bool) -> Row {
+    let size @ [width, height] = [160, 120];
+    let (views, reference) = (views(size), Reference::new(still, None));
+    let look = |view: &View, [column, row]: [u32; 2]| reference.pixel(view, column, row, 1).unwrap_or_default();
+    let pixels: Vec<[u32; 2]> = places(size).collect();
+    let time_of_pixel = nanoseconds(1, pixels.len() * views.len(), || {
+        views
+            .iter()
+            .flat_map(|view| pixels.iter().map(move |at| (view, *at)))
+            .map(|(view, at)| look(view, at)[0])
+            .sum::<f64>()
+    });
+    Row {
+        study: STUDY.name,
+        method: method("all faces", shadows),
+        setting: format!("{width} x {height}"),
+        error: error(&reference, &views, look),
+        unit: "grey levels",
+        time_ns: time_of_pixel * f64::from(width * height),
+        per: "picture",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_bring_a_picture_nearer_to_the_truth() {
+        let rows = run(Effort::Quick).rows;
+        assert_eq!(rows.len(), 14);
+        for rows in rows.chunks(7) {
+            let [of_one, of_four, by_all] = [1, 5, 6].map(|place| rows[place].error);
+            assert!(of_four < 0.5 * of_one, "{of_four} for {of_one}");
+            assert!((of_one - by_all).abs() < 0.5, "rounded to whole levels: {of_one}, {by_all}");
+        }
+    }
+}

@@ -1,0 +1,300 @@
+//! Views that are hard to render, against the slow reference where there is nothing simpler to say.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
+use std::sync::Arc;
+
+use accuracy::camera::{Agreement, Reference, Shot};
+use accuracy::room;
+use accuracy::world::{Random, cuboid, empty};
+use glam::{DMat3, DVec2, DVec3};
+use sim_core::camera::{Camera, Floor, Ground, Label, Lens, Light, Part, Place, Scenery, Sky, Spot, View};
+use sim_core::pose::Pose3;
+use sim_core::scene::{Material, Mesh, Texture, Triangle};
+use sim_core::time::Time;
+
+const PINHOLE: Lens = Lens::Pinhole { fov: 1.2 };
+const FISHEYE: Lens = Lens::Fisheye { fov: 3.0 };
+const SKY: Sky = Sky { horizon: [200, 210, 230], zenith: [90, 140, 220] };
+
+fn view(pose: Pose3, lens: Lens, size: [u32; 2]) -> View {
+    View::new(pose, lens, size).expect("a view")
+}
+
+fn mesh(triangles: &[[DVec3; 3]]) -> Mesh {
+    let face = |first: u32| Triangle { corners: [first, first + 1, first + 2], normals: None, uv: None, material: 0 };
+    Mesh {
+        positions: triangles.as_flattened().to_vec(),
+        triangles: (0..triangles.len() as u32).map(|number| face(3 * number)).collect(),
+        materials: vec![Material::default()],
+    }
+}
+
+/// These meshes and nothing else.
+fn scenery(meshes: impl IntoIterator<Item = Mesh>) -> Scenery {
+    let part = |(number, mesh)| Part {
+        mesh: Arc::new(mesh),
+        label: Label::Wall(number),
+        place: Place::Fixed(Pose3::IDENTITY),
+    };
+    Scenery::new((0..).zip(meshes).map(part).collect(), None, room::light(), SKY)
+}
+
+/// Each of these views as the reference says.
+fn assert_agrees(what: &str, scenery: &Scenery, views: &[View]) -> Agreement {
+    let still = scenery.still(&empty(), Time::ZERO);
+    let reference = Reference::new(&still, None);
+    let mut camera = Camera::default();
+    let mut all = Agreement::default();
+    for view in views {
+        let agreement = Agreement::of(&Shot::take(&mut camera, &still, view, None), &reference, view);
+        agreement.assert_right(&format!("{what}, {view:?}"));
+        all += agreement;
+    }
+    println!("{what}: {} of {} pixels differ", all.differing, all.pixels);
+    all
+}
+
+fn turned(random: &mut Random, from: DVec3) -> Pose3 {
+    let [roll, pitch, yaw] = [PI, FRAC_PI_2, PI].map(|most| random.between(-most, most));
+    Pose3::from_angles(from, roll, pitch, yaw)
+}
+
+#[test]
+fn a_camera_in_a_wall_sees_its_inside_and_one_that_touches_it_does_not_see_that_face() {
+    let wall = |x: f64| mesh(&cuboid(DVec3::new(0.1, 2.0, 1.0), 1, |at| at + DVec3::X * x));
+    let scene = scenery([wall(0.0), wall(3.0)]);
+    let mut random = Random::new(91);
+    let inside = DVec3::new(0.03, 0.5, -0.25);
+    let views: Vec<View> =
+        (0..20).map(|turn| view(turned(&mut random, inside), [PINHOLE, FISHEYE][turn % 2], [20, 15])).collect();
+    assert_agrees("inside", &scene, &views);
+    let still = scene.still(&empty(), Time::ZERO);
+    let mut camera = Camera::default();
+    for view in &views {
+        assert!(camera.labels(&still, view, None).pixels().iter().all(|label| *label == Label::Wall(0)));
+    }
+    // On the face at x = 0.1: what is ahead is the other wall, what is behind is this one's other side.
+    let touching = DVec3::new(0.1, 0.5, -0.25);
+    let views = [0.0, 0.3, PI, 2.0].map(|yaw| view(Pose3::from_angles(touching, 0.0, 0.0, yaw), PINHOLE, [20, 15]));
+    assert_agrees("touching", &scene, &views);
+    let ahead = camera.labels(&still, &views[0], None);
+    assert_eq!(
+        (ahead.pixel(10, 7), camera.labels(&still, &views[2], None).pixel(10, 7)),
+        (&Label::Wall(1), &Label::Wall(0))
+    );
+    assert!((camera.depth(&still, &views[2], None).pixel(10, 7) - 0.2).abs() < 1e-3, "the wall is 20 cm thick");
+}
+
+#[test]
+fn faces_may_lie_across_the_cameras_plane() {
+    let mut random = Random::new(92);
+    // Large ones around the camera, with corners before and behind it.
+    for scene in 0..12 {
+        let mut corner = || 20.0 * random.between(0.05, 1.0) * random.direction_in_space();
+        let faces: Vec<[DVec3; 3]> = (0..8).map(|_| [corner(), corner(), corner()]).collect();
+        let scene = (scene, scenery(faces.iter().map(|face| mesh(&[*face]))));
+        let views: Vec<View> = (0..6)
+            .map(|turn| {
+                let from = random.direction_in_space();
+                view(turned(&mut random, from), [PINHOLE, FISHEYE, Lens::Pinhole { fov: 2.9 }][turn % 3], [20, 15])
+            })
+            .collect();
+        assert_agrees(&format!("scene {}", scene.0), &scene.1, &views);
+    }
+}
+
+/// A floor of 4 m by 3 m with an image and two spots.
+fn floor() -> Scenery {
+    let pixels =
+        (0..64).map(|place| if (place % 8 + place / 8) % 2 == 0 { [250, 240, 30, 255] } else { [20, 40, 90, 255] });
+    let texture = Texture::new(8, 8, pixels.collect()).map(Arc::new);
+    let spot = |x: f64, radius: f64| Spot { centre: DVec2::new(x, 1.0), radius, colour: [255, 0, 0, 128] };
+    let ground = Ground {
+        colour: [90, 110, 70],
+        floor: Some(Floor { size: DVec2::new(4.0, 3.0), colour: [255; 3], texture }),
+        spots: vec![spot(1.0, 0.3), spot(1.25, 0.2)],
+    };
+    let pole = mesh(&cuboid(DVec3::new(0.05, 0.05, 0.5), 1, |at| at + DVec3::new(2.0, 1.5, 0.5)));
+    let part = Part { mesh: Arc::new(pole), label: Label::Fixed(0), place: Place::Fixed(Pose3::IDENTITY) };
+    Scenery::new(vec![part], Some(ground), room::light(), SKY)
+}
+
+#[test]
+fn a_camera_may_look_straight_up_or_down_or_graze_the_floor() {
+    let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+    let mut views = Vec::new();
+    for lens in [PINHOLE, FISHEYE] {
+        for pitch in [-FRAC_PI_2, FRAC_PI_2] {
+            for (roll, yaw) in [(0.0, 0.0), (0.0, FRAC_PI_2), (1.0, 2.0)] {
+                views.push(view(Pose3::from_angles(at(1.5, 1.25, 0.6), roll, pitch, yaw), lens, [20, 15]));
+            }
+        }
+        for height in [1e-6, 1e-3, 0.02, 500.0, 1e5] {
+            for yaw in [0.0, 0.5] {
+                views.push(view(Pose3::from_angles(at(0.5, 1.0, height), 0.0, -1e-3, yaw), lens, [20, 15]));
+            }
+        }
+        // Beneath the floor, which is seen from above alone.
+        views.push(view(Pose3::from_angles(at(1.0, 1.0, -0.5), 0.0, 0.3, 0.5), lens, [20, 15]));
+        views.push(view(Pose3::from_angles(at(1.0, 1.0, 0.0), 0.0, -0.3, 0.5), lens, [20, 15]));
+    }
+    let all = assert_agrees("floor", &floor(), &views);
+    assert!(all.share() < 0.03, "{}", all.share());
+}
+
+#[test]
+fn far_from_the_origin_things_look_as_they_do_there() {
+    // Powers of two: the places themselves are not rounded.
+    let far = DVec3::new(16_384.0, -8192.0, 0.0);
+    let mesh = room::room();
+    let part = |place: DVec3| Part {
+        mesh: Arc::new(mesh.clone()),
+        label: Label::Fixed(0),
+        place: Place::Fixed(Pose3 { position: place, ..Pose3::IDENTITY }),
+    };
+    let [here, there] = [DVec3::ZERO, far].map(|place| Scenery::new(vec![part(place)], None, room::light(), SKY));
+    let (here, there) = (here.still(&empty(), Time::ZERO), there.still(&empty(), Time::ZERO));
+    let reference = Reference::new(&here, None);
+    let mut camera = Camera::default();
+    for (number, stand) in room::stands(12).into_iter().enumerate() {
+        let view = |place: DVec3| {
+            view(Pose3 { position: stand.eye + place, ..stand.pose() }, [PINHOLE, FISHEYE][number % 2], [32, 24])
+        };
+        let shot = Shot::take(&mut camera, &there, &view(far), None);
+        Agreement::of(&shot, &reference, &view(DVec3::ZERO)).assert_right("18 km away");
+    }
+}
+
+#[test]
+fn pictures_may_be_a_pixel_or_two_millions() {
+    let scene = room::scenery(room::light());
+    let still = scene.still(&empty(), Time::ZERO);
+    let reference = Reference::new(&still, None);
+    let mut camera = Camera::default();
+    let stand = room::stands(1)[0];
+    let pose = stand.pose();
+    for size in [[1, 1], [1, 33], [33, 1], [17, 3], [8192, 1], [1920, 1080]] {
+        // The image's longer side is as wide as the lens can see.
+        let share = f64::from(size[0]) / f64::from(size[0].max(size[1]));
+        for lens in [PINHOLE, Lens::Fisheye { fov: 3.0 * share }] {
+            let view = view(pose, lens, size);
+            let shot = Shot::take(&mut camera, &still, &view, None);
+            assert_eq!(shot.colour.size(), size);
+            let step = 1 + (size[0] * size[1]) as usize / 499;
+            Agreement::of_some(&shot, &reference, &view, step).assert_right(&format!("{size:?}, {lens:?}"));
+        }
+    }
+    for size in [[0, 10], [10, 0], [0, 0], [8193, 1]] {
+        assert!(View::new(pose, PINHOLE, size).is_err(), "{size:?}");
+    }
+}
+
+#[test]
+fn lenses_may_be_as_wide_as_they_can() {
+    let scene = room::scenery(room::light());
+    let stand = room::stands(3)[2];
+    let pose = stand.pose();
+    let lenses = [
+        Lens::Pinhole { fov: 1e-3 },
+        Lens::Pinhole { fov: 3.13 },
+        Lens::Pinhole { fov: 3.1415 },
+        Lens::Fisheye { fov: 1e-3 },
+        Lens::Fisheye { fov: PI },
+        Lens::Fisheye { fov: 1.5 * PI },
+        Lens::Fisheye { fov: TAU },
+    ];
+    assert_agrees("lenses", &scene, &lenses.map(|lens| view(pose, lens, [30, 30])));
+}
+
+#[test]
+fn faces_without_area_are_not_seen_and_needles_are() {
+    let mut random = Random::new(93);
+    for _ in 0..10 {
+        let mut faces = Vec::new();
+        for kind in 0..60 {
+            let [a, b] = [(); 2].map(|()| 2.0 * random.direction_in_space());
+            let tiny = random.direction_in_space();
+            faces.push(match kind % 6 {
+                0 => [a, a, b],
+                1 => [a, b, a.lerp(b, 0.5)],
+                2 => [a, b, b + 1e-3 * tiny],
+                3 => [a, b, b + 1e-7 * tiny],
+                4 => [a, a + 1e-7 * tiny, a + 1e-7 * tiny.any_orthonormal_vector()],
+                _ => [a, b, b + 0.05 * tiny],
+            });
+        }
+        let views: Vec<View> =
+            (0..4).map(|turn| view(turned(&mut random, DVec3::ZERO), [PINHOLE, FISHEYE][turn % 2], [24, 18])).collect();
+        assert_agrees("needles", &scenery([mesh(&faces)]), &views);
+    }
+}
+
+#[test]
+fn no_sky_shows_through_a_closed_room() {
+    let turn = DMat3::from_cols_array(&[2.0, 2.0, -1.0, -1.0, 2.0, 2.0, 2.0, -1.0, 2.0]) * (1.0 / 3.0);
+    let half = DVec3::new(2.0, 1.5, 1.25);
+    let far = DVec3::new(1e4, -1e4, 0.0);
+    let rooms = [
+        ("on the grid", mesh(&cuboid(half, 4, |at| at)), DVec3::ZERO),
+        ("on the grid, 14 km away", mesh(&cuboid(half, 4, |at| at + far)), far),
+        ("turned", mesh(&cuboid(half, 7, |at| turn * at)), DVec3::ZERO),
+    ];
+    let mut random = Random::new(94);
+    let mut camera = Camera::default();
+    for (name, mesh, middle) in rooms {
+        let scene = scenery([mesh]);
+        let still = scene.still(&empty(), Time::ZERO);
+        for turn in 0..1000 {
+            // Every other one from where robots on a grid stand and how they are turned there: edges at the middles of pixels.
+            let (offset, pose): (DVec3, Pose3) = if turn % 2 == 0 {
+                let offset = 0.25 * DVec3::new(random.below(5) as f64, random.below(5) as f64, random.below(3) as f64);
+                (
+                    offset - DVec3::new(0.5, 0.5, 0.25),
+                    Pose3::from_angles(DVec3::ZERO, 0.0, 0.0, turn as f64 * FRAC_PI_4),
+                )
+            } else {
+                (random.between(0.0, 1.0) * random.direction_in_space(), turned(&mut random, DVec3::ZERO))
+            };
+            let lens = [Lens::Pinhole { fov: FRAC_PI_2 }, Lens::Fisheye { fov: 4.0 }][turn / 2 % 2];
+            let size = [[25, 25], [32, 24]][turn / 4 % 2];
+            let view = view(Pose3 { position: middle + offset, ..pose }, lens, size);
+            let holes =
+                camera.labels(&still, &view, None).pixels().iter().filter(|label| **label == Label::Sky).count();
+            assert_eq!(holes, 0, "{name}, {view:?}");
+        }
+    }
+}
+
+#[test]
+fn a_camera_remembers_nothing() {
+    let scene = room::scenery(Light { shadows: true, ..room::light() });
+    let still = scene.still(&empty(), Time::ZERO);
+    let (mut one, mut shared) = (Camera::default(), Camera::default());
+    let views: Vec<View> = room::stands(6)
+        .into_iter()
+        .zip([[40, 30], [7, 5], [64, 64], [1, 1], [33, 17], [40, 30]])
+        .enumerate()
+        .map(|(number, (stand, size))| view(stand.pose(), [PINHOLE, FISHEYE][number % 2], size))
+        .collect();
+    for _ in 0..2 {
+        for view in &views {
+            for samples in [1, 3] {
+                let fresh = Camera::default().colour(&still, view, None, samples);
+                assert_eq!(one.colour(&still, view, None, samples), fresh);
+            }
+            let (depth, labels) = (shared.depth(&still, view, None), shared.labels(&still, view, None));
+            assert_eq!(depth, Camera::default().depth(&still, view, None));
+            assert_eq!(labels, Camera::default().labels(&still, view, None));
+        }
+    }
+}
+
+#[test]
+fn nothing_at_all_is_sky() {
+    let scene = scenery([]);
+    let still = scene.still(&empty(), Time::ZERO);
+    let up = view(Pose3::from_angles(DVec3::ZERO, 0.0, FRAC_PI_2, 0.0), PINHOLE, [3, 3]);
+    let picture = Camera::default().colour(&still, &up, None, 1);
+    assert_eq!(*picture.pixel(1, 1), SKY.zenith);
+    assert!(Camera::default().depth(&still, &up, None).pixels().iter().all(|depth| depth.is_infinite()));
+}
