@@ -313,6 +313,38 @@ fn images_are_the_same_however_a_run_is_run() {
     assert!(names[2].contains(&format!("{exposed:012.6}")), "{} {exposed}", names[2]);
 }
 
+/// The same in Python, through `eye.py`.
+const PYTHON: &str = r#"
+from eye import *
+
+assert len(CAMGetGray()) == CAMPIXELS and max(CAMGetGray()) == 0, "black without CAMInit"
+assert CAMInit(CUSTOM, 80, 60) == 0
+assert CAMGetDepth() is None and CAMGetLabels() is None
+image = CAMGet()
+assert (len(image), image.width, image.height) == (3 * 80 * 60, 80, 60)
+depth, labels = CAMGetDepth(), CAMGetLabels()
+assert len(depth) == len(labels) == 80 * 60 and (depth.width, labels.height) == (80, 60)
+assert depth[40] == float("inf") and labels[40] == CAM_SKY
+assert labels[4799] == CAM_FLOOR and 0 < depth[4799] < 1000
+box = CAM_BODY + SIMGetRobotCount() + 1
+assert labels.count(box) > 100, labels.count(box)
+gray = CAMGetGray()
+assert all(gray[i] == sum(image[3 * i : 3 * i + 3]) // 3 for i in range(80 * 60))
+assert CAMRelease() == 0 and CAMRelease() == 1
+print("done")
+"#;
+
+#[test]
+fn python_sees_the_same() {
+    if !std::process::Command::new("python3").arg("--version").output().is_ok_and(|out| out.status.success()) {
+        println!("skipped: there is no `python3`");
+        return;
+    }
+    let scratch = scratch("S4 1000 2000 0 one.py\nS4 3000 3000 180\n");
+    scratch.write("one.py", PYTHON);
+    assert_eq!(printed(&scratch, &[]).0, ["done"]);
+}
+
 #[test]
 fn a_shot_is_what_the_program_gets() {
     let scratch = scratch(ROBOTS);

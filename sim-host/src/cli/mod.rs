@@ -55,7 +55,7 @@ enum Command {
     Explain(explain::ExplainArgs),
     /// Draw a sim, world, maze, robi or object file from above, to scale
     Plot(plot::PlotArgs),
-    /// Run a sim file and take a picture of a robot's display
+    /// Run a sim file and take a picture: of what a robot sees, of the scene from anywhere, of a robot's display
     Shot(Box<shot::ShotArgs>),
     /// Turn a scene, a world or a type into another form: .sim, .wld, .maz, .robi and .esObj to and from .toml
     Convert(convert::ConvertArgs),

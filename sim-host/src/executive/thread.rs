@@ -271,6 +271,10 @@ impl Executor for ThreadExecutor {
         let look = match threads.child.get() {
             Some(child) if child.is_asked(flow.release()) => return true,
             Some(child) => Look::at_process(child.pid(), &flow.block),
+            None if flow.block.in_host.load(Ordering::Relaxed) => {
+                flow.watch.lock().pause();
+                return false;
+            }
             None => Look::at_thread(&flow.block),
         };
         look.is_some_and(|look| flow.watch.lock().is_overdue(&look, timeout))

@@ -57,6 +57,11 @@ impl Look {
 }
 
 impl Watch {
+    /// The host works for the program, such as on an image: that is not the program's time, which is measured anew behind it.
+    pub fn pause(&mut self) {
+        self.since = None;
+    }
+
     /// True when the flow has used `timeout` seconds of processor time, or slept in the kernel for as long, since its
     /// last release. Measured from the first look at a release, so up to one look's interval in the program's favour.
     pub fn is_overdue(&mut self, look: &Look, timeout: f64) -> bool {
@@ -129,6 +134,16 @@ fn is_asleep(folder: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_the_host_does_is_not_the_programs_time() {
+        let mut watch = Watch::default();
+        let look = |seconds| Look { release: 1, processor_time: Duration::from_secs(seconds), is_asleep: false };
+        assert!(!watch.is_overdue(&look(0), 1.0));
+        watch.pause();
+        assert!(!watch.is_overdue(&look(5), 1.0), "five seconds of the host's");
+        assert!(watch.is_overdue(&look(6), 1.0), "one of the program's");
+    }
 
     #[test]
     fn a_busy_thread_uses_processor_time_and_a_sleeping_one_does_not() {

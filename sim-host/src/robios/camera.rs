@@ -369,8 +369,88 @@ mod tests {
     use std::f64::consts::{FRAC_PI_2, PI};
 
     use sim_core::ObjectId;
+    use sim_core::build;
+    use sim_core::drive::{Command, Motion};
+    use sim_core::format::read_robi;
+    use sim_core::pose::{Pose, Twist};
 
+    use super::super::robot::RobotParts;
+    use super::super::{Devices, key, servo};
     use super::*;
+
+    /// A robot at (1, 0.5) that looks along y, with a camera 100 mm ahead of it, 50 mm to its left and 200 mm high.
+    fn bench() -> (Robot, World) {
+        let robi = "name Rover\ndiameter 200\nspeed 5000\nturn 720\nwheel 100 3600 1000 100\n\
+                    drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n\
+                    camera 100 50 200 SERVO1(-90,90) SERVO2(-45,45) 80 60\n";
+        let (spec, _) = read_robi("rover.robi", robi);
+        let walls = Arc::new(sim_core::scene::Walls::new(Vec::new()));
+        let model = Arc::new(build::model(&spec));
+        let mut motion = Motion::new(RobotId(1), model, walls.clone(), Pose::new(1.0, 0.5, FRAC_PI_2));
+        let world = World::new(walls, Time::from_millis(100_000), [&mut motion]);
+        let devices = Devices::new(&spec, key::Keys::default());
+        let (program, spec) = ("test".to_owned(), Arc::new(spec));
+        (Robot::new(RobotParts { program, motion, devices, spec, seed: 0, is_verbose: false }), world)
+    }
+
+    #[test]
+    fn an_image_is_exposed_where_the_robot_was_a_sixtieth_of_a_second_ago() {
+        let (mut robot, world) = bench();
+        robot.devices.camera.switch_on(Setting::default());
+        robot.command(&world, Command::Twist(Twist::new(3.0, 0.0))).expect("it drives");
+        robot.now = Time(100_000 + READ_OUT.0);
+        take_colour(&mut robot, &world).expect("an image");
+        let exposure = robot.devices.camera.last.clone().expect("the last image");
+        assert_eq!((exposure.number, exposure.at), (1, Time(100_000)));
+        // 300 mm on, and the camera ahead and to the left: x to the right, so left is -x.
+        let place = exposure.view.world_from_camera().position;
+        assert!((place - glam::DVec3::new(0.95, 0.9, 0.2)).length() < 1e-12, "{place}");
+        robot.now = Time(10);
+        let (early, _) = expose(&mut robot, &world, [8, 6]).expect("an image");
+        assert_eq!(early.at, Time::ZERO, "nothing was before");
+    }
+
+    #[test]
+    fn servos_turn_the_camera() {
+        let (mut robot, world) = bench();
+        robot.now = Time(200_000);
+        let ahead = |robot: &mut Robot, at| view(robot, at, None).expect("a view").world_from_camera().forward();
+        servo::turn(&mut robot, &world, 0, 255);
+        servo::turn(&mut robot, &world, 1, 0);
+        let before = ahead(&mut robot, Time(200_000));
+        assert!((before - glam::DVec3::Y).length() < 1e-12, "not yet: {before}");
+        // Pan to the left of y is -x; 45 degrees downwards.
+        let after = ahead(&mut robot, Time(200_001));
+        let expected = glam::DVec3::new(-1.0, 0.0, -1.0) * 0.5_f64.sqrt();
+        assert!((after - expected).length() < 1e-12, "{after}");
+    }
+
+    #[test]
+    fn an_image_has_the_number_that_it_had() {
+        let (mut robot, world) = bench();
+        robot.devices.camera.switch_on(Setting { size: [8, 6], ..Setting::default() });
+        for at in [100_000, 200_000, 900_000] {
+            robot.now = Time(at) + READ_OUT;
+            take_grey(&mut robot, &world).expect("an image");
+        }
+        let camera = &robot.devices.camera;
+        let numbers = [850_000, 900_000, 900_001].map(|at| camera.number_at(Time(at)));
+        assert_eq!(numbers, [3, 3, 4]);
+        assert_eq!(camera.exposed.len(), 1, "what is long ago is forgotten");
+    }
+
+    #[test]
+    fn without_a_camera_or_an_image_there_is_a_reason() {
+        let (mut robot, world) = bench();
+        assert_eq!(take_colour(&mut robot, &world).err(), Some(NoImage::Off));
+        robot.devices.camera.switch_on(Setting::default());
+        assert_eq!(take_depth(&mut robot).err(), Some(NoImage::NotTaken));
+        take_grey(&mut robot, &world).expect("an image");
+        assert_eq!(take_depth(&mut robot).map(|depth| depth.len()), Ok(320 * 240));
+        robot.devices.camera.switch_on(Setting::default());
+        assert_eq!(take_labels(&mut robot).err(), Some(NoImage::NotTaken), "a new start");
+        assert!(robot.devices.camera.switch_off() && !robot.devices.camera.switch_off());
+    }
 
     #[test]
     fn twice_the_zoom_is_twice_the_size() {
