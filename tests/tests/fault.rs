@@ -56,6 +56,19 @@ fn an_endless_loop_is_stopped_with_its_line() {
 }
 
 #[test]
+fn what_counts_is_the_time_between_two_waits_also_of_a_robot_alone() {
+    let scratch = Scratch::new();
+    let scene = write_scene(&scratch, &["busy.c"]);
+    scratch.write(
+        "busy.c",
+        "#include \"eyebot.h\"\nint main(void) {\n    volatile int i;\n    int n;\n    for (n = 0; n < 25; n++) {\n\
+         for (i = 0; i < 20000000; i++)\n;\n OSWait(50);\n    }\n OSMTStatus();\n    return 0;\n}\n",
+    );
+    // A second or more in all, of which no stretch takes half a second.
+    scratch.report(scene.to_str().expect("UTF-8"), &["--timeout", "0.5"], 0);
+}
+
+#[test]
 fn a_stack_overflow_is_told_from_other_faults() {
     let (report, ..) = run(
         "#include \"eyebot.h\"\nint deep(int n) { volatile char pad[4096]; pad[0] = n; return deep(n + 1) + pad[0]; }\n\

@@ -45,6 +45,9 @@ pub trait Executor: Send + Sync {
     /// Suspends the calling flow, which has the baton of `robot`, until that is resumed.
     fn suspend(&self, robot: RobotId);
 
+    /// The calling flow, which has the baton of `robot`, would be suspended, but is the one that is resumed, and so goes on.
+    fn go_on(&self, robot: RobotId);
+
     /// Hands the baton of `robot` from the calling flow to that of task `task`, until it is handed back.
     fn switch(&self, robot: RobotId, task: u32);
 

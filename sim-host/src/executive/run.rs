@@ -238,7 +238,9 @@ impl Run {
     pub(crate) fn suspend(&self, robot: RobotId, wake: Time) -> Result<(), Stop> {
         let hand_over = self.conductor.lock().suspend(self, robot, wake);
         self.resume(&hand_over);
-        if !hand_over.goes_on {
+        if hand_over.goes_on {
+            self.executor.go_on(robot);
+        } else {
             self.executor.suspend(robot);
         }
         if self.is_stopping() { Err(Stop) } else { Ok(()) }

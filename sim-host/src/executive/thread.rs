@@ -99,6 +99,11 @@ impl Flow {
         flow
     }
 
+    /// It is released once more: its time begins anew for the watchdog.
+    fn begin_release(&self) {
+        self.block.releases.fetch_add(1, Ordering::Relaxed);
+    }
+
     /// What tells its present release from all others.
     fn release(&self) -> Release {
         Release { thread: self.block.tid.load(Ordering::Relaxed), number: self.block.releases.load(Ordering::Relaxed) }
@@ -128,7 +133,7 @@ impl Threads {
         while !flow.go.swap(false, Ordering::Acquire) {
             thread::park();
         }
-        flow.block.releases.fetch_add(1, Ordering::Relaxed);
+        flow.begin_release();
         let ending = self.flows.lock().ending;
         if let Some(ending) = ending {
             let thread = ending.thread.lock().take();
@@ -214,6 +219,10 @@ impl Executor for ThreadExecutor {
 
     fn suspend(&self, robot: RobotId) {
         self.robot(robot).wait(Flow::current());
+    }
+
+    fn go_on(&self, _: RobotId) {
+        Flow::current().begin_release();
     }
 
     fn switch(&self, robot: RobotId, task: u32) {
