@@ -1,0 +1,140 @@
+/* Finds a ball by its colour, drives to it and stops before it.
+ *
+ * A pixel is taken for the ball if it has the ball's hue and is saturated: brown has the hue of orange, but less of it. Pixels
+ * are counted by columns, so that a single one that noise has coloured does not matter: the ball is the run of columns
+ * with most of them. How wide it is tells how far away the ball is.
+ *
+ * The hue may be given, 0 to 255: follow-ball 65 */
+#include <math.h>
+#include <stdlib.h>
+
+#include "eyebot.h"
+
+#define HUE 65         /* of orange */
+#define HUE_ERROR 10
+#define SATURATION 175 /* the least, of 255 */
+#define BRIGHTNESS 25  /* the least: what is nearly black has any hue */
+
+#define RADIUS 50      /* of the ball, mm */
+#define STOP 130       /* distance from the camera to the ball's middle at which the robot is there, mm */
+#define SPEED 250      /* mm/s */
+#define TURN 60        /* degrees/s while it looks around */
+
+typedef struct { int left, right, pixels; } Ball; /* the columns of the image that it fills; no pixels: not in sight */
+
+static BYTE colours[QQVGA_SIZE], hue[QQVGA_PIXELS], saturation[QQVGA_PIXELS], intensity[QQVGA_PIXELS], mask[QQVGA_PIXELS];
+
+/* Takes an image and finds the ball in it. */
+static Ball look(int wanted)
+{
+  int counts[QQVGA_X] = {0}, x, i;
+  Ball run = {0, 0, 0}, best = {0, 0, 0};
+
+  CAMGet(colours);
+  IPCol2HSI(colours, hue, saturation, intensity);
+  for (i = 0; i < QQVGA_PIXELS; i++) {
+    mask[i] = abs(hue[i] - wanted) <= HUE_ERROR && saturation[i] >= SATURATION && intensity[i] >= BRIGHTNESS;
+    counts[i % QQVGA_X] += mask[i];
+  }
+  for (x = 0; x < QQVGA_X; x++) {
+    if (counts[x] < 2) {
+      run.pixels = 0;
+      continue;
+    }
+    if (run.pixels == 0)
+      run.left = x;
+    run.right = x;
+    run.pixels += counts[x];
+    if (run.pixels > best.pixels)
+      best = run;
+  }
+  return best;
+}
+
+/* Width of the image over twice its distance behind the lens: a camera with a field of view of 60 degrees. */
+static double focal_length(void)
+{
+  return QQVGA_X / 2 / tan(30 * M_PI / 180);
+}
+
+/* Distance of the ball's middle from the camera, mm. */
+static int distance_of(Ball ball)
+{
+  double half_angle = atan((ball.right - ball.left + 1) / 2.0 / focal_length());
+  return (int)(RADIUS / sin(half_angle));
+}
+
+/* Its direction, degrees to the left. */
+static double direction_of(Ball ball)
+{
+  double off = (QQVGA_X - 1 - ball.left - ball.right) / 2.0;
+  return atan(off / focal_length()) * 180 / M_PI;
+}
+
+/* What the robot sees at the left, what it takes for the ball at the right. */
+static void show(Ball ball)
+{
+  LCDImageStart(0, 0, QQVGA_X, QQVGA_Y);
+  LCDImage(colours);
+  LCDImageStart(QQVGA_X, 0, QQVGA_X, QQVGA_Y);
+  LCDImageBinary(mask);
+  if (ball.pixels > 0) {
+    LCDLine(ball.left, 0, ball.left, QQVGA_Y - 1, GREEN);
+    LCDLine(ball.right, 0, ball.right, QQVGA_Y - 1, GREEN);
+    LCDSetPrintf(10, 0, "ball at %4d mm, %3d degrees  ", distance_of(ball), (int)direction_of(ball));
+  } else {
+    LCDSetPrintf(10, 0, "looking around                ");
+  }
+}
+
+static int limited(double value, int limit)
+{
+  return (int)(value > limit ? limit : value < -limit ? -limit : value);
+}
+
+/* Drives to another place, where there is room. */
+static void move_on(void)
+{
+  int room = PSDGet(PSD_FRONT) - 300;
+  VWStraight(room < 0 ? -100 : limited(room, 700), SPEED);
+  while (VWDone() == 0 && !VWStalled())
+    OSWait(50);
+}
+
+int main(int argc, char *argv[])
+{
+  int wanted = argc > 1 ? atoi(argv[1]) : HUE, last_seen = 0, side = 1;
+
+  if (CAMInit(QQVGA) != 0)
+    return 1;
+  last_seen = OSGetCount();
+  for (;;) {
+    Ball ball = look(wanted);
+    show(ball);
+    if (VWStalled()) {
+      VWStraight(-150, SPEED);
+      VWWait();
+      VWTurn(side * 60, TURN);
+      VWWait();
+      move_on();
+    } else if (ball.pixels == 0) {
+      if (OSGetCount() - last_seen > 1000 * 400 / TURN) { /* once around */
+        move_on();
+        last_seen = OSGetCount();
+      }
+      VWSetSpeed(0, side * TURN);
+    } else {
+      int distance = distance_of(ball);
+      double direction = direction_of(ball);
+      if (distance <= STOP)
+        break;
+      last_seen = OSGetCount();
+      side = direction < 0 ? -1 : 1;
+      VWSetSpeed(limited(distance - STOP + 40, SPEED), limited(2 * direction, TURN));
+    }
+  }
+  VWSetSpeed(0, 0);
+  CAMRelease();
+  LCDSetPrintf(12, 0, "there");
+  return 0;
+}
