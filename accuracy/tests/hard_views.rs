@@ -166,6 +166,51 @@ fn far_from_the_origin_things_look_as_they_do_there() {
 }
 
 #[test]
+fn the_sun_may_stand_anywhere() {
+    let towards = [
+        DVec3::Z,
+        DVec3::new(1.0, 0.0, 0.0175),
+        DVec3::new(0.0, -1.0, 0.05),
+        DVec3::new(1.0, 1.0, 1e-3),
+        DVec3::new(-1e-9, 0.0, 1.0),
+        DVec3::X,
+        DVec3::new(0.3, -0.2, -0.9),
+    ];
+    for towards in towards.map(|towards| towards.normalize_or(DVec3::Z)) {
+        // The room, from within and from above.
+        let light = Light { towards, ..room::light() };
+        let above = View::looking(DVec3::new(4.0, 3.0, 9.0), DVec3::new(4.0, 4.0, 0.0)).expect("another place");
+        let mut views = vec![view(above, PINHOLE, [32, 24])];
+        let within = room::stands(4).into_iter().zip([PINHOLE, FISHEYE, PINHOLE, FISHEYE]);
+        views.extend(within.map(|(stand, lens)| view(stand.pose(), lens, [24, 18])));
+        assert_agrees(&format!("room, sun {towards}"), &room::scenery(light), &views);
+        // Thin walls on the floor, edge to edge, one of them right beneath the sun.
+        let sheet = |from: DVec2, to: DVec2| {
+            let [a, b] = [from, to].map(|end| end.extend(0.0));
+            let [c, d] = [b, a].map(|foot| foot + 0.5 * DVec3::Z);
+            mesh(&[[a, b, c], [a, c, d]])
+        };
+        let corners = [[1.0, 1.0], [3.0, 1.0], [3.0, 2.0], [1.5, 2.25], [1.0, 1.0]].map(DVec2::from);
+        let parts = corners.windows(2).zip(0..).map(|(ends, number)| Part {
+            mesh: Arc::new(sheet(ends[0], ends[1])),
+            label: Label::Wall(number),
+            place: Place::Fixed(Pose3::IDENTITY),
+        });
+        let walls = Scenery::new(parts.collect(), floor().ground().cloned(), light, SKY);
+        let mut random = Random::new(95);
+        let views: Vec<View> = (0..8)
+            .map(|turn| {
+                let mut between = |low, high| random.between(low, high);
+                let from = DVec3::new(between(0.0, 4.0), between(0.0, 3.0), between(0.1, 2.0));
+                let pose = Pose3::from_angles(from, 0.0, between(-1.2, 0.0), between(-PI, PI));
+                view(pose, [PINHOLE, FISHEYE][turn % 2], [24, 18])
+            })
+            .collect();
+        assert_agrees(&format!("walls, sun {towards}"), &walls, &views);
+    }
+}
+
+#[test]
 fn pictures_may_be_a_pixel_or_two_millions() {
     let scene = room::scenery(room::light());
     let still = scene.still(&empty(), Time::ZERO);
