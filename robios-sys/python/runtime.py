@@ -3,7 +3,7 @@
 `eyesim run` runs a program with this module, whatever `eye.py` lies beside it; a copy beside the program is for editors.
 Functions, constants and units are those of C (millimetres, degrees, milliseconds). What C writes through pointers is
 returned: `x, y, phi = VWGetPosition()`. Images are flat `bytearray`s, three bytes a pixel in colour; wherever an image
-goes in, anything with a buffer does, such as an array of numpy, and `numpy.asarray(image)` has rows and columns.
+goes in, anything with a buffer does, such as an array of numpy, and `image.array()` is one with rows and columns.
 
 Time is the robot's virtual time in `time.time`, `time.monotonic`, `time.perf_counter` and `time.sleep`; `random` and
 `os.urandom` draw from the robot's own stream.
@@ -266,16 +266,16 @@ def LCDImageBinary(b):
 
 
 class Image(bytearray):
-    """A flat image: one byte a pixel, or three. `numpy.asarray` gives it rows and columns."""
+    """A flat image: one byte a pixel, or three."""
 
     width = height = 0
 
-    def __array__(self, dtype=None, copy=None):
+    def array(self):
+        """The image as an array of numpy with rows and columns, which shares its bytes."""
         import numpy
 
         shape = (self.height, self.width) if len(self) == self.width * self.height else (self.height, self.width, 3)
-        array = numpy.frombuffer(self, numpy.uint8).reshape(shape)
-        return array if dtype is None else array.astype(dtype)
+        return numpy.frombuffer(self, numpy.uint8).reshape(shape)
 
 
 def _image(data, size, width, height):
@@ -321,15 +321,15 @@ def CAMGetGray():
 
 
 class _Numbers(_array.array):
-    """A flat image of numbers, one a pixel, row 0 on top. `numpy.asarray` gives it rows and columns."""
+    """A flat image of numbers, one a pixel, row 0 on top."""
 
     width = height = 0
 
-    def __array__(self, dtype=None, copy=None):
+    def array(self):
+        """The image as an array of numpy with rows and columns, which shares its numbers."""
         import numpy
 
-        array = numpy.array(self.tolist(), self.typecode if dtype is None else dtype)
-        return array.reshape(self.height, self.width)
+        return numpy.frombuffer(self, self.typecode).reshape(self.height, self.width)
 
 
 def _numbers(typecode, values):
