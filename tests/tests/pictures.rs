@@ -7,6 +7,7 @@ use tests::{Scratch, root};
 const SAME: f64 = 0.5;
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
 fn the_pictures_of_cameras_are_those_of_the_commands() {
     let page = std::fs::read_to_string(root().join("docs/camera.md")).expect("docs/camera.md");
     let mut count = 0;
