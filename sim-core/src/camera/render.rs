@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 use super::bins::Bins;
 use super::optics::{Optics, TILE};
 use super::rays::{PIXELS, RayTable, Rays, Window};
-use super::shade::{Colours, Shading, shade};
+use super::shade::{Colours, Shading, rounded, shade};
 use super::shadow::{Axes, ShadowGrid};
 use super::surface::Looks;
 use super::tile::{GROUND, SKY, Tile, look};
@@ -67,12 +67,15 @@ impl Camera {
         let frame = Frame { looks, optics: &optics, view: &fine, bins: &self.bins, rays: &self.rays };
         let [width, height] = view.size();
         let mut pixels = vec![[0; 3]; width as usize * height as usize];
+        let level = self.level;
         let write = |tile: &Tile, colours: &Colours| {
+            let colours = rounded(level, colours);
             let [across, down] = frame.inside(tile.origin);
-            for row in 0..down {
+            for (row, colours) in colours.chunks_exact(TILE as usize).take(down).enumerate() {
                 let first = (tile.origin[1] as usize + row) * width as usize + tile.origin[0] as usize;
-                for (column, pixel) in pixels[first..first + across].iter_mut().enumerate() {
-                    *pixel = colours.map(|channel| rounded(channel[row * TILE as usize + column]));
+                for (pixel, colour) in pixels[first..first + across].iter_mut().zip(colours) {
+                    let [red, green, blue, _] = colour.to_le_bytes();
+                    *pixel = [red, green, blue];
                 }
             }
         };
@@ -96,7 +99,8 @@ impl Camera {
             });
             let share = 1.0 / (samples * samples) as f32;
             for (pixel, sum) in pixels.iter_mut().zip(sums) {
-                *pixel = sum.map(|channel| rounded(channel * share));
+                // A conversion to an integer saturates.
+                *pixel = sum.map(|channel| (channel * share + 0.5) as u8);
             }
         }
         Picture::new(view.size(), pixels)
@@ -227,9 +231,4 @@ impl Frame<'_> {
             }
         }
     }
-}
-
-/// A conversion to an integer saturates.
-fn rounded(channel: f32) -> u8 {
-    (channel + 0.5) as u8
 }

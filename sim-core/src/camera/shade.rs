@@ -99,6 +99,27 @@ fn shade_at<S: Simd, const FLAT: bool>(
     }
 }
 
+/// Rounds the colours of a tile to whole numbers: red is the lowest byte, then green and blue.
+pub fn rounded(level: Level, colours: &Colours) -> [u32; PIXELS] {
+    dispatch!(level, simd => rounded_at(simd, colours))
+}
+
+#[inline(always)]
+fn rounded_at<S: Simd>(simd: S, colours: &Colours) -> [u32; PIXELS] {
+    let mut pixels = [0; PIXELS];
+    let mut first = 0;
+    while first < PIXELS {
+        let at = first..first + S::f32s::LEN;
+        // None is below 0, or above 255.
+        let red: S::u32s = (S::f32s::from_slice(simd, &colours[0][at.clone()]) + 0.5).to_int();
+        let green: S::u32s = (S::f32s::from_slice(simd, &colours[1][at.clone()]) + 0.5).to_int();
+        let blue: S::u32s = (S::f32s::from_slice(simd, &colours[2][at.clone()]) + 0.5).to_int();
+        (red | green << 8 | blue << 16).store_slice(&mut pixels[at]);
+        first += S::f32s::LEN;
+    }
+    pixels
+}
+
 /// Colours pixels that show one surface; the sun reaches those that are `lit`, if it does not look away from it.
 #[inline(always)]
 fn paint<S: Simd, const FLAT: bool>(
@@ -293,16 +314,18 @@ fn select<S: Simd>(_: S, mask: S::mask32s, upper: Rgb<S>, under: Rgb<S>) -> Rgb<
     [mask.select(upper[0], under[0]), mask.select(upper[1], under[1]), mask.select(upper[2], under[2])]
 }
 
-/// Stores colours, at most 255, in these lanes of a part.
+/// Stores colours, from 0 to 255, in these lanes.
 #[inline(always)]
 fn store<S: Simd>(simd: S, colours: &mut Colours, first: usize, lanes: u64, colour: Rgb<S>) {
     let mask = S::mask32s::from_bitmask(simd, lanes);
-    let white = S::f32s::splat(simd, 255.0);
+    let (black, white) = (S::f32s::splat(simd, 0.0), S::f32s::splat(simd, 255.0));
     let mut channel = 0;
     while channel < 3 {
         let place = &mut colours[channel][first..first + S::f32s::LEN];
         let before = S::f32s::from_slice(simd, place);
-        mask.select(colour[channel].min(white), before).store_slice(place);
+        // Also black for what is no number.
+        let within = colour[channel].simd_gt(black).select(colour[channel].min(white), black);
+        mask.select(within, before).store_slice(place);
         channel += 1;
     }
 }

@@ -36,8 +36,9 @@ pub enum Wrap {
 #[derive(Clone, Debug)]
 pub struct Pyramid {
     levels: Vec<Level>,
-    /// Of all levels, each with a border of one texel of what is beyond it; red is the lowest byte, opacity the highest.
-    texels: Vec<i32>,
+    /// Of all levels, each with a border of one texel of what is beyond it: a texel and the one below it, so that the four around
+    /// a place are next to each other. Red is the lowest byte, opacity the highest.
+    texels: Vec<[i32; 2]>,
     wrap: Wrap,
     pub(super) is_opaque: bool,
 }
@@ -82,10 +83,11 @@ impl Pyramid {
             Wrap::Repeat => place.rem_euclid(size),
             Wrap::Clamp => place.clamp(0, size - 1),
         };
+        let texel = |column: i64, row: i64| {
+            i32::from_le_bytes(pixels[(within(row, height) * width + within(column, width)) as usize])
+        };
         for row in -1..=height {
-            let row = within(row, height) * width;
-            let of_row = (-1..=width).map(|column| pixels[(row + within(column, width)) as usize]);
-            self.texels.extend(of_row.map(i32::from_le_bytes));
+            self.texels.extend((-1..=width).map(|column| [texel(column, row), texel(column, row + 1)]));
         }
     }
 
@@ -214,18 +216,25 @@ impl Pyramid {
         let first = row * S::i32s::splat(simd, stride as i32) + column;
         let first = first.as_slice();
         let texels = &self.texels[level.start..];
-        let mut found = [[0_i32; MOST_LANES]; 4];
+        let mut found = [[[0_i32; 2]; 2]; MOST_LANES];
         let mut pending = wanted;
         while pending != 0 {
             let lane = pending.trailing_zeros() as usize % S::f32s::LEN;
             pending &= pending - 1;
-            let at = first[lane] as usize;
-            let (upper, lower) = (&texels[at..at + 2], &texels[at + stride..at + stride + 2]);
-            found[0][lane] = upper[0];
-            found[1][lane] = upper[1];
-            found[2][lane] = lower[0];
-            found[3][lane] = lower[1];
+            let at = first[lane] as u32 as usize;
+            let four = &texels[at..at + 2];
+            found[lane] = [four[0], four[1]];
         }
+        // From four texels a lane to one vector a texel.
+        let found = found.as_flattened().as_flattened();
+        let lanes = S::i32s::LEN;
+        let (even_low, odd_low) = S::i32s::from_slice(simd, &found[..lanes])
+            .deinterleave(S::i32s::from_slice(simd, &found[lanes..2 * lanes]));
+        let (even_high, odd_high) = S::i32s::from_slice(simd, &found[2 * lanes..3 * lanes])
+            .deinterleave(S::i32s::from_slice(simd, &found[3 * lanes..4 * lanes]));
+        let (upper_left, upper_right) = even_low.deinterleave(even_high);
+        let (lower_left, lower_right) = odd_low.deinterleave(odd_high);
+        let found = [upper_left, upper_right, lower_left, lower_right];
         let one = S::f32s::splat(simd, 1.0);
         let (left_share, high_share) = (one - right_share, one - low_share);
         let shares =
@@ -234,7 +243,7 @@ impl Pyramid {
         let low_byte = S::i32s::splat(simd, 255);
         let mut corner = 0;
         while corner < 4 {
-            let texel = S::i32s::from_slice(simd, &found[corner][..S::f32s::LEN]);
+            let texel = found[corner];
             let red: S::f32s = (texel & low_byte).to_float();
             let green: S::f32s = ((texel >> 8) & low_byte).to_float();
             let blue: S::f32s = ((texel >> 16) & low_byte).to_float();
