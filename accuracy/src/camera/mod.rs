@@ -276,7 +276,7 @@ impl<'s> Reference<'s> {
         let mut axes = [axis(DVec2::X), axis(DVec2::Y)];
         axes.sort_by(|one, other| (*other * texels).length().total_cmp(&(*one * texels).length()));
         let [long, short] = axes.map(|axis| (axis * texels).length());
-        let lengths = (0.5 * long / short).clamp(1.0, PROBES);
+        let lengths = (long / (2.0 * short).max(1.0)).clamp(1.0, PROBES);
         let level = (math::ln(long / lengths) / std::f64::consts::LN_2).clamp(0.0, (levels.len() - 1) as f64);
         let (lower, upper) = (level.floor() as usize, level.ceil() as usize);
         // Shares of the longer axis by which probes are off the middle.

@@ -11,15 +11,25 @@
 //! # What is met
 //! A ray from the camera meets a face where it lies in the cone over the face's corners, from either side: with the corners
 //! v0, v1, v2 in the camera's frame and e0 = v1 x v2 (and so on), where all e . ray have the sign of the determinant
-//! v0 . e0. The test is the same for every lens; faces behind the camera or across its plane need no clipping, and two faces
-//! that share an edge have the same number there with opposite signs, so that nothing shows through between them.
-//! Beneath all lies the ground, the plane z = 0, and behind all the sky; both are no faces but computed.
+//! v0 . e0 (ray against edges: Olano and Greer, Triangle scan conversion using 2D homogeneous coordinates, 1997). The test is the
+//! same for every lens, and faces behind the camera or across its plane need no clipping. Edges are taken as wider by 1e-4
+//! pixels (2e-6 rad for a fisheye), more than all rounding, so that nothing shows through between faces that share an edge or a
+//! corner. Of faces in one plane the first is seen: the part, then the triangle with the lower number. A camera less than 1 nm
+//! from a face's plane sees it from its edge: not at all. Beneath all lies the ground, the plane z = 0, seen from above alone, and
+//! behind all the sky; both are no faces but computed. Our choices.
 //!
 //! # Colour
 //! The colour of a surface is that of its material times its texture, times the share of light: `ambient`, `fill` times how
 //! far the surface looks up to the side opposite to the sun ((1 + n . f) / 2), and `diffuse` times n . l where the sun reaches it.
-//! Textures are filtered: see [`Pyramid`]. Colours are added and multiplied as the numbers of the image, 0 to 255, as
+//! On faces with normals at the corners n is blended between them; it is turned to the side from which the face is seen.
+//! With `shadows` the sun reaches what no other face covers from it, as seen from more than 1e-6 m away: hard shadows, exact, of
+//! all that is seen, a camera's own robot too; the ground throws none. Textures are filtered: see [`Pyramid`]. Colours are added and multiplied as the numbers of the image, 0 to 255, as
 //! graphics cards without a colour space do.
+//!
+//! # How it is computed
+//! Faces go into tiles of 8 x 8 pixels (`bins`); in a tile `tile` finds the nearest face of each pixel, with the processor's
+//! vectors, and `shade` then colours the pixels, face by face. Forms on rays are set up in `f64` and taken about a tile's middle
+//! in `f32`. The bits are the same on every processor: nothing is fused, and no sum is over lanes.
 
 mod bins;
 mod face;

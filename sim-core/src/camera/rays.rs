@@ -155,14 +155,18 @@ impl Rays {
     /// Makes them those of a fisheye's tile.
     pub fn curve(&mut self, table: &RayTable, tile: [u32; 2]) {
         let start = table.place(tile.map(|place| place * TILE));
-        for row in 0..TILE as usize {
-            let at = start + row * table.stride;
+        let side = TILE as usize;
+        for row in 0..side {
+            let (at, to) = (start + row * table.stride, row * side..(row + 1) * side);
+            let is_shown = &table.is_shown[at..at + side];
             for (axis, of_axis) in table.axes.iter().enumerate() {
-                for column in 0..TILE as usize {
-                    let (pixel, at) = (row * TILE as usize + column, at + column);
-                    self.axes[axis][pixel] = if table.is_shown[at] { of_axis[at] } else { 0.0 };
-                    self.steps[0][axis][pixel] = 0.5 * (of_axis[at + 1] - of_axis[at - 1]);
-                    self.steps[1][axis][pixel] = 0.5 * (of_axis[at + table.stride] - of_axis[at - table.stride]);
+                let from = |place: usize| &of_axis[place..place + side];
+                let here = self.axes[axis][to.clone()].iter_mut().zip(from(at)).zip(is_shown);
+                here.for_each(|((ray, part), is_shown)| *ray = if *is_shown { *part } else { 0.0 });
+                let pairs = [(at + 1, at - 1), (at + table.stride, at - table.stride)];
+                for (step, (behind, before)) in self.steps.iter_mut().zip(pairs) {
+                    let changes = step[axis][to.clone()].iter_mut().zip(from(behind)).zip(from(before));
+                    changes.for_each(|((change, behind), before)| *change = 0.5 * (behind - before));
                 }
             }
         }

@@ -22,11 +22,11 @@ pub enum Wrap {
 ///
 /// # Filter
 /// A pixel's footprint in the image has the axes a (a step to the next column) and b (to the next row), in texels, from the
-/// derivatives of u and v at the pixel's middle. It is taken as long as the longer of them, L, and as wide as the shorter, S. Up
-/// to twice as long as wide it is seen by one probe, beyond that by n = |L| / (2 |S|) of them, 4 at most, each L / n long:
-/// two probes at the distances (1 - 1/n) / 2 of L on either side of the middle, or, where n is above 2, two such for each half
-/// of L, at (1/2 - 1/n) / 2 of it from the middles of the halves. The colour is the mean of the probes, and changes
-/// continuously with the footprint.
+/// derivatives of u and v at the pixel's middle (for a fisheye half the difference of the rays of the pixels beside it). It is
+/// taken as long as the longer of them, L, and as wide as the shorter, S. It is seen by n = |L| / max(2 |S|, 1) probes, 1 to 4,
+/// each L / n long: so up to twice as long as wide it takes one, and none that is shorter than a texel. Two probes are at the
+/// distances (1 - 1/n) / 2 of L on either side of the middle; where n is above 2, two for each half of L, at (1/2 - 1/n) / 2 of
+/// it from the middles of the halves. The colour is the mean of the probes, and changes continuously with the footprint.
 ///
 /// A probe blends, linearly in level = log2(|L| / n), two versions of the image, in each of which it blends the four nearest
 /// texels linearly; level 0 is the image, and the first where the probe is smaller than a texel. Transparent texels show the
@@ -116,7 +116,7 @@ impl Pyramid {
         let (a2, b2) = (a[0] * a[0] + a[1] * a[1], b[0] * b[0] + b[1] * b[1]);
         let is_a = a2.simd_ge(b2);
         let (long, short) = (is_a.select(a2, b2), is_a.select(b2, a2));
-        let widest = (short * 4.0).max(long * (1.0 / (Self::PROBES * Self::PROBES)));
+        let widest = (short * 4.0).max(1.0).max(long * (1.0 / (Self::PROBES * Self::PROBES)));
         // Of a probe; all lengths are squared.
         let length = long.min(widest);
         let zero = S::f32s::splat(simd, 0.0);
@@ -217,13 +217,21 @@ impl Pyramid {
         let first = first.as_slice();
         let texels = &self.texels[level.start..];
         let mut found = [[[0_i32; 2]; 2]; MOST_LANES];
-        let mut pending = wanted;
-        while pending != 0 {
-            let lane = pending.trailing_zeros() as usize % S::f32s::LEN;
-            pending &= pending - 1;
-            let at = first[lane] as u32 as usize;
-            let four = &texels[at..at + 2];
-            found[lane] = [four[0], four[1]];
+        if wanted.count_ones() as usize == S::f32s::LEN {
+            for (found, at) in found.iter_mut().zip(first) {
+                let at = *at as u32 as usize;
+                let four = &texels[at..at + 2];
+                *found = [four[0], four[1]];
+            }
+        } else {
+            let mut pending = wanted;
+            while pending != 0 {
+                let lane = pending.trailing_zeros() as usize % S::f32s::LEN;
+                pending &= pending - 1;
+                let at = first[lane] as u32 as usize;
+                let four = &texels[at..at + 2];
+                found[lane] = [four[0], four[1]];
+            }
         }
         // From four texels a lane to one vector a texel.
         let found = found.as_flattened().as_flattened();

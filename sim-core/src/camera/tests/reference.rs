@@ -213,7 +213,7 @@ pub fn filtered(image: &Texture, wrap: Wrap, at: DVec2, changes: [DVec2; 2]) -> 
     let texels = DVec2::new(f64::from(width), f64::from(height));
     let [a, b] = changes.map(|change| (change * texels).length());
     let (long, short, axis) = if a >= b { (a, b, changes[0]) } else { (b, a, changes[1]) };
-    let n = (long / (2.0 * short)).clamp(1.0, f64::from(Pyramid::PROBES));
+    let n = (long / (2.0 * short).max(1.0)).clamp(1.0, f64::from(Pyramid::PROBES));
     let offsets = if n <= 2.0 {
         let apart = (1.0 - 1.0 / n) / 2.0;
         vec![-apart, apart]
