@@ -4,6 +4,8 @@
 //! ray through the place (x, y) of the image is (x, y, 1) (homogeneous coordinates of the image: Olano and Greer, Triangle scan
 //! conversion using 2D homogeneous coordinates, 1997); for a fisheye lens space is the camera's frame, and rays come from a table.
 
+use std::f64::consts::FRAC_PI_3;
+
 use glam::{DMat3, DVec2, DVec3};
 
 use super::{Lens, View};
@@ -162,7 +164,7 @@ impl Optics {
             return Some(self.everything());
         }
         // The angle of a chord up to 1 is less than pi / 3 times as much.
-        let width = 1.0472 * chord + 1e-9;
+        let width = 1.0001 * FRAC_PI_3 * chord + 1e-9;
         let across = math::hypot(middle.y, middle.z);
         let off_axis = math::atan2(across, middle.x);
         let farthest = off_axis + width;

@@ -255,12 +255,12 @@ impl Pyramid {
             let red: S::f32s = (texel & low_byte).to_float();
             let green: S::f32s = ((texel >> 8) & low_byte).to_float();
             let blue: S::f32s = ((texel >> 16) & low_byte).to_float();
-            sum[0] = sum[0] + red * shares[corner];
-            sum[1] = sum[1] + green * shares[corner];
-            sum[2] = sum[2] + blue * shares[corner];
+            sum[0] += red * shares[corner];
+            sum[1] += green * shares[corner];
+            sum[2] += blue * shares[corner];
             if !self.is_opaque {
                 let opacity: S::f32s = ((texel >> 24) & low_byte).to_float();
-                sum[3] = sum[3] + opacity * shares[corner];
+                sum[3] += opacity * shares[corner];
             }
             corner += 1;
         }
