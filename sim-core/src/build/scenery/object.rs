@@ -62,7 +62,7 @@ fn planks(colour: [u8; 3]) -> Arc<Texture> {
             (..FRAME, _) => 100,
             (_, ..7) => 94,
             (_, ..9) => 60,
-            _ if (row - FRAME) % BOARD == 0 => 62,
+            _ if (row - FRAME).is_multiple_of(BOARD) => 62,
             _ => 78 + (row - FRAME) / BOARD * 7 % 9,
         };
         let [red, green, blue] = colour.map(|level| (u32::from(level) * light / 100) as u8);
