@@ -28,7 +28,10 @@ struct Disk(String);
 
 impl Files for Disk {
     fn read(&self, path: &str) -> Result<Vec<u8>, FileError> {
-        fs::read(path).map_err(|_| FileError::Missing)
+        if !Path::new(path).is_file() {
+            return Err(FileError::Missing);
+        }
+        fs::read(path).map_err(|error| FileError::Unreadable(error.to_string()))
     }
 
     fn list(&self, folder: &str) -> Vec<String> {
