@@ -180,8 +180,9 @@ impl<'s> Reference<'s> {
     }
 
     fn ground(&self, view: &View, at: DVec2, metres: f64) -> Sight {
+        let ray_around = rays_around(view, at);
         let point = |at: DVec2| {
-            let (origin, ray) = (view.world_from_camera().position, ray(view, at, false).unwrap_or(DVec3::NEG_Z));
+            let (origin, ray) = (view.world_from_camera().position, ray_around(at));
             (origin + ray * (origin.z / -ray.z)).truncate()
         };
         let here = point(at);
@@ -210,8 +211,9 @@ impl<'s> Reference<'s> {
 
     fn face(&self, view: &View, at: DVec2, body: &Body, face: &Face, metres: f64) -> Sight {
         let origin = view.world_from_camera().position;
+        let ray_around = rays_around(view, at);
         let point = |at: DVec2| {
-            let ray = ray(view, at, false).unwrap_or(DVec3::X);
+            let ray = ray_around(at);
             origin + ray * ((face.corners[0] - origin).dot(face.normal) / ray.dot(face.normal))
         };
         let shares = |at: DVec2| face.shares(point(at));
@@ -293,7 +295,7 @@ impl<'s> Reference<'s> {
             let colour = mixed(
                 levels[lower].between_texels(there, is_repeated),
                 levels[upper].between_texels(there, is_repeated),
-                level - level.floor(),
+                ((level - level.floor() - 0.5) / 0.25 + 0.5).clamp(0.0, 1.0),
             );
             sum = std::array::from_fn(|channel| sum[channel] + colour[channel] / probes.len() as f64);
         }
@@ -342,6 +344,20 @@ fn ray(view: &View, at: DVec2, has_edge: bool) -> Option<DVec3> {
         }
     };
     Some(view.world_from_camera().rotation * local)
+}
+
+/// Rays through the places around the middle of a pixel: of a fisheye, as they change from one of the pixels beside it to the
+/// other, which is how its footprints are defined.
+fn rays_around(view: &View, middle: DVec2) -> impl Fn(DVec2) -> DVec3 {
+    let ray = move |at| ray(view, at, false).unwrap_or_default();
+    let change = move |step: DVec2| 0.5 * (ray(middle + step) - ray(middle - step));
+    move |at| match view.lens() {
+        Lens::Pinhole { .. } => ray(at),
+        Lens::Fisheye { .. } => {
+            let away = at - middle;
+            ray(middle) + away.x * change(DVec2::X) + away.y * change(DVec2::Y)
+        }
+    }
 }
 
 fn mixed<const N: usize>(one: [f64; N], other: [f64; N], share: f64) -> [f64; N] {

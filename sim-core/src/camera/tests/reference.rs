@@ -229,7 +229,7 @@ pub fn filtered(image: &Texture, wrap: Wrap, at: DVec2, changes: [DVec2; 2]) -> 
         let place = at + axis * *offset;
         let fine = bilinear(&levels[lower], wrap, place);
         let coarse = bilinear(&levels[(lower + 1).min(levels.len() - 1)], wrap, place);
-        let share = level - level.floor();
+        let share = ((level - level.floor() - 0.5) / 0.25 + 0.5).clamp(0.0, 1.0);
         sum = std::array::from_fn(|channel| sum[channel] + fine[channel] + share * (coarse[channel] - fine[channel]));
     }
     sum.map(|channel| channel / offsets.len() as f64)
