@@ -278,26 +278,20 @@ impl<'s> Reference<'s> {
         let mut axes = [axis(DVec2::X), axis(DVec2::Y)];
         axes.sort_by(|one, other| (*other * texels).length().total_cmp(&(*one * texels).length()));
         let [long, short] = axes.map(|axis| (axis * texels).length());
-        let lengths = (long / (2.0 * short).max(1.0)).clamp(1.0, PROBES);
+        let lengths = (long / (3.0 * short).max(1.0)).clamp(1.0, PROBES);
         let level = (math::ln(long / lengths) / std::f64::consts::LN_2).clamp(0.0, (levels.len() - 1) as f64);
         let (lower, upper) = (level.floor() as usize, level.ceil() as usize);
-        // Shares of the longer axis by which probes are off the middle.
-        let of_half = 0.5 * (0.5 - 1.0 / lengths);
-        let probes = if lengths <= 2.0 {
-            let apart = 0.5 * (1.0 - 1.0 / lengths);
-            vec![-apart, apart]
-        } else {
-            vec![-0.25 - of_half, -0.25 + of_half, 0.25 - of_half, 0.25 + of_half]
-        };
+        // Share of the longer axis by which probes are off the middle.
+        let apart = 0.5 * (1.0 - 1.0 / lengths);
         let mut sum = [0.0; 4];
-        for probe in &probes {
-            let there = place(at) + axes[0] * *probe;
+        for probe in [-apart, apart] {
+            let there = place(at) + axes[0] * probe;
             let colour = mixed(
                 levels[lower].between_texels(there, is_repeated),
                 levels[upper].between_texels(there, is_repeated),
                 ((level - level.floor() - 0.5) / 0.25 + 0.5).clamp(0.0, 1.0),
             );
-            sum = std::array::from_fn(|channel| sum[channel] + colour[channel] / probes.len() as f64);
+            sum = std::array::from_fn(|channel| sum[channel] + 0.5 * colour[channel]);
         }
         sum
     }
@@ -312,7 +306,7 @@ const IN_A_BALL: usize = 12;
 /// What is nearer than this to a surface casts no shadow on it, m: faces that share an edge with it.
 const NO_SHADOW: f64 = 1e-6;
 /// Longest footprint in an image, in probes.
-const PROBES: f64 = 4.0;
+const PROBES: f64 = 2.0;
 
 enum Met<'a, 's> {
     Ground,

@@ -23,10 +23,10 @@ pub enum Wrap {
 /// # Filter
 /// A pixel's footprint in the image has the axes a (a step to the next column) and b (to the next row), in texels, from the
 /// derivatives of u and v at the pixel's middle (for a fisheye half the difference of the rays of the pixels beside it). It is
-/// taken as long as the longer of them, L, and as wide as the shorter, S. It is seen by n = |L| / max(2 |S|, 1) probes, 1 to 4,
-/// each L / n long: so up to twice as long as wide it takes one, and none that is shorter than a texel. Two probes are at the
-/// distances (1 - 1/n) / 2 of L on either side of the middle; where n is above 2, two for each half of L, at (1/2 - 1/n) / 2 of
-/// it from the middles of the halves. The colour is the mean of the probes, and changes continuously with the footprint.
+/// taken as long as the longer of them, L, and as wide as the shorter, S. It is seen by n = |L| / max(3 |S|, 1) probes, 1 to 2,
+/// each L / n long: so up to three times as long as wide it takes one, and none that is shorter than a texel. Two probes are at
+/// the distances (1 - 1/n) / 2 of L on either side of the middle. The colour is the mean of the probes, and changes
+/// continuously with the footprint.
 ///
 /// A probe of level = log2(|L| / n) sees the version of the nearest whole number, in which it blends the four nearest texels
 /// linearly; in the quarter of a level around the middle between two versions it goes over from one to the other, linearly in
@@ -60,7 +60,7 @@ impl Level {
 
 impl Pyramid {
     /// Longest footprint, in probes.
-    pub(super) const PROBES: f32 = 4.0;
+    pub(super) const PROBES: f32 = 2.0;
 
     /// The versions of `image`.
     pub fn new(image: &Texture, wrap: Wrap) -> Self {
@@ -118,7 +118,7 @@ impl Pyramid {
         let (a2, b2) = (a[0] * a[0] + a[1] * a[1], b[0] * b[0] + b[1] * b[1]);
         let is_a = a2.simd_ge(b2);
         let (long, short) = (is_a.select(a2, b2), is_a.select(b2, a2));
-        let widest = (short * 4.0).max(1.0).max(long * (1.0 / (Self::PROBES * Self::PROBES)));
+        let widest = (short * 9.0).max(1.0).max(long * (1.0 / (Self::PROBES * Self::PROBES)));
         // Of a probe; all lengths are squared.
         let length = long.min(widest);
         let zero = S::f32s::splat(simd, 0.0);
@@ -126,19 +126,17 @@ impl Pyramid {
         let is_one = long.simd_le(widest);
         let [width, height] = self.size().map(|side| 1.0 / side as f32);
         let axis = [is_a.select(a[0], b[0]) * width, is_a.select(a[1], b[1]) * height];
-        let (mut apart, mut halves, mut probes) = (zero, zero, 1);
+        let (mut apart, mut probes) = (zero, 1);
         if is_one.to_bitmask() & wanted != wanted {
             // 1 / n.
             let share = is_one.select(S::f32s::splat(simd, 1.0), (length / long).sqrt());
-            apart = ((S::f32s::splat(simd, 1.0) - share) * 0.5).min(0.25);
-            halves = ((S::f32s::splat(simd, 0.5) - share) * 0.5).max(zero);
-            probes = if halves.simd_le(zero).to_bitmask() & wanted == wanted { 2 } else { 4 };
+            apart = (S::f32s::splat(simd, 1.0) - share) * 0.5;
+            probes = 2;
         }
         let mut sum = [zero; 4];
         let mut number = 0;
         while number < probes {
-            let half = if number & 1 == 0 { apart } else { -apart };
-            let along = if number & 2 == 0 { half + halves } else { half - halves };
+            let along = if number == 0 { apart } else { -apart };
             let at = [place[0] + axis[0] * along, place[1] + axis[1] * along];
             let colour = self.probe(simd, wanted, at, level);
             sum = [sum[0] + colour[0], sum[1] + colour[1], sum[2] + colour[2], sum[3] + colour[3]];

@@ -213,26 +213,20 @@ pub fn filtered(image: &Texture, wrap: Wrap, at: DVec2, changes: [DVec2; 2]) -> 
     let texels = DVec2::new(f64::from(width), f64::from(height));
     let [a, b] = changes.map(|change| (change * texels).length());
     let (long, short, axis) = if a >= b { (a, b, changes[0]) } else { (b, a, changes[1]) };
-    let n = (long / (2.0 * short).max(1.0)).clamp(1.0, f64::from(Pyramid::PROBES));
-    let offsets = if n <= 2.0 {
-        let apart = (1.0 - 1.0 / n) / 2.0;
-        vec![-apart, apart]
-    } else {
-        let apart = (0.5 - 1.0 / n) / 2.0;
-        vec![-0.25 - apart, -0.25 + apart, 0.25 - apart, 0.25 + apart]
-    };
+    let n = (long / (3.0 * short).max(1.0)).clamp(1.0, f64::from(Pyramid::PROBES));
+    let apart = (1.0 - 1.0 / n) / 2.0;
     let levels = smaller(image);
     let level = (math::ln(long / n) / std::f64::consts::LN_2).clamp(0.0, (levels.len() - 1) as f64);
     let mut sum = [0.0; 4];
-    for offset in &offsets {
+    for offset in [-apart, apart] {
         let lower = level as usize;
-        let place = at + axis * *offset;
+        let place = at + axis * offset;
         let fine = bilinear(&levels[lower], wrap, place);
         let coarse = bilinear(&levels[(lower + 1).min(levels.len() - 1)], wrap, place);
         let share = ((level - level.floor() - 0.5) / 0.25 + 0.5).clamp(0.0, 1.0);
         sum = std::array::from_fn(|channel| sum[channel] + fine[channel] + share * (coarse[channel] - fine[channel]));
     }
-    sum.map(|channel| channel / offsets.len() as f64)
+    sum.map(|channel| channel / 2.0)
 }
 
 /// The image and its smaller versions.
