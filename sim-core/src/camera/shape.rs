@@ -18,6 +18,8 @@ pub struct Shape {
     /// By cluster its corners, each once for the cluster.
     pub corners: Vec<DVec3>,
     pub faces: Vec<ShapeFace>,
+    /// By triangle of the mesh its normal, of length 1, on the side from which the corners are counter-clockwise; 0 without area.
+    pub normals: Vec<DVec3>,
 }
 
 /// A sphere around something, in the mesh's frame.
@@ -50,7 +52,12 @@ impl Shape {
         let seen: Vec<usize> =
             (0..mesh.triangles.len()).filter(|&number| is_seen(mesh.triangles[number].material)).collect();
         let (surface_of, surfaces) = surfaces(mesh, &seen);
+        let normal = |triangle| {
+            let [a, b, c] = mesh.corners(triangle);
+            (b - a).cross(c - a).normalize_or_zero()
+        };
         let mut shape = Self {
+            normals: mesh.triangles.iter().map(normal).collect(),
             bounds: Sphere::around(&mesh.positions),
             clusters: Vec::new(),
             corners: Vec::new(),

@@ -131,8 +131,7 @@ impl<'a> Looks<'a> {
         let look: &'a Look = self.scenery.look(face.part as usize, triangle.material);
         let rotation = self.still.poses()[face.part as usize].rotation;
         let side = if face.is_outside { 1.0 } else { -1.0 };
-        let [a, b, c] = part.mesh.corners(triangle);
-        let flat = rotation * (b - a).cross(c - a).normalize_or_zero() * side;
+        let flat = rotation * self.scenery.shape(face.part as usize).normals[face.triangle as usize] * side;
         let flat = shares(self.scenery.light(), flat);
         let light = triangle.normals.map_or(Lighting::Flat(flat), |normals| {
             let [a, b, c] = normals.map(|normal| rotation * normal.as_dvec3() * (side * face.per_det));
