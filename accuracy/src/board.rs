@@ -54,7 +54,7 @@ impl Board {
 /// The places in a picture where two dark and two light fields meet crosswise, to a fraction of a pixel: columns to the right,
 /// rows downwards, the first pixel's middle at (0.5, 0.5).
 ///
-/// The saddles of the brightness, blurred by a bell curve of [`BLUR`]: looked for at every other pixel, then found by Newton's method
+/// The saddles of the brightness, blurred by a bell curve of 2.5 pixels: looked for at every other pixel, then found by Newton's method
 /// as zeros of the gradient. The four fields are the same turned by half a circle about their crossing, so it stays the
 /// saddle under any blur that is, too.
 ///

@@ -19,8 +19,11 @@ fn main() -> image::ImageResult<()> {
     Ok(())
 }
 
+/// Draws an image.
+type Draw = fn() -> RgbImage;
+
 /// The images by their file names.
-pub const FLOORS: [(&str, fn() -> RgbImage); 4] =
+pub const FLOORS: [(&str, Draw); 4] =
     [("track.png", track), ("road.png", road), ("soccer.png", soccer), ("tiles.png", tiles)];
 
 /// A floor of `size` metres with pixels of `pixel` metres: each is the mean of what `colour` says of 3 x 3 places in it, x to the

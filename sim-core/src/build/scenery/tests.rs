@@ -62,7 +62,7 @@ fn walls_stand_on_the_floor_and_share_their_corners_to_the_bit() {
     }
     let areas = |part: &Part| part.mesh.triangles.iter().map(|face| area(&part.mesh, face)).sum::<f64>();
     assert!((areas(south) - 4.0 * 0.2).abs() < 1e-12 && (areas(east) - 3.0 * 0.15).abs() < 1e-12);
-    let length = 1.5_f64.hypot(0.7);
+    let length = math::hypot(1.5, 0.7);
     let expected = length * 0.04 + 2.0 * (length + 0.04) * 0.3;
     assert!((areas(slanting) - expected).abs() < 1e-12, "four sides and a top");
     assert_eq!(east.mesh.materials[0].colour, [1, 2, 3].map(|shade: u8| f32::from(shade) / 255.0));
