@@ -28,7 +28,7 @@
 
 /* The numbers of robios_sys::support. */
 enum { RAND = 1, RANDOM = 2, DRAND48 = 3, ENTROPY = 4 };
-enum { FAILED_ABORT = 1, FAILED_ASSERTION = 2, FAILED_STACK = 4, FAILED_EXCEPTION = 6 };
+enum { FAILED_ABORT = 1, FAILED_ASSERTION = 2, FAILED_STACK = 4, FAILED_EXCEPTION = 6, FAILED_IMAGE = 7 };
 
 /* ---- console: lines go to the host; nothing of it is left in a FILE ---- */
 

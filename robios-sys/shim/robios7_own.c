@@ -49,8 +49,20 @@ static void set_ip_size(int width, int height)
 
 static struct eyesim_bytes grey_of(const BYTE *image) { return bytes_of(image, (size_t)IP_PIXELS); }
 static struct eyesim_bytes colours_of(const BYTE *image) { return bytes_of(image, (size_t)IP_SIZE); }
-static struct eyesim_room grey_room(BYTE *image) { return room_of(image, (size_t)IP_PIXELS); }
-static struct eyesim_room colour_room(BYTE *image) { return room_of(image, (size_t)IP_SIZE); }
+
+/* Room for an image of so many items. One that would go on beyond the program's own part of the stack is refused, since behind
+   it lies what the simulator needs to tell of any mistake. */
+static struct eyesim_room image_room(void *image, int items, size_t item)
+{
+    const char *start = image, *end = (const char *)this_task()->base;
+    size_t len = items > 0 ? (size_t)items : 0;
+    if (start > (const char *)__builtin_frame_address(0) && start < end && len > (size_t)(end - start) / item)
+        fail(FAILED_IMAGE, "an image is larger than the local array that it should be written to");
+    return room_of(image, len);
+}
+
+static struct eyesim_room grey_room(BYTE *image) { return image_room(image, IP_PIXELS, 1); }
+static struct eyesim_room colour_room(BYTE *image) { return image_room(image, IP_SIZE, 1); }
 
 /* ---- LCD ---- */
 
@@ -177,28 +189,28 @@ WEAK int CAMInit(int resolution)
 WEAK int CAMGet(BYTE *buf)
 {
     int32_t result = 0;
-    ROBIOS(CAMGet, room_of(buf, (size_t)CAMSIZE), &result);
+    ROBIOS(CAMGet, image_room(buf, CAMSIZE, 1), &result);
     return result;
 }
 
 WEAK int CAMGetGray(BYTE *buf)
 {
     int32_t result = 0;
-    ROBIOS(CAMGetGray, room_of(buf, (size_t)CAMPIXELS), &result);
+    ROBIOS(CAMGetGray, image_room(buf, CAMPIXELS, 1), &result);
     return result;
 }
 
 WEAK int CAMGetDepth(float *mm)
 {
     int32_t result = 0;
-    ROBIOS(CAMGetDepth, room_of(mm, (size_t)CAMPIXELS), &result);
+    ROBIOS(CAMGetDepth, image_room(mm, CAMPIXELS, sizeof *mm), &result);
     return result;
 }
 
 WEAK int CAMGetLabels(int *labels)
 {
     int32_t result = 0;
-    ROBIOS(CAMGetLabels, room_of(labels, (size_t)CAMPIXELS), &result);
+    ROBIOS(CAMGetLabels, image_room(labels, CAMPIXELS, sizeof *labels), &result);
     return result;
 }
 
@@ -216,7 +228,7 @@ WEAK int IPSetSize(int resolution)
 WEAK int IPReadFile(const char *filename, BYTE *img)
 {
     int32_t result = 0;
-    ROBIOS(IPReadFile, text_of(filename), IP_WIDTH, IP_HEIGHT, colour_room(img), &result);
+    ROBIOS(IPReadFile, text_of(filename), IP_WIDTH, IP_HEIGHT, room_of(img, (size_t)IP_SIZE), &result);
     return result;
 }
 

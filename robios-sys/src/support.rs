@@ -39,6 +39,8 @@ pub mod failure {
     pub const ERROR: i32 = 5;
     /// A C++ program threw an exception that it does not catch.
     pub const EXCEPTION: i32 = 6;
+    /// A C program gave an image less room on its stack than the image takes.
+    pub const IMAGE: i32 = 7;
 }
 
 /// What a task waits for, the second argument of [`Support::task_wait`].

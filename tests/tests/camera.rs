@@ -375,6 +375,22 @@ fn a_shot_is_what_the_program_gets() {
 }
 
 #[test]
+fn an_image_too_large_for_a_local_array_ends_its_program_alone() {
+    let scratch = scratch("S4 500 500 0 small.c\nS4 500 1500 0 other.c\n");
+    let small =
+        "int main(void)\n{\n    BYTE image[100];\n    CAMInit(VGA);\n    CAMGet(image);\n    return image[0];\n}\n";
+    scratch.write("small.c", &format!("#include \"eyebot.h\"\n{small}"));
+    scratch.write("other.c", "#include \"eyebot.h\"\nint main(void) { OSWait(2000); return 0; }\n");
+    for exec in ["thread", "process"] {
+        let report = scratch.report("a.sim", &["--exec", exec], 1);
+        let robots = report["robots"].as_array().expect("robots");
+        let reason = robots[0]["reason"].as_str().expect("a reason");
+        assert!(reason.contains("an image is larger than the local array"), "{exec}: {reason}");
+        assert_eq!(robots[1]["outcome"], "finished", "{exec}: {report:#}");
+    }
+}
+
+#[test]
 fn a_scene_is_seen_from_anywhere_without_programs() {
     let scratch = scratch("S4 1000 2000 0\nS4 3000 3000 180\n");
     let shot = |output: &str, more: &[&str]| {
