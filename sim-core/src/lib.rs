@@ -13,6 +13,7 @@ pub mod math;
 pub mod noise;
 pub mod object;
 pub mod pose;
+pub mod radio;
 pub mod scene;
 pub mod sensor;
 pub mod time;

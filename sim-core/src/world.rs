@@ -20,6 +20,7 @@ use crate::{
     drive::{HISTORY, Leg, Motion},
     object::{Properties, State, cast_disc},
     pose::{PlaceError, Pose},
+    radio::{Channel, Loss, Model},
     scene::{Bounds, Hit, Moving, Walls},
     time::Time,
 };
@@ -93,6 +94,7 @@ pub struct World {
     /// What rays in space meet beside all these.
     stage: Stage,
     calm: Calm,
+    radio: Channel,
 }
 
 /// Until when a robot that is alone in the world goes on by its plan of this revision with nothing to settle or make public.
@@ -126,6 +128,7 @@ impl World {
             objects: None,
             stage,
             calm: Calm::default(),
+            radio: Channel::default(),
         };
         for (index, motion) in motions.into_iter().enumerate() {
             assert_eq!(motion.id().index(), index, "robots are given in the order of their ids");
@@ -148,6 +151,43 @@ impl World {
     pub fn with_space(mut self, space: Space) -> Self {
         self.stage = Stage::new(space, &self.walls);
         self
+    }
+
+    /// This world with a channel between the robots' radios.
+    pub fn with_radio(mut self, channel: Channel) -> Self {
+        self.radio = channel;
+        self
+    }
+
+    /// The channel between the robots' radios, as it was made public at the start of the slot.
+    pub fn radio(&self) -> &Channel {
+        &self.radio
+    }
+
+    /// The same, to be told of what was sent, between two slots.
+    pub fn radio_mut(&mut self) -> &mut Channel {
+        &mut self.radio
+    }
+
+    /// Who cannot hear what the radio of `robot` sends from `position` at `at`, and why, in the order of their ids: those beyond the
+    /// channel's range, those behind a wall of whatever height where it needs a line of sight. Bodies stop no message: our choice.
+    pub fn out_of_reach(&self, robot: RobotId, position: DVec2, at: Time) -> Vec<(RobotId, Loss)> {
+        let Model { range, line_of_sight, .. } = *self.radio.model();
+        if range.is_none() && !line_of_sight {
+            return Vec::new();
+        }
+        let others = (0..self.tracks.len()).map(RobotId::from_index).filter(|other| *other != robot);
+        let reached = |other: RobotId| {
+            let way = self.tracks[other.index()].centre(at) - position;
+            let distance = way.length();
+            if range.is_some_and(|range| distance > range) {
+                return Err(Loss::Range);
+            }
+            let is_hidden =
+                line_of_sight && distance > 0.0 && self.walls.cast(position, way / distance, distance).is_some();
+            if is_hidden { Err(Loss::Sight) } else { Ok(()) }
+        };
+        others.filter_map(|other| Some((other, reached(other).err()?))).collect()
     }
 
     /// Number of movable objects.

@@ -6,6 +6,7 @@ mod image;
 mod motion;
 mod normal;
 mod profile;
+mod radio;
 mod range;
 mod stream;
 
@@ -15,5 +16,6 @@ pub use image::{Image, ImageErrors};
 pub use motion::Motion;
 pub use normal::normal_quantile;
 pub use profile::{Place, Profile, RangeKind};
+pub use radio::Radio;
 pub use range::{Range, RangeErrors, ScanErrors};
 pub use stream::{Events, Purpose, Stream, name_key};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Angle, Image, Motion, Range};
+use super::{Angle, Image, Motion, Radio, Range};
 use crate::sensor::RangeModel;
 
 /// Kinds of devices that measure distances.
@@ -72,6 +72,8 @@ pub struct Profile {
     pub camera: Image,
     /// Drive and odometry.
     pub motion: Motion,
+    /// What the radio receives.
+    pub radio: Radio,
 }
 
 impl Profile {

@@ -29,6 +29,10 @@ pub enum Purpose {
     Command = 8,
     /// How the drive measures what it did.
     Odometry = 9,
+    /// What the channel does to a message on its way to one receiver.
+    Radio = 10,
+    /// The fate of the token of a ring.
+    Token = 11,
 }
 
 /// The seed of a stream: (seed of the run, robot, purpose, number, sub-number), in 32 bytes.

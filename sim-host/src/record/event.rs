@@ -405,6 +405,48 @@ events! {
         /// BLAKE3 hash of its bytes as the program gets them.
         hash: &'a str,
     }
+    /// A message is sent by radio.
+    RadioSent = "radio_sent" {
+        /// Its number among those of the sender, from 1.
+        message: u64,
+        /// The address it goes to; none for everybody.
+        to: Option<u32>,
+        /// When its transmission begins, s; none where the medium decides that later.
+        begins_s: Option<f64>,
+        /// The bytes.
+        data: &'a [u8],
+    }
+    /// A message comes to a robot's radio and waits there to be read.
+    RadioArrived = "radio_arrived" {
+        /// Number of the robot that sent it.
+        from: u32,
+        /// Its number among those of the sender.
+        message: u64,
+        /// When it arrived, s: the end of its transmission and the latency.
+        arrived_s: f64,
+        /// How many of its bits are inverted.
+        bit_errors: u32,
+    }
+    /// A message does not come; recorded with the robot that was to hear it, else with the sender.
+    RadioLost = "radio_lost" {
+        /// Number of the robot that sent it.
+        from: u32,
+        /// Its number among those of the sender.
+        message: u64,
+        /// When it would have arrived, s.
+        arrived_s: f64,
+        /// `packet`, `range`, `sight`, `collision`, `baud`, `nobody`, `off`, `overflow` or `unsent`.
+        cause: &'a str,
+    }
+    /// The program takes a message from its radio.
+    RadioReceived = "radio_received" {
+        /// Number of the robot that sent it.
+        from: u32,
+        /// Its number among those of the sender.
+        message: u64,
+        /// The bytes, as they arrived.
+        data: &'a [u8],
+    }
     /// The program writes a line to its standard error. A note.
     Stderr = "stderr" {
         /// The line without its end.

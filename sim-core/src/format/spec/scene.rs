@@ -333,4 +333,6 @@ pub struct SceneSpec {
     pub settings: Settings,
     /// What the scene says about its run. A cost table and a noise profile that are files have been read.
     pub run: RunSpec,
+    /// What carries messages between robots.
+    pub radio: crate::radio::Model,
 }

@@ -1,0 +1,196 @@
+//! The radio of one robot: what it has sent, what it has received.
+
+use std::collections::VecDeque;
+
+use crate::RobotId;
+use crate::time::Time;
+
+use super::{Address, Delivery, Loss, Medium, Member, Model, Sending, air_time};
+
+/// How many bytes of messages a station keeps that are not yet sent, and how many that are not yet read; our choice.
+pub const BUFFER: usize = 1024;
+
+/// The sender's buffer has no room for the message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Full;
+
+/// A message that was received.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// Who sent it.
+    pub from: RobotId,
+    /// The address of the sender's station.
+    pub address: u32,
+    /// Its number among those of the sender.
+    pub sequence: u64,
+    /// When it arrived.
+    pub arrived: Time,
+    /// The bytes as they arrived.
+    pub payload: Vec<u8>,
+}
+
+/// The radio of one robot.
+#[derive(Clone, Debug)]
+pub struct Station {
+    robot: RobotId,
+    medium: Medium,
+    /// Address and speed while it is on.
+    member: Option<Member>,
+    has_changed: bool,
+    last_sequence: u64,
+    /// Size and end of what is being sent; no end where the medium decides.
+    outgoing: VecDeque<(u64, usize, Option<Time>)>,
+    sent: Vec<Sending>,
+    /// On their way, in order of (visible, arrives, sender, sequence).
+    coming: VecDeque<Delivery>,
+    /// Waiting to be read, in order of (arrived, sender, sequence).
+    inbox: VecDeque<Message>,
+}
+
+impl Station {
+    /// The station of `robot`, switched off.
+    pub fn new(robot: RobotId, model: &Model) -> Self {
+        Self {
+            robot,
+            medium: model.medium,
+            member: None,
+            has_changed: false,
+            last_sequence: 0,
+            outgoing: VecDeque::new(),
+            sent: Vec::new(),
+            coming: VecDeque::new(),
+            inbox: VecDeque::new(),
+        }
+    }
+
+    /// Switches it on.
+    pub fn switch_on(&mut self, address: u32, baud: u32) {
+        self.member = Some(Member { robot: self.robot, address, baud });
+        self.has_changed = true;
+    }
+
+    /// Switches it off: what it has not sent is never sent, what waits to be read is gone, what is on its way is not heard.
+    /// What becomes of these.
+    pub fn switch_off(&mut self, now: Time) -> Vec<Delivery> {
+        self.member = None;
+        self.has_changed = true;
+        self.inbox.clear();
+        let _ = now;
+        self.coming.drain(..).map(|delivery| Delivery { outcome: Err(Loss::Off), ..delivery }).collect()
+    }
+
+    /// What it tells the channel; none while it is off.
+    pub fn member(&self) -> Option<Member> {
+        self.member
+    }
+
+    /// True, once, after it was switched.
+    pub fn take_change(&mut self) -> bool {
+        std::mem::take(&mut self.has_changed)
+    }
+
+    /// Sends a message at `now`; its number.
+    ///
+    /// # Errors
+    /// [`Full`] when [`BUFFER`] has no room for it.
+    ///
+    /// # Panics
+    /// If the station is off.
+    pub fn send(
+        &mut self,
+        now: Time,
+        to: Address,
+        payload: &[u8],
+        out_of_reach: Vec<(RobotId, Loss)>,
+    ) -> Result<&Sending, Full> {
+        let member = self.member.expect("only a station that is on sends");
+        while self.outgoing.front().is_some_and(|(_, _, end)| end.is_some_and(|end| end <= now)) {
+            self.outgoing.pop_front();
+        }
+        if self.outgoing.iter().map(|(_, size, _)| size).sum::<usize>() + payload.len() > BUFFER {
+            return Err(Full);
+        }
+        let begins = match self.medium {
+            Medium::Free | Medium::Aloha => {
+                let free = self.outgoing.back().and_then(|(_, _, end)| *end);
+                Some(free.unwrap_or(now).max(now))
+            }
+            Medium::TokenRing => None,
+        };
+        self.last_sequence += 1;
+        let end = begins.map(|begins| begins + air_time(payload.len(), member.baud));
+        self.outgoing.push_back((self.last_sequence, payload.len(), end));
+        self.sent.push(Sending {
+            from: self.robot,
+            address: member.address,
+            sequence: self.last_sequence,
+            to,
+            payload: payload.to_vec(),
+            sent: now,
+            begins,
+            baud: member.baud,
+            out_of_reach,
+        });
+        Ok(&self.sent[self.sent.len() - 1])
+    }
+
+    /// What it has sent since this was asked last.
+    pub fn take_sent(&mut self) -> Vec<Sending> {
+        std::mem::take(&mut self.sent)
+    }
+
+    /// The medium has sent the message of this number.
+    pub fn has_left(&mut self, sequence: u64) {
+        self.outgoing.retain(|(number, _, _)| *number != sequence);
+    }
+
+    /// A message is on its way.
+    pub fn deliver(&mut self, delivery: Delivery) {
+        let key = |it: &Delivery| (it.visible, it.arrives, it.from, it.sequence);
+        let place = self.coming.partition_point(|it| key(it) <= key(&delivery));
+        self.coming.insert(place, delivery);
+    }
+
+    /// From when on the next message on its way is visible; [`Time::NEVER`] for none.
+    pub fn next_visible(&self) -> Time {
+        self.coming.front().map_or(Time::NEVER, |delivery| delivery.visible)
+    }
+
+    /// Puts what is visible at `now` into the buffer; what became of each, in order.
+    pub fn settle(&mut self, now: Time) -> Vec<Delivery> {
+        let mut settled = Vec::new();
+        while self.next_visible() <= now
+            && let Some(mut delivery) = self.coming.pop_front()
+        {
+            if let Ok(arrived) = &delivery.outcome {
+                let used: usize = self.inbox.iter().map(|message| message.payload.len()).sum();
+                if used + arrived.payload.len() > BUFFER {
+                    delivery.outcome = Err(Loss::Overflow);
+                } else {
+                    let message = Message {
+                        from: delivery.from,
+                        address: delivery.address,
+                        sequence: delivery.sequence,
+                        arrived: delivery.arrives,
+                        payload: arrived.payload.clone(),
+                    };
+                    let key = |it: &Message| (it.arrived, it.from, it.sequence);
+                    let place = self.inbox.partition_point(|it| key(it) <= key(&message));
+                    self.inbox.insert(place, message);
+                }
+            }
+            settled.push(delivery);
+        }
+        settled
+    }
+
+    /// How many messages wait to be read.
+    pub fn waiting(&self) -> usize {
+        self.inbox.len()
+    }
+
+    /// The next message, in order of (arrived, sender, sequence).
+    pub fn receive(&mut self) -> Option<Message> {
+        self.inbox.pop_front()
+    }
+}
