@@ -91,6 +91,8 @@ pub enum Waits {
     Key(String),
     /// Something else that only the outside could give, as the user calls it.
     Input(String),
+    /// A message by radio.
+    Message,
     /// Something that only another task could give.
     Task(TaskWait),
 }
@@ -237,6 +239,7 @@ impl std::fmt::Display for Waits {
             Self::Drive => f.write_str("the end of its drive"),
             Self::Key(key) => f.write_str(key),
             Self::Input(what) => f.write_str(what),
+            Self::Message => f.write_str("a message"),
             Self::Task(wait) => wait.fmt(f),
         }
     }

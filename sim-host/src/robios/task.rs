@@ -86,6 +86,10 @@ impl Task {
     fn is_ready(&self, now: Time) -> bool {
         self.waiting.is_none() || self.wake <= now
     }
+
+    fn waits_for(&self, what: &Waits) -> bool {
+        self.waiting.as_ref().is_some_and(|waiting| waiting.waits_for == *what)
+    }
 }
 
 impl Tasks {
@@ -249,15 +253,21 @@ impl Tasks {
         }
     }
 
-    /// When the first wait may be over, given when the drive ends; none unless the task that runs waits, and one of them for the
-    /// end of the drive.
-    pub fn wake_with_drive(&self, drive_end: Time) -> Option<Time> {
-        let waits_for_drive =
-            |task: &Task| task.waiting.as_ref().is_some_and(|waiting| waiting.waits_for == Waits::Drive);
-        if self.current().waiting.is_none() || !self.list.iter().any(waits_for_drive) {
+    /// A message becomes visible at `visible`: the tasks that wait for one look then.
+    pub fn look_at_radio(&mut self, visible: Time) {
+        for task in self.list.iter_mut().filter(|task| task.waits_for(&Waits::Message)) {
+            task.wake = task.wake.min(visible);
+        }
+    }
+
+    /// When the first wait may be over, given when the drive ends; none unless the task that runs waits, and one of them for
+    /// something that the slot loop brings: the end of the drive, or a message.
+    pub fn wake_with(&self, drive_end: Time) -> Option<Time> {
+        let is_meant = |task: &Task| task.waits_for(&Waits::Drive) || task.waits_for(&Waits::Message);
+        if self.current().waiting.is_none() || !self.list.iter().any(is_meant) {
             return None;
         }
-        self.list.iter().map(|task| if waits_for_drive(task) { drive_end } else { task.wake }).min()
+        self.list.iter().map(|task| if task.waits_for(&Waits::Drive) { drive_end } else { task.wake }).min()
     }
 
     /// The program is to be left, the task that runs being the first to go.
@@ -358,7 +368,7 @@ impl Robot {
         let is_done = self.motion.is_drive_done(slot_end);
         let drive_end = if is_done { Some(slot_end) } else { self.motion.drive_end() };
         let drive_end = drive_end.unwrap_or(Time::NEVER).max(slot_end);
-        let wake = self.tasks.wake_with_drive(drive_end)?;
+        let wake = self.tasks.wake_with(drive_end)?;
         Some(wake.min(self.timers.next_due()).min(self.devices.due()))
     }
 }
