@@ -11,6 +11,7 @@ use sim_core::format::{
 };
 use sim_core::noise::{RangeErrors, RangeKind};
 use sim_core::pose::Pose;
+use sim_core::radio::Model;
 use sim_core::scene::Mesh;
 use sim_core::time::Time;
 
@@ -97,6 +98,7 @@ pub fn sim(sim: &SimSpec, lines: &Lines<'_>) {
         object_type(described);
         inside(*span, lines, span);
     }
+    radio(&sim.radio);
     let run = &sim.run;
     assert!(
         run.slot.is_none_or(|slot| slot > Time::ZERO) && run.until.is_none_or(|until| until > Time::ZERO),
@@ -132,6 +134,9 @@ pub fn noise(noise: &NoiseSpec, lines: &Lines<'_>) {
         let read = errors.reading(1, Time::from_millis(1), limits, Some(2.0));
         assert!(read.is_none_or(|read| (0.1..=4.0).contains(&read)), "{range:?} reads {read:?}");
     }
+    let radio = profile.radio;
+    let probabilities = [radio.bit_error_rate, radio.packet_loss];
+    assert!(probabilities.iter().all(|probability| (0.0..=1.0).contains(probability)), "{radio:?}");
     let imperfection = profile.motion.imperfection(DriveKind::Omni, 1, RobotId(1));
     assert_eq!(imperfection.check(), Ok(()), "{:?}", profile.motion);
 }
@@ -241,6 +246,7 @@ pub fn mesh(mesh: &Mesh) {
 /// Panics unless a scene is sound.
 pub fn scene(scene: &SceneSpec) {
     finite(scene);
+    radio(&scene.radio);
     let mut last = 0;
     for robot in &scene.robots {
         assert!(robot.id.0 > last, "ids go up: {robot:?}");
@@ -251,6 +257,12 @@ pub fn scene(scene: &SceneSpec) {
         pose(&object.pose, &object.span);
         assert!(object.friction >= 0.0, "{object:?}");
     }
+}
+
+fn radio(model: &Model) {
+    assert!((1..=1_000_000_000).contains(&model.baud), "{model:?}");
+    assert!((0..=3_600_000_000).contains(&model.latency.0), "{model:?}");
+    model.range.iter().for_each(|range| size(*range, model));
 }
 
 fn many(count: u32, layout: &Layout) {

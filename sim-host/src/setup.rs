@@ -9,6 +9,7 @@ use sim_core::build;
 use sim_core::drive::Motion;
 use sim_core::format::{NoiseRef, ObjectSpec, PathRef, RobotSpec, SceneSpec, Span};
 use sim_core::noise::Profile;
+use sim_core::radio::Channel;
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
@@ -266,6 +267,7 @@ pub fn build_world(
     let mut models = BTreeMap::new();
     let mut profiles = Profiles::default();
     let mut robots = Vec::with_capacity(scene.robots.len());
+    let mut heard = Vec::with_capacity(scene.robots.len());
     for (spec, program) in scene.robots.iter().zip(&programs.of_robots) {
         let model = models.entry(&spec.robi.file).or_insert_with(|| Arc::new(build::model(&spec.robi)));
         model.check().with_context(|| format!("robot type `{}`", spec.robi.file))?;
@@ -281,7 +283,9 @@ pub fn build_world(
         devices.os.may_execute = options.may_execute;
         devices.camera = devices.camera.in_run(Arc::clone(&options.scenery), options.frames.clone());
         let mut motion = Motion::new(spec.id, Arc::clone(model), Arc::clone(&walls), spec.start);
-        if let Some(profile) = profiles.of(spec) {
+        let profile = profiles.of(spec);
+        heard.push(profile.as_ref().map(|profile| profile.radio).unwrap_or_default());
+        if let Some(profile) = profile {
             devices = devices.with_errors(&spec.robi, &profile, options.seed, spec.id);
             let imperfection = profile.motion.imperfection(model.kind, options.seed, spec.id);
             motion = motion.with_imperfection(options.seed, imperfection).context("noise of the drive")?;
@@ -299,7 +303,8 @@ pub fn build_world(
     }
     let world = World::new(walls, options.slot, robots.iter_mut().map(|robot| &mut robot.motion));
     let objects = build::movable(scene).map(|object| (build::properties(object), object.pose));
-    Ok((world.with_objects(objects).with_space(build::space(scene)), robots))
+    let radio = Channel::new(scene.radio, options.seed, heard);
+    Ok((world.with_objects(objects).with_space(build::space(scene)).with_radio(radio), robots))
 }
 
 /// The noise profiles of the robots, each made once.

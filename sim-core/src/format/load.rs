@@ -107,7 +107,7 @@ pub fn load_scene_with(path: &str, seed: Option<u64>, files: &dyn Files) -> Load
         markers: sim.markers,
         settings: sim.settings,
         run: RunSpec { costs, ..sim.run },
-        radio: crate::radio::Model::default(),
+        radio: sim.radio,
     };
     loader.diagnostics.extend(unknown_sensors(&scene.robots));
     loader.diagnostics.extend(clearance::check(&scene, placed.of_world));

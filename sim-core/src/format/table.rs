@@ -381,7 +381,11 @@ impl Reader<'_> {
             let place = if section.name.is_empty() { String::new() } else { format!(" in `{}`", section.name) };
             let message = format!("unknown key `{name}`{place}");
             let expected = format!("one of {}", section.known.join(", "));
-            let suggestion = line::nearest(name, section.known.iter().copied()).map(|key| format!("write `{key}`"));
+            let known = || section.known.iter().copied();
+            // The key without its unit is as near as any.
+            let whole = known().find(|key| key.strip_prefix(name).is_some_and(|unit| unit.starts_with('_')));
+            let nearest = line::nearest(name, known()).or(whole);
+            let suggestion = nearest.map(|key| format!("write `{key}`"));
             self.sink.warn(Code::TomlKey, self.span(key.span()), message, expected).suggestion = suggestion;
         }
     }

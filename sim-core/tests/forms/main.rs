@@ -13,6 +13,8 @@ use sim_core::format::{
     self, Code, FileError, Files, Lens, Severity, convert, load_scene, load_scene_with, read_companion, read_robi,
     read_scene, same,
 };
+use sim_core::radio::{Medium, Model};
+use sim_core::time::Time;
 
 /// Files below a folder, and before them those that were written here.
 #[derive(Default)]
@@ -214,6 +216,8 @@ fn schema_and_reader_know_the_same_keys() {
         ("CameraNoiseForm", vec![noise("camera")]),
         ("DriveNoiseForm", vec![noise("drive")]),
         ("OdometryNoiseForm", vec![noise("odometry")]),
+        ("RadioNoiseForm", vec![noise("radio")]),
+        ("RadioForm", vec!["[radio]\nzzz = 1".into()]),
         ("WorldForm", vec!["[world]\nfile = \"a.wld\"\nzzz = 1".into()]),
         ("WallForm", vec!["[world]\nwall = [{ from_mm = [0, 0], to_mm = [1, 1], zzz = 1 }]".into()]),
         ("StartForm", vec!["[world]\nstart = [{ x_mm = 0, y_mm = 0, zzz = 1 }]".into()]),
@@ -408,6 +412,7 @@ fn the_generation_of_the_api_is_that_of_the_robot_else_of_the_scene() {
 #[test]
 fn what_a_sim_cannot_hold_is_named() {
     let text = "[scene]\nseed = 3\napi = 6\ncosts = { robios6 = { PSDGet = 5 } }\n[world]\nfloor_mm = [4000, 3000]\n\
+                [radio]\nbaud = 9600\n\
                 [[robot_type]]\nname = \"Scout\"\ndiameter_mm = 120\n\
                 [[robot]]\ntype = \"Scout\"\nprogram = \"a.c\"\narguments = [\"-v\"]\napi = 7\n\
                 count = 2\nlayout = { kind = \"line\", from_mm = [500, 500], to_mm = [900, 500] }\n";
@@ -419,6 +424,7 @@ fn what_a_sim_cannot_hold_is_named() {
         "the seed",
         "the cost table",
         "the generation of the API",
+        "the radio",
         "the arguments of r1",
         "r1 is written for RoBIOS 7",
         "2 robots",
@@ -508,6 +514,64 @@ fn cameras_and_looks_that_cannot_be_are_reported_where_they_stand() {
         ["3:25 number-range shade `256` is out of range; a number from 0 to 255"]
     );
     assert_eq!(world("colour = \"grey\""), ["3:10 toml-type `colour` is of type string; an array of 3 numbers"]);
+}
+
+#[test]
+fn the_radio_is_what_the_scene_says() {
+    let radio = |keys: &str| scene(&format!("[radio]\n{keys}\n[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500\n"));
+    let all = radio("medium = \"token_ring\"\nbaud = 9600\nlatency_ms = 1.5\nrange_mm = 2500\nline_of_sight = true");
+    assert_eq!(all.diagnostics, []);
+    let said =
+        Model { medium: Medium::TokenRing, baud: 9600, latency: Time(1_500), range: Some(2.5), line_of_sight: true };
+    assert_eq!(all.scene.radio, said);
+    assert_eq!(radio("medium = \"aloha\"").scene.radio, Model { medium: Medium::Aloha, ..Model::default() });
+    assert_eq!(radio("medium = \"free\"").scene.radio, Model::default());
+    assert_eq!(scene("").scene.radio, Model::default(), "nothing said");
+}
+
+#[test]
+fn radios_that_cannot_be_are_reported_where_they_stand() {
+    let said = |keys: &str| -> Vec<String> {
+        let text = format!("[world]\nfile = \"a.wld\"\n[radio]\n{keys}\n");
+        let said = read_scene("a.scene.toml", &text).1;
+        let of = |said: &format::Diagnostic| {
+            let suggestion = said.suggestion.as_ref().map_or(String::new(), |text| format!("; {text}"));
+            let place = format!("{}:{}", said.span.line, said.span.column);
+            format!("{place} {} {}; {}{suggestion}", said.code, said.message, said.expected)
+        };
+        said.iter().map(of).collect()
+    };
+    assert_eq!(
+        said("medium = \"alhoa\""),
+        ["4:10 toml-choice `alhoa` is no medium; one of free, aloha, token_ring; write `aloha`"]
+    );
+    assert_eq!(said("medium = 1"), ["4:10 toml-type `medium` is of type integer; one of free, aloha, token_ring"]);
+    let bauds = "an integer from 1 to 1000000000";
+    assert_eq!(said("baud = 0"), [format!("4:8 number-range baud `0` is out of range; {bauds}")]);
+    assert_eq!(said("baud = 1000000001"), [format!("4:8 number-range baud `1000000001` is out of range; {bauds}")]);
+    assert_eq!(said("baud = 9600.5"), [format!("4:8 toml-type `baud` is of type float; {bauds}")]);
+    let times = "a number in ms from 0 to 3600000";
+    for number in ["-1", "nan", "inf", "3600001"] {
+        let written = if number == "nan" { "NaN" } else { number };
+        let expected = format!("4:14 number-range latency `{written}` is out of range; {times}");
+        assert_eq!(said(&format!("latency_ms = {number}")), [expected]);
+    }
+    assert_eq!(
+        said("latency_ms = 0.0005"),
+        ["4:1 number-range latency `0.0005` ms is no whole number of microseconds; a multiple of 0.001"]
+    );
+    let lengths = "a number in mm from 0.001 to 1000000000";
+    for number in ["0", "-5", "nan", "inf"] {
+        let written = if number == "nan" { "NaN" } else { number };
+        let expected = format!("4:12 number-range range `{written}` is out of range; {lengths}");
+        assert_eq!(said(&format!("range_mm = {number}")), [expected]);
+    }
+    assert_eq!(said("line_of_sight = 1"), ["4:17 toml-type `line_of_sight` is of type integer; true or false"]);
+    assert_eq!(
+        said("range = 1"),
+        ["4:1 toml-key unknown key `range` in `radio`; one of medium, baud, latency_ms, range_mm, line_of_sight; \
+          write `range_mm`"]
+    );
 }
 
 #[test]

@@ -260,6 +260,37 @@ proptest! {
     }
 
     #[test]
+    fn radios_read_back_as_they_were_printed(
+        medium in prop::option::of(prop::sample::select(vec!["free", "aloha", "token_ring"])),
+        baud in prop::option::of(1..=1_000_000_000_u32), latency in prop::option::of(0..=3_600_000_000_i64),
+        range in prop::option::of(size()), line_of_sight in prop::option::of(any::<bool>()),
+        errors in prop::option::of((0.0..=1.0_f64, 0.0..=1.0_f64)),
+    ) {
+        let latency = latency.map(|micros| format!("latency_ms = {}.{:03}", micros / 1_000, micros % 1_000));
+        let keys = [
+            medium.map(|medium| format!("medium = \"{medium}\"")),
+            baud.map(|baud| format!("baud = {baud}")),
+            latency,
+            range.map(|range| format!("range_mm = {range}")),
+            line_of_sight.map(|sight| format!("line_of_sight = {sight}")),
+        ];
+        let keys: Vec<String> = keys.into_iter().flatten().collect();
+        let noise = errors.map_or(String::new(), |(bits, packets)| {
+            format!("[scene.noise.radio]\nbit_error_rate = {bits}\npacket_loss = {packets}\n")
+        });
+        let text = format!("[world]\nfile = \"a.wld\"\n{noise}[radio]\n{}\n", keys.join("\n"));
+        let (sim, said) = read_scene("a.scene.toml", &text);
+        prop_assert_eq!(said, vec![], "{}", text);
+        prop_assert_eq!(sim.radio.baud, baud.unwrap_or(115_200));
+        let heard = sim.run.noise.as_ref().and_then(|noise| noise.profile()).map(|profile| profile.radio);
+        prop_assert_eq!(heard.map(|radio| (radio.bit_error_rate, radio.packet_loss)), errors);
+        let printed = print_scene(&sim);
+        let (read, said) = read_scene("a.scene.toml", &printed);
+        prop_assert_eq!(said, vec![], "{}", printed);
+        prop_assert_eq!(same::sim(&read), same::sim(&sim), "{}", printed);
+    }
+
+    #[test]
     fn object_types_read_back_as_they_were_printed(
         scale in size(), values in prop::collection::vec(number(), 3), radius in size(), is_fixed in any::<bool>()
     ) {

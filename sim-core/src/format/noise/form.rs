@@ -65,6 +65,10 @@ pub(crate) struct ProfileForm {
     #[serde(skip_serializing_if = "Table::is_empty", default)]
     #[schemars(with = "OdometryNoiseForm")]
     pub(crate) odometry: Table,
+    /// What the radio receives.
+    #[serde(skip_serializing_if = "Table::is_empty", default)]
+    #[schemars(with = "RadioNoiseForm")]
+    pub(crate) radio: Table,
     /// What is different of single sensors, by their names.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     #[schemars(with = "BTreeMap<String, EchoNoiseForm>")]
@@ -201,5 +205,13 @@ sections! {
         step_mm: [0, 1_000_000],
         /// Step of headings in degrees.
         step_deg: [0, 360],
+    }
+
+    /// What happens to messages that a radio receives.
+    RadioNoiseForm {
+        /// Probability of a bit of the payload that arrives inverted.
+        bit_error_rate: [0, 1],
+        /// Probability of a message that does not arrive.
+        packet_loss: [0, 1],
     }
 }

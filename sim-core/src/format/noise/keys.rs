@@ -1,7 +1,7 @@
 //! The keys of a noise profile, with their units and ranges.
 
 use crate::format::line::Quantity;
-use crate::noise::{Angle, Image, Motion, Place, Range};
+use crate::noise::{Angle, Image, Motion, Place, Radio, Range};
 
 /// A key of a section and the number of the model that it sets.
 pub(in crate::format) struct Key<M: 'static> {
@@ -103,6 +103,11 @@ pub(in crate::format) const ODOMETRY: Keys<Motion> = &[
     }),
     key("step_mm", spread("step"), |motion| &mut motion.resolution.length),
     key("step_deg", turn("step", 0.0), |motion| &mut motion.resolution.angle),
+];
+
+pub(in crate::format) const RADIO: Keys<Radio> = &[
+    key("bit_error_rate", probability("bit error rate"), |radio| &mut radio.bit_error_rate),
+    key("packet_loss", probability("probability of a lost message"), |radio| &mut radio.packet_loss),
 ];
 
 const SPEED: Quantity = Quantity::speed("standard deviation of the speed").within(0.0, FAST);

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use toml::de::DeValue;
 
 use keys::Key;
-pub(super) use keys::{CAMERA, COMPASS, DRIVE, Keys, ODOMETRY, OWN, RANGE};
+pub(super) use keys::{CAMERA, COMPASS, DRIVE, Keys, ODOMETRY, OWN, RADIO, RANGE};
 pub use spec::{NoiseEntry, NoiseRef, NoiseSection, NoiseSpec, Preset};
 
 use super::code::Code;
@@ -148,6 +148,9 @@ impl Reader<'_> {
         }
         if let Some(part) = self.section(&mut section, "odometry") {
             self.entries(part, &NoiseSection::Odometry, &[ODOMETRY], &mut spec);
+        }
+        if let Some(part) = self.section(&mut section, "radio") {
+            self.entries(part, &NoiseSection::Radio, &[RADIO], &mut spec);
         }
         if let Some(sensors) = self.section(&mut section, "sensor") {
             for (name, value) in sensors.table {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::keys::{CAMERA, COMPASS, DRIVE, Keys, ODOMETRY, OWN, RANGE};
+use super::keys::{CAMERA, COMPASS, DRIVE, Keys, ODOMETRY, OWN, RADIO, RANGE};
 use crate::format::Span;
 use crate::format::spec::PathRef;
 use crate::noise::{Profile, RangeKind};
@@ -118,6 +118,8 @@ pub enum NoiseSection {
     Drive,
     /// What lies between motion and odometry.
     Odometry,
+    /// What the radio receives.
+    Radio,
     /// The sensor of distance of this name.
     Sensor(String),
 }
@@ -137,6 +139,7 @@ impl NoiseSpec {
                 NoiseSection::Camera => set(&[CAMERA], &mut profile.camera, key, value),
                 NoiseSection::Drive => set(&[DRIVE], &mut profile.motion, key, value),
                 NoiseSection::Odometry => set(&[ODOMETRY], &mut profile.motion, key, value),
+                NoiseSection::Radio => set(&[RADIO], &mut profile.radio, key, value),
                 NoiseSection::Sensor(name) => {
                     let known = [RANGE, OWN].into_iter().flatten().find(|known| known.name == key);
                     let change = known.map(|known| (known.place, value));

@@ -7,7 +7,7 @@ use super::text;
 use crate::format::line::Quantity;
 use crate::format::noise::form::{NoiseForm, PresetForm, ProfileForm};
 use crate::format::noise::{
-    CAMERA, COMPASS, DRIVE, Keys, NoiseEntry, NoiseRef, NoiseSection, NoiseSpec, ODOMETRY, OWN, Preset, RANGE,
+    CAMERA, COMPASS, DRIVE, Keys, NoiseEntry, NoiseRef, NoiseSection, NoiseSpec, ODOMETRY, OWN, Preset, RADIO, RANGE,
 };
 use crate::noise::RangeKind;
 
@@ -46,6 +46,7 @@ fn profile_form(spec: &NoiseSpec) -> ProfileForm {
             NoiseSection::Camera => &mut form.camera,
             NoiseSection::Drive => &mut form.drive,
             NoiseSection::Odometry => &mut form.odometry,
+            NoiseSection::Radio => &mut form.radio,
             NoiseSection::Sensor(name) => form.sensor.entry(name.clone()).or_default(),
         };
         section.insert(entry.key.to_owned(), Value::Float(number(entry)));
@@ -63,6 +64,7 @@ fn number(entry: &NoiseEntry) -> f64 {
         NoiseSection::Camera => quantity(CAMERA, entry.key),
         NoiseSection::Drive => quantity(DRIVE, entry.key),
         NoiseSection::Odometry => quantity(ODOMETRY, entry.key),
+        NoiseSection::Radio => quantity(RADIO, entry.key),
     };
     // A reader gives no key that its section has not.
     quantity.map_or(entry.value, |quantity| {

@@ -15,9 +15,10 @@ use crate::format::read_maze;
 use crate::format::scene::default_wheelbase;
 use crate::format::scene::form::{
     ArcForm, BodyForm, CameraForm, ColliderForm, CompassForm, CostsForm, DriveForm, DriveKindForm, GenerationsForm,
-    InfraredForm, InputForm, JointForm, LayoutForm, LcdForm, LetterForm, LidarForm, MarkerForm, ModelForm, MotorForm,
-    ObjectForm, ObjectTypeForm, PsdForm, RobotForm, RobotTypeForm, RunForm, SceneForm, SerialForm, SerialWord,
-    ServoForm, SettingsForm, SolidForm, StartForm, WallForm, WheelForm, WorldForm, WorldKindForm,
+    InfraredForm, InputForm, JointForm, LayoutForm, LcdForm, LetterForm, LidarForm, MarkerForm, MediumForm, ModelForm,
+    MotorForm, ObjectForm, ObjectTypeForm, PsdForm, RadioForm, RobotForm, RobotTypeForm, RunForm, SceneForm,
+    SerialForm, SerialWord, ServoForm, SettingsForm, SolidForm, StartForm, WallForm, WheelForm, WorldForm,
+    WorldKindForm,
 };
 use crate::format::spec::{
     CameraSpec, Collider, CostEntry, CostsRef, DEFAULT_FIELD_OF_VIEW, DEFAULT_MICROPHONE, DEFAULT_SAMPLES,
@@ -25,7 +26,9 @@ use crate::format::spec::{
     LooksSpec, ModelSpec, ObjectLine, ObjectType, PsdSpec, RobiSpec, RobotLine, RunSpec, SerialLine, SimSpec, Solid,
     StartRef, WorldKind, WorldSpec,
 };
+use crate::radio::{Medium, Model};
 use crate::sensor::{Echo, RangeModel};
+use crate::time::Time;
 
 /// The text of a scene. All that a spec can say has its place in it.
 ///
@@ -67,6 +70,7 @@ fn scene_form(sim: &SimSpec) -> SceneForm {
         scene: (run != RunForm::default()).then_some(run),
         world: world_of(sim),
         settings: (settings.beams || settings.trace).then_some(settings),
+        radio: unless(radio_form(&sim.radio), RadioForm::default()),
         robot_type,
         object_type,
         robot: sim.robots.iter().chain(&sim.named).map(robot_form).collect(),
@@ -97,19 +101,36 @@ fn run_form(run: &RunSpec) -> RunForm {
             CostsForm::Table(GenerationsForm { robios6: of("robios6"), robios7: of("robios7") })
         }
     });
-    let slot = |micros: i64| shortest(micros as f64 / 1e3, |ms| (ms * 1e3).round() as i64 == micros);
-    let until = |micros: i64| {
-        shortest(micros as f64 / 1e6, |seconds| crate::time::Time::from_seconds_ceil(seconds).0 == micros)
-    };
+    let until = |micros: i64| shortest(micros as f64 / 1e6, |seconds| Time::from_seconds_ceil(seconds).0 == micros);
     RunForm {
         // The reader gives no larger one: TOML has none.
         seed: run.seed.and_then(|seed| i64::try_from(seed).ok()),
-        slot_ms: run.slot.map(|time| slot(time.0)),
+        slot_ms: run.slot.map(milliseconds),
         until_s: run.until.map(|time| until(time.0)),
         costs,
         api: run.api,
         noise: run.noise.as_ref().map(noise_form),
     }
+}
+
+fn radio_form(radio: &Model) -> RadioForm {
+    let usual = Model::default();
+    RadioForm {
+        medium: match radio.medium {
+            Medium::Free => None,
+            Medium::Aloha => Some(MediumForm::Aloha),
+            Medium::TokenRing => Some(MediumForm::TokenRing),
+        },
+        baud: unless(radio.baud, usual.baud),
+        latency_ms: unless(radio.latency, usual.latency).map(milliseconds),
+        range_mm: radio.range.map(mm),
+        line_of_sight: radio.line_of_sight,
+    }
+}
+
+/// A time of at most an hour.
+fn milliseconds(time: Time) -> f64 {
+    shortest(time.0 as f64 / 1e3, |ms| (ms * 1e3).round() as i64 == time.0)
 }
 
 fn world_of(sim: &SimSpec) -> WorldForm {

@@ -10,6 +10,7 @@ use crate::format::spec::{
     LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneSpec, SimSpec, StartRef, TypeRef, WorldKind,
 };
 use crate::pose::Pose;
+use crate::radio::Model;
 
 /// The text of a sim file. A robot whose type is a file and that has a program stands in a classic line, all else in lines of
 /// EyeSim VR.
@@ -89,6 +90,7 @@ impl Printer<'_> {
             (run.costs.is_some(), "the cost table"),
             (run.api.is_some(), "the generation of the API"),
             (run.noise.is_some(), "the noise profile"),
+            (sim.radio != Model::default(), "the radio"),
             (sim.inline.world.is_some(), "the world described in place"),
             (!sim.inline.robot_types.is_empty(), "robot types described in place"),
             (!sim.inline.object_types.is_empty(), "object types described in place"),

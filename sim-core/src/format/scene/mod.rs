@@ -6,6 +6,7 @@
 pub(super) mod form;
 mod looks;
 mod place;
+mod radio;
 mod room;
 mod types;
 mod world;
@@ -90,6 +91,9 @@ impl Reader<'_> {
         if let Some(section) = self.section(&mut root, "settings") {
             self.settings(section, sim);
         }
+        if let Some(section) = self.section(&mut root, "radio") {
+            sim.radio = self.radio(section);
+        }
         let mut names = BTreeSet::new();
         for section in self.sections(&mut root, "robot_type") {
             self.robot_type(section, &mut names, sim);
@@ -122,7 +126,7 @@ impl Reader<'_> {
         sim.run.seed = self.integer(&mut section, "seed", 0, i64::MAX).map(i64::unsigned_abs);
         let slot = Quantity::milliseconds("length of a slot").within(1e-3, MAX_SLOT_MS);
         let until = Quantity::seconds("end of the run").within(1e-6, MAX_UNTIL_S);
-        sim.run.slot = self.number(&mut section, "slot_ms", &slot).and_then(|slot| self.whole_micros(&section, slot));
+        sim.run.slot = self.whole_micros(&mut section, "slot_ms", &slot);
         sim.run.until = self.number(&mut section, "until_s", &until).map(Time::from_seconds_ceil);
         let is_table = section.get("costs").is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_)));
         sim.run.costs = if is_table {
@@ -141,13 +145,14 @@ impl Reader<'_> {
         self.integer(section, "api", 6, 7).map(|api| api as u32)
     }
 
-    /// The slot of `seconds`.
-    fn whole_micros(&mut self, section: &Section<'_, '_>, seconds: f64) -> Option<Time> {
+    /// A span of time that is a whole number of microseconds.
+    fn whole_micros(&mut self, section: &mut Section<'_, '_>, key: &'static str, quantity: &Quantity) -> Option<Time> {
+        let seconds = self.number(section, key, quantity)?;
         let micros = (seconds * 1e6).round();
         // Closer than any decimal of a ms that is meant as something else.
-        if (seconds * 1e6 - micros).abs() > 1e-6 {
-            let span = self.key_span(section, "slot_ms");
-            let message = format!("a slot of {} ms is no whole number of microseconds", seconds * 1e3);
+        if (seconds * 1e6 - micros).abs() > 1e-5 {
+            let span = self.key_span(section, key);
+            let message = format!("{} `{}` ms is no whole number of microseconds", quantity.name, seconds * 1e3);
             self.sink.error(Code::NumberRange, span, message, "a multiple of 0.001");
             return None;
         }

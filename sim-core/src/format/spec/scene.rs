@@ -9,6 +9,7 @@ use crate::RobotId;
 use crate::format::Span;
 use crate::format::noise::NoiseRef;
 use crate::pose::Pose;
+use crate::radio;
 use crate::time::Time;
 
 /// A passive object as a line places it.
@@ -281,6 +282,8 @@ pub struct SimSpec {
     pub inline: InlineSpec,
     /// What it says about its run; only our own form does.
     pub run: RunSpec,
+    /// What carries messages between robots; only our own form says it.
+    pub radio: radio::Model,
 }
 
 /// A robot of a scene, ready to be built.
@@ -334,5 +337,5 @@ pub struct SceneSpec {
     /// What the scene says about its run. A cost table and a noise profile that are files have been read.
     pub run: RunSpec,
     /// What carries messages between robots.
-    pub radio: crate::radio::Model,
+    pub radio: radio::Model,
 }

@@ -34,6 +34,9 @@ pub(crate) struct SceneForm {
     /// What the window shows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) settings: Option<SettingsForm>,
+    /// What carries messages between robots.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) radio: Option<RadioForm>,
     /// Robot types: files, or described in place.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub(crate) robot_type: Vec<RobotTypeForm>,
@@ -224,6 +227,43 @@ pub(crate) struct SettingsForm {
     /// The paths of the robots; false if left out.
     #[serde(skip_serializing_if = "std::ops::Not::not", default)]
     pub(crate) trace: bool,
+}
+
+/// What carries messages between robots.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RadioForm {
+    /// How the robots share the medium; `free` if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) medium: Option<MediumForm>,
+    /// Bits a second, of which a byte takes ten; 115200 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 1_000_000_000))]
+    pub(crate) baud: Option<u32>,
+    /// Time from the end of a transmission to its arrival in milliseconds, a multiple of 0.001; 0 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 3_600_000.0))]
+    pub(crate) latency_ms: Option<Number>,
+    /// How far a message is heard in mm; everywhere if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.001, max = 1e9))]
+    pub(crate) range_mm: Option<Number>,
+    /// Walls stop messages; false if left out.
+    #[serde(skip_serializing_if = "std::ops::Not::not", default)]
+    pub(crate) line_of_sight: bool,
+}
+
+/// How robots share the medium that carries their messages.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum MediumForm {
+    /// Nobody disturbs anybody.
+    #[allow(dead_code, reason = "the default is left out in print")]
+    Free,
+    /// Of messages that overlap at a receiver none is heard.
+    Aloha,
+    /// Who has the token sends.
+    TokenRing,
 }
 
 /// A robot, or several that differ only in where they start.
