@@ -115,6 +115,8 @@ pub enum Loss {
     Overflow,
     /// The sender was switched off before it was sent.
     Unsent,
+    /// The run ended before it came.
+    End,
 }
 
 /// What becomes of a message at one receiver.
@@ -169,6 +171,7 @@ impl Loss {
             Self::Off => "off",
             Self::Overflow => "overflow",
             Self::Unsent => "unsent",
+            Self::End => "end",
         }
     }
 }

@@ -184,6 +184,12 @@ impl Station {
         settled
     }
 
+    /// The run ends: what becomes of the messages that are on their way, in order.
+    pub fn finish(&mut self) -> Vec<Delivery> {
+        let fate = |it: Delivery| Delivery { outcome: it.outcome.and(Err(Loss::End)), ..it };
+        self.coming.drain(..).map(fate).collect()
+    }
+
     /// How many messages wait to be read.
     pub fn waiting(&self) -> usize {
         self.inbox.len()

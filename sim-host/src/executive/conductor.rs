@@ -15,6 +15,7 @@ use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 
+use super::radio::Traffic;
 use super::run::Run;
 use super::signal;
 use crate::record::event::WORLD;
@@ -43,6 +44,7 @@ pub struct Conductor {
     recorder: Recorder<'static>,
     /// Where the movable objects are recorded.
     objects: Journal,
+    traffic: Traffic,
     end: Option<End>,
 }
 
@@ -133,6 +135,7 @@ impl Conductor {
             pace: plan.speed.map(|factor| Pace { factor, start: Instant::now() }),
             recorder,
             objects: Journal::new(WORLD, false),
+            traffic: Traffic::default(),
             end: (alive == 0).then_some(End::Finished),
         };
         for (place, robot) in ids(true).enumerate() {
@@ -314,7 +317,8 @@ impl Conductor {
         active.append(&mut self.ran);
         active.sort_unstable();
         active.dedup();
-        let placements = take_placements(run, &active);
+        let placements = self.take_requests(run, &active, world);
+        self.traffic.exchange(slot_end, world.radio_mut(), &mut active);
         active.extend(placements.iter().filter_map(|placement| match placement.what {
             Placeable::Robot(id) => Some(id),
             Placeable::Object(_) => None,
@@ -340,6 +344,7 @@ impl Conductor {
                 robots[place].record_contact(&contact);
             }
         }
+        self.traffic.deliver(slot_end, &mut robots);
         save_files(&mut robots);
         for robot in &mut robots {
             robot.record_pose(slot_end);
@@ -401,13 +406,30 @@ impl Conductor {
             // A drive that nobody waits for may go on for ever once all programs have ended: that is no reason to run on.
             return (self.alive > 0).then_some(following);
         }
-        while let Some(Reverse(wake)) = self.wakes.peek() {
-            if self.wake_numbers[wake.robot.index()] == wake.number {
-                return Some(wake.at.floor_to(world.slot()).max(following));
-            }
+        while let Some(Reverse(wake)) = self.wakes.peek()
+            && self.wake_numbers[wake.robot.index()] != wake.number
+        {
             self.wakes.pop();
         }
-        None
+        let wake = self.wakes.peek().map_or(Time::NEVER, |Reverse(wake)| wake.at);
+        // A message that nobody lives to hear is no reason to run on either.
+        let message = if self.alive > 0 { self.traffic.due(world.radio()) } else { Time::NEVER };
+        let due = wake.min(message);
+        (due < Time::NEVER).then(|| due.floor_to(world.slot()).max(following))
+    }
+
+    /// Takes what these robots' programs have asked of the world in the slot: what is to be put elsewhere, in order, and what is
+    /// to be sent.
+    fn take_requests(&mut self, run: &Run, robots: &[RobotId], world: &mut World) -> Vec<Placement> {
+        let mut placements = Vec::new();
+        for id in robots {
+            let mut robot = run.robot(*id);
+            placements.append(&mut robot.placements);
+            self.traffic.collect(&mut robot, world.radio_mut());
+        }
+        // Each robot's own are in order already.
+        placements.sort_by_key(|placement| (placement.time, placement.by));
+        placements
     }
 
     /// Moves the robots that are due before `slot_end` to the ready list.
@@ -423,17 +445,6 @@ impl Conductor {
             lane.ready.make_contiguous().sort_unstable();
         }
     }
-}
-
-/// What these robots' programs have asked for in the slot to be put elsewhere, in order.
-fn take_placements(run: &Run, robots: &[RobotId]) -> Vec<Placement> {
-    let mut placements = Vec::new();
-    for id in robots {
-        placements.append(&mut run.robot(*id).placements);
-    }
-    // Each robot's own are in order already.
-    placements.sort_by_key(|placement| (placement.time, placement.by));
-    placements
 }
 
 /// Puts on the disk what robots wrote in the slot that ends, in order of (virtual time, robot).

@@ -22,6 +22,7 @@ use crate::record::{Digest, Outcome, Recorder};
 use crate::robios::caller::{Call, Caller};
 use crate::robios::cost::Costs;
 use crate::robios::panel::Panel;
+use crate::robios::radio;
 use crate::robios::robot::{Ending, Robot};
 use crate::robios::task::MAIN;
 
@@ -332,6 +333,7 @@ impl Run {
                 robot.hint_at_pending_drive();
             }
             robot.halt(&self.world.read());
+            radio::end(&mut robot);
         }
         let hand_over = self.conductor.lock().depart(self, id);
         self.resume(&hand_over);
@@ -403,6 +405,7 @@ impl Run {
                 Some(program) => standing::judge(&mut robot, &finish, broken, program),
                 None => Standing::without_program(),
             };
+            radio::finish(&mut robot, time);
             robot.record_standing(&standing);
             conductor.recorder().collect(&mut robot.journal);
             robots.push(RobotEnd {

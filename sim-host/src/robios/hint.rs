@@ -32,6 +32,8 @@ pub enum Mistake {
     Radians,
     /// A drive of RoBIOS-7 that replaces the one before as soon as it has begun.
     MissingWait,
+    /// A message to an address that nobody has.
+    UnknownAddress,
     /// An error code that nobody looks at.
     IgnoredFailure,
 }
@@ -93,6 +95,7 @@ impl Mistake {
             Self::MissingWait => {
                 "a drive replaces the one before, which has just begun: `VWWait` waits for the end of a drive"
             }
+            Self::UnknownAddress => "a message to an address that no robot has",
             Self::IgnoredFailure => "a function keeps failing: look at what it returns",
         }
     }

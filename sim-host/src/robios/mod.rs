@@ -40,6 +40,9 @@ mod pnm;
 mod port7;
 pub mod psd;
 mod psd7;
+pub mod radio;
+mod radio6;
+mod radio7;
 pub mod range;
 mod robios6;
 mod robios7;
@@ -125,6 +128,8 @@ pub struct Devices {
     pub serial: serial::Serial,
     /// Digital lines and analog recordings of RoBIOS-7.
     pub ports: port7::Ports,
+    /// The radio.
+    pub radio: radio::Radio,
     /// Files.
     pub storage: storage::Storage,
     /// Settings of the receiver for a remote control, while it is on.

@@ -52,7 +52,7 @@ fn put_name(robot: &mut Robot, call: Call, text: &mut OutBytes, name: &str) -> i
 }
 
 /// As much of a text as fits with a final 0.
-fn terminated(text: &[u8], room: usize) -> Vec<u8> {
+pub fn terminated(text: &[u8], room: usize) -> Vec<u8> {
     let mut bytes = text[..text.len().min(room.saturating_sub(1))].to_vec();
     bytes.push(0);
     bytes

@@ -9,8 +9,8 @@ use sim_core::time::TICK;
 
 use super::caller::Caller;
 use super::{
-    audio, bump, camera6 as camera, compass, display, hdt, image, ir, irtv, key, latch, lidar, motor, os, psd, serial,
-    servo, vw,
+    audio, bump, camera6 as camera, compass, display, hdt, image, ir, irtv, key, latch, lidar, motor, os, psd, radio,
+    radio6, serial, servo, vw,
 };
 
 type Text<'a> = Option<&'a [u8]>;
@@ -314,15 +314,20 @@ impl Robios6 for Caller {
     }
 
     // Radio.
-    fail! {
-        fn RADIOInit() -> i32 = -1;
-        fn RADIOTerm() -> i32 = -1;
-        fn RADIOSend(id: u8, buffer: Option<&[u8]>) -> i32 = 1;
-        fn RADIOCheck() -> i32 = 0;
-        fn RADIORecv(id: &mut Out<u8>, received: &mut Out<i32>, buffer: &mut OutBytes) -> i32 = -1;
-        fn RADIOGetIoctl(parameters: &mut Out<RadioIOParameters>) -> i32 = -1;
-        fn RADIOSetIoctl(parameters: Option<&RadioIOParameters>) -> i32 = -1;
-        fn RADIOGetStatus(status: &mut Out<RadioStatus>) -> i32 = -1;
+    act! {
+        fn RADIOInit() -> i32 = |robot, world| radio6::init(robot, world);
+        fn RADIOTerm() -> i32 = |robot, _| radio6::release(robot);
+        fn RADIOSend(id: u8, buffer: Option<&[u8]>) -> i32 = |robot, world| radio6::send(robot, world, id, buffer);
+        fn RADIOCheck() -> i32 = |robot, _| radio::check(robot, Call::RADIOCheck);
+        fn RADIOGetIoctl(parameters: &mut Out<RadioIOParameters>) -> i32 =
+            |robot, world| radio6::get_settings(robot, world, parameters);
+        fn RADIOSetIoctl(parameters: Option<&RadioIOParameters>) -> i32 =
+            |robot, world| radio6::set_settings(robot, world, parameters);
+        fn RADIOGetStatus(status: &mut Out<RadioStatus>) -> i32 = |robot, _| radio6::status(robot, status);
+    }
+    wait! {
+        fn RADIORecv(id: &mut Out<u8>, received: &mut Out<i32>, buffer: &mut OutBytes) -> i32 =
+            |robot, _| radio6::receive(robot, id, received, buffer);
     }
 
     // Multi-tasking.

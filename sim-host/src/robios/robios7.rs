@@ -9,7 +9,7 @@ use super::caller::Caller;
 use super::screen::canvas::{Canvas, Ink, rgb};
 use super::{
     audio, camera7 as camera, display7 as display, image7, irtv, key, lidar, motor7, os, os7, picture, port7, psd7,
-    serial, servo7, truth, vw7,
+    radio, radio7, serial, servo7, truth, vw7,
 };
 
 type Text<'a> = Option<&'a [u8]>;
@@ -280,15 +280,15 @@ impl Robios7 for Caller {
 
     // RADIO.
     act! {
+        fn RADIOInit() -> i32 = |robot, world| radio7::init(robot, world);
         fn RADIOGetID() -> i32 = |robot, _| os7::machine_id(robot);
+        fn RADIOSend(id: i32, buf: Text<'_>) -> i32 = |robot, world| radio7::send(robot, world, id, buf);
+        fn RADIOCheck() -> i32 = |robot, _| radio::check(robot, Call::RADIOCheck);
+        fn RADIOStatus(id_list: &mut OutInts) -> i32 = |robot, world| radio7::status(robot, world, id_list);
+        fn RADIORelease() -> i32 = |robot, _| radio7::release(robot);
     }
-    fail! {
-        fn RADIOInit() -> i32 = 1;
-        fn RADIOSend(id: i32, buf: Text<'_>) -> i32 = 1;
-        fn RADIOReceive(id: &mut Out<i32>, buf: &mut OutBytes) -> i32 = 1;
-        fn RADIOCheck() -> i32 = 0;
-        fn RADIOStatus(id_list: &mut OutInts) -> i32 = 0;
-        fn RADIORelease() -> i32 = 1;
+    wait! {
+        fn RADIOReceive(id: &mut Out<i32>, buf: &mut OutBytes) -> i32 = |robot, _| radio7::receive(robot, id, buf);
     }
 
     // SIM.

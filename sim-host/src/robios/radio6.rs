@@ -1,0 +1,116 @@
+//! The radio of RoBIOS 6: messages of bytes, and its settings.
+//!
+//! Source: RoBIOS 6 library, radio communication; the fields of the status are our choice.
+
+use robios_sys::robios6::{
+    MAXMSGLEN, RadioIOParameters, RadioStatus, SER9600, SER19200, SER38400, SER57600, SER115200, SERIAL1, SERIAL3,
+};
+use robios_sys::{Out, OutBytes, Robios6Call as Call};
+use sim_core::world::World;
+
+use super::caller::Poll;
+use super::robot::Robot;
+use super::{os, radio};
+
+/// Rates of the radio.
+const RATES: [i32; 5] = [SER9600, SER19200, SER38400, SER57600, SER115200];
+
+/// What a call returns that is not obeyed.
+const FAILURE: i32 = -1;
+
+/// `RADIOInit`
+pub fn init(robot: &mut Robot, world: &World) -> i32 {
+    let settings = settings(robot, world);
+    radio::init(robot, world, Call::RADIOInit, FAILURE, settings.id as u32, settings.speed as u32)
+}
+
+/// `RADIOTerm`
+pub fn release(robot: &mut Robot) -> i32 {
+    radio::release(robot, Call::RADIOTerm, FAILURE)
+}
+
+/// `RADIOSend`
+pub fn send(robot: &mut Robot, world: &World, id: u8, buffer: Option<&[u8]>) -> i32 {
+    let payload = match buffer {
+        Some(bytes) if bytes.len() <= MAXMSGLEN as usize => Ok(bytes),
+        Some(_) => Err(format!("the message is longer than MAXMSGLEN, {MAXMSGLEN} bytes")),
+        None => Err("no buffer, or a negative number of bytes".to_owned()),
+    };
+    radio::send(robot, world, Call::RADIOSend, id.into(), payload)
+}
+
+/// `RADIORecv`: what the buffer has no room for is lost.
+pub fn receive(robot: &mut Robot, id: &mut Out<u8>, received: &mut Out<i32>, buffer: &mut OutBytes) -> Poll<i32> {
+    if buffer.is_null() {
+        return Poll::Ready(robot.refused(Call::RADIORecv, FAILURE, |_| "no buffer".to_owned()));
+    }
+    radio::receive(robot, Call::RADIORecv, FAILURE, |message| {
+        id.set(message.address as u8);
+        received.set(buffer.set(&message.payload) as i32);
+    })
+}
+
+/// `RADIOGetIoctl`
+pub fn get_settings(robot: &mut Robot, world: &World, parameters: &mut Out<RadioIOParameters>) -> i32 {
+    if parameters.is_null() {
+        return robot.refused(Call::RADIOGetIoctl, FAILURE, |_| "no place for the settings".to_owned());
+    }
+    parameters.set(settings(robot, world));
+    0
+}
+
+/// `RADIOSetIoctl`
+pub fn set_settings(robot: &mut Robot, world: &World, parameters: Option<&RadioIOParameters>) -> i32 {
+    let outcome = accepted(robot, world, parameters);
+    if let Ok(settings) = outcome {
+        robot.devices.radio.settings = Some(settings);
+    }
+    robot.answered(Call::RADIOSetIoctl, FAILURE, outcome.map(drop))
+}
+
+/// `RADIOGetStatus`
+pub fn status(robot: &mut Robot, status: &mut Out<RadioStatus>) -> i32 {
+    if status.is_null() {
+        return robot.refused(Call::RADIOGetStatus, FAILURE, |_| "no place for the status".to_owned());
+    }
+    radio::settle(robot, robot.now);
+    let radio = &robot.devices.radio;
+    let Some(member) = radio.member() else { return radio::is_off(robot, Call::RADIOGetStatus, FAILURE) };
+    let (sent, received, waiting) = (radio.sent, radio.taken, radio.waiting());
+    status.set(RadioStatus { id: member.address as i32, sent, received, waiting });
+    0
+}
+
+/// What the program has set, else how the robot comes.
+fn settings(robot: &Robot, world: &World) -> RadioIOParameters {
+    robot.devices.radio.settings.unwrap_or_else(|| RadioIOParameters {
+        interface: SERIAL1,
+        speed: i32::try_from(world.radio().model().baud).unwrap_or(i32::MAX),
+        id: os::machine_id(robot).into(),
+        remote_on: 0,
+        image_transfer: 0,
+        debug: 0,
+    })
+}
+
+/// The settings that the program wants, if they can be.
+fn accepted(robot: &Robot, world: &World, parameters: Option<&RadioIOParameters>) -> Result<RadioIOParameters, String> {
+    let Some(wanted) = parameters else { return Err("no settings".to_owned()) };
+    if robot.devices.radio.member().is_some() {
+        return Err("the radio is on: its settings are made before `RADIOInit`".to_owned());
+    }
+    let RadioIOParameters { interface, speed, id, remote_on, image_transfer, debug } = *wanted;
+    let usual = settings(robot, world);
+    let checks = [
+        ((SERIAL1..=SERIAL3).contains(&interface), "interface", interface, "SERIAL1 to SERIAL3"),
+        (RATES.contains(&speed) || speed == usual.speed, "speed", speed, "SER9600 to SER115200"),
+        ((1..=255).contains(&id) || id == usual.id, "id", id, "1 to 255"),
+        ((0..=1).contains(&remote_on), "remoteOn", remote_on, "0 or 1"),
+        ((0..=2).contains(&image_transfer), "imageTransfer", image_transfer, "0, 1 or 2"),
+        ((0..=100).contains(&debug), "debug", debug, "0 to 100"),
+    ];
+    match checks.iter().find(|(is_right, ..)| !is_right) {
+        Some((_, name, value, expected)) => Err(format!("{name} is {value}, expected {expected}")),
+        None => Ok(*wanted),
+    }
+}

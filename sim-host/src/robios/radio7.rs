@@ -1,0 +1,66 @@
+//! The radio of RoBIOS-7: messages of text, which ends in 0.
+//!
+//! Source: RoBIOS-7 library, radio communication; that 0 is the address of everybody is our choice.
+
+use robios_sys::{Out, OutBytes, OutInts, Robios7Call as Call};
+use sim_core::radio::BUFFER;
+use sim_core::world::World;
+
+use super::caller::Poll;
+use super::robot::Robot;
+use super::{os7, radio};
+
+/// Longest text in bytes, without its final 0: with that it fills the buffer.
+const MAX_TEXT: usize = BUFFER - 1;
+
+/// What a call returns that is not obeyed.
+const FAILURE: i32 = 1;
+
+/// `RADIOInit`
+pub fn init(robot: &mut Robot, world: &World) -> i32 {
+    let address = robot.id.0;
+    radio::init(robot, world, Call::RADIOInit, FAILURE, address, world.radio().model().baud)
+}
+
+/// `RADIORelease`
+pub fn release(robot: &mut Robot) -> i32 {
+    radio::release(robot, Call::RADIORelease, FAILURE)
+}
+
+/// `RADIOSend`
+pub fn send(robot: &mut Robot, world: &World, id: i32, text: Option<&[u8]>) -> i32 {
+    let payload = match text {
+        None => Err("no text".to_owned()),
+        Some(text) if text.len() > MAX_TEXT => {
+            Err(format!("the text has {} bytes, a message has at most {MAX_TEXT}", text.len()))
+        }
+        Some(_) if id < 0 => Err(format!("{id} is no address, accepted: 0 for everybody, the number of a robot")),
+        Some(text) => Ok(text),
+    };
+    radio::send(robot, world, Call::RADIOSend, id.unsigned_abs(), payload)
+}
+
+/// `RADIOReceive`: a text is cut at the first 0 that arrives, and to the room there is, of which its final 0 takes a byte.
+pub fn receive(robot: &mut Robot, id: &mut Out<i32>, text: &mut OutBytes) -> Poll<i32> {
+    if text.capacity() == 0 {
+        return Poll::Ready(robot.refused(Call::RADIOReceive, FAILURE, |_| "no buffer, or no room in it".to_owned()));
+    }
+    radio::receive(robot, Call::RADIOReceive, FAILURE, |message| {
+        id.set(i32::try_from(message.address).unwrap_or(i32::MAX));
+        let received = message.payload.split(|byte| *byte == 0).next().unwrap_or_default();
+        text.set(&os7::terminated(received, text.capacity()));
+    })
+}
+
+/// `RADIOStatus`: the addresses of the stations that were on at the slot's start, and of the own one.
+pub fn status(robot: &mut Robot, world: &World, addresses: &mut OutInts) -> i32 {
+    if addresses.is_null() {
+        return robot.refused(Call::RADIOStatus, 0, |_| "no place for the addresses".to_owned());
+    }
+    let Some(own) = robot.devices.radio.member() else { return radio::is_off(robot, Call::RADIOStatus, 0) };
+    let others = world.radio().members().iter().filter(|member| member.robot != own.robot);
+    let mut members: Vec<_> = others.chain([&own]).collect();
+    members.sort_unstable_by_key(|member| member.robot);
+    let found: Vec<i32> = members.iter().map(|member| i32::try_from(member.address).unwrap_or(i32::MAX)).collect();
+    addresses.set(&found) as i32
+}
