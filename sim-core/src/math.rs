@@ -45,6 +45,11 @@ pub fn ln(x: f64) -> f64 {
     libm::log(x)
 }
 
+/// Natural logarithm of 1 + `x`, without loss of digits for small x.
+pub fn ln_1p(x: f64) -> f64 {
+    libm::log1p(x)
+}
+
 /// 1 - erf(x), without cancellation for large x: twice the share of a normal distribution beyond sqrt(2) x.
 pub fn erfc(x: f64) -> f64 {
     libm::erfc(x)

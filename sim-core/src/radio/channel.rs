@@ -1,13 +1,19 @@
 //! What happens between sending and receiving.
 
 use crate::RobotId;
-use crate::noise::Radio;
+use crate::noise::{Purpose, Radio, Stream};
 use crate::time::Time;
 
-use super::{Address, Arrived, Delivery, Loss, Member, Model, Sending, air_time};
+use super::air::{Air, Flight};
+use super::ring::Ring;
+use super::{Address, Arrived, Change, Delivery, Loss, Medium, Member, Model, Off, Sending};
 
 /// The channel between all robots of a run.
-#[derive(Clone, Debug, Default)]
+///
+/// At the end of a slot it is told which stations were switched ([`Channel::change`]), then what they sent ([`Channel::exchange`]).
+/// It is to be asked at the end of each slot in which one was switched or sent, and of the one that holds [`Channel::due`]; slots
+/// in between may be left out.
+#[derive(Clone, Debug)]
 pub struct Channel {
     model: Model,
     seed: u64,
@@ -15,12 +21,42 @@ pub struct Channel {
     errors: Vec<Radio>,
     /// Stations that are on, in the order of their robots.
     members: Vec<Member>,
+    /// The same as (address, robot), in this order.
+    addresses: Vec<(u32, RobotId)>,
+    has_changed: bool,
+    /// Since the last exchange.
+    offs: Vec<Off>,
+    air: Air,
+    ring: Ring,
+    /// What the ring sends: until when, whose, and which; in the order of time.
+    leaving: Vec<(Time, RobotId, u64)>,
+    left: Vec<(RobotId, u64)>,
+    due: Time,
+}
+
+impl Default for Channel {
+    fn default() -> Self {
+        Self::new(Model::default(), 0, Vec::new())
+    }
 }
 
 impl Channel {
     /// The channel of a run with `seed`; `errors` in the order of the receivers' ids.
     pub fn new(model: Model, seed: u64, errors: Vec<Radio>) -> Self {
-        Self { model, seed, errors, members: Vec::new() }
+        Self {
+            model,
+            seed,
+            errors,
+            members: Vec::new(),
+            addresses: Vec::new(),
+            has_changed: false,
+            offs: Vec::new(),
+            air: Air::default(),
+            ring: Ring::new(seed),
+            leaving: Vec::new(),
+            left: Vec::new(),
+            due: Time::NEVER,
+        }
     }
 
     /// What carries the messages.
@@ -33,51 +69,39 @@ impl Channel {
         &self.members
     }
 
+    /// A station was switched in the present slot.
+    pub fn change(&mut self, change: Change) {
+        self.set_member(change.robot, change.member);
+        self.offs.extend(change.offs);
+    }
+
     /// The station of `robot` is on from the end of the present slot on, or off (`None`).
     pub fn set_member(&mut self, robot: RobotId, member: Option<Member>) {
         let place = self.members.binary_search_by_key(&robot, |member| member.robot);
-        match (place, member) {
-            (Ok(place), Some(member)) => self.members[place] = member,
-            (Ok(place), None) => drop(self.members.remove(place)),
-            (Err(place), Some(member)) => self.members.insert(place, member),
-            (Err(_), None) => {}
+        if let Ok(place) = place {
+            let known = (self.members.remove(place).address, robot);
+            self.addresses.retain(|it| *it != known);
         }
+        if let Some(member) = member {
+            let place = place.unwrap_or_else(|place| place);
+            self.members.insert(place, Member { robot, ..member });
+            let known = (member.address, robot);
+            self.addresses.insert(self.addresses.partition_point(|it| *it < known), known);
+        }
+        self.has_changed = true;
     }
 
     /// Takes what was sent in the slot that ends at `slot_end`, in any order, and decides what can be decided by then: in order of
     /// (visible, receiver, arrives, sender, sequence).
-    pub fn exchange(&mut self, slot_end: Time, sendings: Vec<Sending>) -> Vec<Delivery> {
-        let _ = (self.seed, &self.errors);
-        let mut deliveries = Vec::new();
-        for sending in &sendings {
-            let begins = sending.begins.unwrap_or(sending.sent);
-            let arrives = begins + air_time(sending.payload.len(), sending.baud) + self.model.latency;
-            let delivery = |to: RobotId, outcome| Delivery {
-                to,
-                from: sending.from,
-                address: sending.address,
-                sequence: sending.sequence,
-                arrives,
-                visible: arrives.max(slot_end),
-                outcome,
-            };
-            let is_meant = |member: &&Member| match sending.to {
-                Address::All => member.robot != sending.from,
-                Address::One(address) => member.address == address && member.robot != sending.from,
-            };
-            let count = deliveries.len();
-            for member in self.members.iter().filter(is_meant) {
-                let reach = sending.out_of_reach.binary_search_by_key(&member.robot, |(robot, _)| *robot);
-                let outcome = match reach {
-                    Ok(place) => Err(sending.out_of_reach[place].1),
-                    Err(_) => Ok(Arrived { payload: sending.payload.clone(), bit_errors: 0 }),
-                };
-                deliveries.push(delivery(member.robot, outcome));
-            }
-            if deliveries.len() == count {
-                deliveries.push(delivery(sending.from, Err(Loss::Nobody)));
-            }
+    pub fn exchange(&mut self, slot_end: Time, mut sendings: Vec<Sending>) -> Vec<Delivery> {
+        sendings.sort_by_key(|sending| (sending.from, sending.sequence));
+        let mut deliveries = self.send(slot_end, sendings);
+        let until = if self.model.medium == Medium::Free { Time::NEVER } else { slot_end };
+        for flight in self.air.arrived(until) {
+            self.decide(slot_end, flight, &mut deliveries);
         }
+        self.air.forget(until);
+        self.settle_dues(slot_end);
         deliveries.sort_by_key(|it| (it.visible, it.to, it.arrives, it.from, it.sequence));
         deliveries
     }
@@ -85,6 +109,126 @@ impl Channel {
     /// When the channel next has something to decide, though nobody sends: the slot that holds this instant is to be run.
     /// [`Time::NEVER`] for nothing.
     pub fn due(&self) -> Time {
-        Time::NEVER
+        self.due
+    }
+
+    /// What left the buffers of its senders since this was asked last, where the medium decides: (sender, number), for
+    /// [`super::Station::has_left`].
+    pub fn take_left(&mut self) -> Vec<(RobotId, u64)> {
+        std::mem::take(&mut self.left)
+    }
+
+    /// Puts messages on the air; those that never get there.
+    fn send(&mut self, slot_end: Time, sendings: Vec<Sending>) -> Vec<Delivery> {
+        let offs = std::mem::take(&mut self.offs);
+        let has_changed = std::mem::take(&mut self.has_changed);
+        let model = self.model;
+        let unsent = |flight: &Flight| Delivery {
+            visible: slot_end,
+            ..lost(flight, flight.sending.from, slot_end, Loss::Unsent)
+        };
+        match self.model.medium {
+            Medium::Free | Medium::Aloha => {
+                let flight = |sending: Sending| {
+                    let begins = sending.begins.unwrap_or(sending.sent);
+                    Flight::new(sending, begins, &model)
+                };
+                self.air.add(sendings.into_iter().map(flight));
+                offs.iter().flat_map(|off| self.air.stop(off).map(|flight| unsent(&flight)).collect::<Vec<_>>()).collect()
+            }
+            Medium::TokenRing => {
+                self.ring.queue(sendings);
+                offs.iter().for_each(|off| self.ring.stop(off));
+                for (sending, begins) in self.ring.advance(slot_end) {
+                    let flight = Flight::new(sending, begins, &model);
+                    self.leaving.push((flight.ends, flight.sending.from, flight.sending.sequence));
+                    self.air.add([flight]);
+                }
+                if has_changed {
+                    let errors = &self.errors;
+                    self.ring.set_members(&self.members, |robot| radio_of(errors, robot), slot_end);
+                }
+                let never = self.ring.take_unsent().into_iter();
+                never.map(|sending| unsent(&Flight::new(sending, slot_end, &model))).collect()
+            }
+        }
+    }
+
+    /// Decides what becomes of a message at each station that it is meant for.
+    fn decide(&self, slot_end: Time, flight: &Flight, deliveries: &mut Vec<Delivery>) {
+        let Sending { from, to, .. } = flight.sending;
+        let count = deliveries.len();
+        let mut deliver = |member: &Member| {
+            if member.robot != from {
+                let outcome = self.outcome(flight, member);
+                deliveries.push(Delivery { outcome, ..lost(flight, member.robot, slot_end, Loss::Nobody) });
+            }
+        };
+        match to {
+            Address::All => self.members.iter().for_each(deliver),
+            Address::One(address) => {
+                let start = self.addresses.partition_point(|it| it.0 < address);
+                let named = self.addresses[start..].iter().take_while(|it| it.0 == address);
+                named.filter_map(|(_, robot)| self.member(*robot)).for_each(&mut deliver);
+            }
+        }
+        if deliveries.len() == count {
+            deliveries.push(lost(flight, from, slot_end, Loss::Nobody));
+        }
+    }
+
+    fn outcome(&self, flight: &Flight, member: &Member) -> Result<Arrived, Loss> {
+        let sending = &flight.sending;
+        if let Ok(place) = sending.out_of_reach.binary_search_by_key(&member.robot, |(robot, _)| *robot) {
+            return Err(sending.out_of_reach[place].1);
+        }
+        if member.baud != sending.baud {
+            return Err(Loss::Baud);
+        }
+        if self.model.medium == Medium::Aloha && self.air.disturbs(flight, member.robot) {
+            return Err(Loss::Collision);
+        }
+        let mut payload = sending.payload.clone();
+        let radio = radio_of(&self.errors, member.robot);
+        if radio.is_perfect() {
+            return Ok(Arrived { payload, bit_errors: 0 });
+        }
+        let mut stream = Stream::new(self.seed, member.robot, Purpose::Radio, sending.from.0, sending.sequence);
+        let bit_errors = radio.garble(&mut stream, &mut payload).ok_or(Loss::Packet)?;
+        Ok(Arrived { payload, bit_errors })
+    }
+
+    fn member(&self, robot: RobotId) -> Option<&Member> {
+        self.members.binary_search_by_key(&robot, |member| member.robot).ok().map(|place| &self.members[place])
+    }
+
+    /// Says what has left its sender by `slot_end`, and when the next thing is due.
+    fn settle_dues(&mut self, slot_end: Time) {
+        let gone = self.leaving.partition_point(|(ends, ..)| *ends <= slot_end);
+        self.left.extend(self.leaving.drain(..gone).map(|(_, robot, sequence)| (robot, sequence)));
+        let mut next = self.air.next_arrival();
+        if self.model.medium == Medium::TokenRing {
+            let leaves = self.leaving.first().map_or(Time::NEVER, |(ends, ..)| *ends);
+            next = next.min(leaves).min(self.ring.next_end());
+        }
+        // What comes at a slot's end is decided there, so the slot before is to be run.
+        self.due = if next == Time::NEVER { next } else { next - Time(1) };
+    }
+}
+
+/// What happens to messages on their way to `robot`.
+fn radio_of(errors: &[Radio], robot: RobotId) -> Radio {
+    errors.get(robot.index()).copied().unwrap_or_default()
+}
+
+fn lost(flight: &Flight, to: RobotId, slot_end: Time, loss: Loss) -> Delivery {
+    Delivery {
+        to,
+        from: flight.sending.from,
+        address: flight.sending.address,
+        sequence: flight.sending.sequence,
+        arrives: flight.arrives,
+        visible: flight.arrives.max(slot_end),
+        outcome: Err(loss),
     }
 }

@@ -5,10 +5,15 @@
 //!
 //! Source: Koestler & Bräunl, sections 5.1 and 6.2; the rules of time are those of design section 7.
 
+mod air;
 mod channel;
+mod ring;
 mod station;
+#[cfg(test)]
+mod tests;
 
 pub use channel::Channel;
+pub use ring::SILENCE;
 pub use station::{BUFFER, Full, Message, Station};
 
 use crate::RobotId;
@@ -56,10 +61,11 @@ pub const HEADER: usize = 7;
 /// Bits on the air for a byte: start, eight of data, stop.
 pub const BITS_PER_BYTE: u64 = 10;
 
-/// How long a message of `bytes` bytes is on the air, in whole microseconds, rounded up.
+/// How long a message of `bytes` bytes is on the air, in whole microseconds, rounded up; at least one.
 pub fn air_time(bytes: usize, baud: u32) -> Time {
-    let bits = (bytes + HEADER) as u64 * BITS_PER_BYTE;
-    Time((bits * 1_000_000).div_ceil(baud.into()).cast_signed())
+    let bits = (bytes as u128 + HEADER as u128) * u128::from(BITS_PER_BYTE);
+    let micros = (bits * 1_000_000).div_ceil(baud.max(1).into());
+    i64::try_from(micros).map_or(Time::NEVER, Time)
 }
 
 /// To whom a message goes.
@@ -156,6 +162,28 @@ pub struct Member {
     pub address: u32,
     /// Its speed.
     pub baud: u32,
+}
+
+/// What a station tells the channel after it was switched on or off.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Change {
+    /// Whose station.
+    pub robot: RobotId,
+    /// How it stands now; `None` when it is off.
+    pub member: Option<Member>,
+    /// When it was switched off since it told last, in the order of time.
+    pub offs: Vec<Off>,
+}
+
+/// A station was switched off: what it had not begun to send by then is never sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Off {
+    /// Whose station.
+    pub robot: RobotId,
+    /// When.
+    pub at: Time,
+    /// The number of the last message that it had been given by then.
+    pub last_sequence: u64,
 }
 
 impl Loss {

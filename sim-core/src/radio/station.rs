@@ -5,9 +5,10 @@ use std::collections::VecDeque;
 use crate::RobotId;
 use crate::time::Time;
 
-use super::{Address, Delivery, Loss, Medium, Member, Model, Sending, air_time};
+use super::{Address, Change, Delivery, Loss, Medium, Member, Model, Off, Sending, air_time};
 
-/// How many bytes of messages a station keeps that are not yet sent, and how many that are not yet read; our choice.
+/// How many bytes of messages a station keeps that are not yet sent, and how many that are not yet read; our choice. A message
+/// without any counts as one.
 pub const BUFFER: usize = 1024;
 
 /// The sender's buffer has no room for the message.
@@ -37,14 +38,25 @@ pub struct Station {
     /// Address and speed while it is on.
     member: Option<Member>,
     has_changed: bool,
+    offs: Vec<Off>,
     last_sequence: u64,
-    /// Size and end of what is being sent; no end where the medium decides.
-    outgoing: VecDeque<(u64, usize, Option<Time>)>,
+    /// In the order of their numbers.
+    outgoing: VecDeque<Outgoing>,
+    /// Not yet told to the channel.
     sent: Vec<Sending>,
     /// On their way, in order of (visible, arrives, sender, sequence).
     coming: VecDeque<Delivery>,
     /// Waiting to be read, in order of (arrived, sender, sequence).
     inbox: VecDeque<Message>,
+}
+
+/// A message in the sender's buffer.
+#[derive(Clone, Copy, Debug)]
+struct Outgoing {
+    sequence: u64,
+    size: usize,
+    /// When its transmission begins and ends; none where the medium decides.
+    span: Option<(Time, Time)>,
 }
 
 impl Station {
@@ -55,6 +67,7 @@ impl Station {
             medium: model.medium,
             member: None,
             has_changed: false,
+            offs: Vec::new(),
             last_sequence: 0,
             outgoing: VecDeque::new(),
             sent: Vec::new(),
@@ -69,14 +82,24 @@ impl Station {
         self.has_changed = true;
     }
 
-    /// Switches it off: what it has not sent is never sent, what waits to be read is gone, what is on its way is not heard.
-    /// What becomes of these.
+    /// Switches it off: what waits to be read is gone, what is on its way is not heard, and what it has not begun to send is never
+    /// sent, unless the channel has taken it (a free medium does so at the end of each slot). What becomes of what was on its way;
+    /// of what is not sent the channel tells. Nothing if it is off.
     pub fn switch_off(&mut self, now: Time) -> Vec<Delivery> {
-        self.member = None;
+        if self.member.take().is_none() {
+            return Vec::new();
+        }
         self.has_changed = true;
+        self.offs.push(Off { robot: self.robot, at: now, last_sequence: self.last_sequence });
+        let untaken = self.sent.first().map_or(u64::MAX, |sending| sending.sequence);
+        let goes_out = |it: &Outgoing| {
+            let is_taken = self.medium == Medium::Free && it.sequence < untaken;
+            it.span.is_some_and(|(begins, _)| begins <= now || is_taken)
+        };
+        self.outgoing.retain(goes_out);
         self.inbox.clear();
-        let _ = now;
-        self.coming.drain(..).map(|delivery| Delivery { outcome: Err(Loss::Off), ..delivery }).collect()
+        let unheard = |delivery: Delivery| Delivery { outcome: delivery.outcome.and(Err(Loss::Off)), ..delivery };
+        self.coming.drain(..).map(unheard).collect()
     }
 
     /// What it tells the channel; none while it is off.
@@ -84,9 +107,11 @@ impl Station {
         self.member
     }
 
-    /// True, once, after it was switched.
-    pub fn take_change(&mut self) -> bool {
-        std::mem::take(&mut self.has_changed)
+    /// What the channel is to know, once, after it was switched.
+    pub fn take_change(&mut self) -> Option<Change> {
+        let offs = std::mem::take(&mut self.offs);
+        let change = Change { robot: self.robot, member: self.member, offs };
+        std::mem::take(&mut self.has_changed).then_some(change)
     }
 
     /// Sends a message at `now`; its number.
@@ -104,22 +129,23 @@ impl Station {
         out_of_reach: Vec<(RobotId, Loss)>,
     ) -> Result<&Sending, Full> {
         let member = self.member.expect("only a station that is on sends");
-        while self.outgoing.front().is_some_and(|(_, _, end)| end.is_some_and(|end| end <= now)) {
+        while self.outgoing.front().is_some_and(|it| it.span.is_some_and(|(_, ends)| ends <= now)) {
             self.outgoing.pop_front();
         }
-        if self.outgoing.iter().map(|(_, size, _)| size).sum::<usize>() + payload.len() > BUFFER {
+        let size = payload.len().max(1);
+        if self.outgoing.iter().map(|it| it.size).sum::<usize>() + size > BUFFER {
             return Err(Full);
         }
         let begins = match self.medium {
             Medium::Free | Medium::Aloha => {
-                let free = self.outgoing.back().and_then(|(_, _, end)| *end);
-                Some(free.unwrap_or(now).max(now))
+                let free = self.outgoing.back().and_then(|it| it.span);
+                Some(free.map_or(now, |(_, ends)| ends.max(now)))
             }
             Medium::TokenRing => None,
         };
         self.last_sequence += 1;
-        let end = begins.map(|begins| begins + air_time(payload.len(), member.baud));
-        self.outgoing.push_back((self.last_sequence, payload.len(), end));
+        let span = begins.map(|begins| (begins, begins + air_time(payload.len(), member.baud)));
+        self.outgoing.push_back(Outgoing { sequence: self.last_sequence, size, span });
         self.sent.push(Sending {
             from: self.robot,
             address: member.address,
@@ -141,7 +167,7 @@ impl Station {
 
     /// The medium has sent the message of this number.
     pub fn has_left(&mut self, sequence: u64) {
-        self.outgoing.retain(|(number, _, _)| *number != sequence);
+        self.outgoing.retain(|it| it.sequence != sequence);
     }
 
     /// A message is on its way.
@@ -163,8 +189,8 @@ impl Station {
             && let Some(mut delivery) = self.coming.pop_front()
         {
             if let Ok(arrived) = &delivery.outcome {
-                let used: usize = self.inbox.iter().map(|message| message.payload.len()).sum();
-                if used + arrived.payload.len() > BUFFER {
+                let used: usize = self.inbox.iter().map(|message| message.payload.len().max(1)).sum();
+                if used + arrived.payload.len().max(1) > BUFFER {
                     delivery.outcome = Err(Loss::Overflow);
                 } else {
                     let message = Message {
