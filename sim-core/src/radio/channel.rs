@@ -107,9 +107,20 @@ impl Channel {
     }
 
     /// When the channel next has something to decide, though nobody sends: the slot that holds this instant is to be run.
-    /// [`Time::NEVER`] for nothing.
+    /// [`Time::NEVER`] for nothing, [`Time::ZERO`] after a station was switched.
     pub fn due(&self) -> Time {
-        self.due
+        if self.has_changed { Time::ZERO } else { self.due }
+    }
+
+    /// The run ends: the messages that are not decided, as lost to their senders, in order of (sender, sequence).
+    pub fn finish(&mut self, end: Time) -> Vec<Delivery> {
+        let air = std::mem::take(&mut self.air);
+        let mut flights: Vec<Flight> = air.arrived(Time::NEVER).cloned().collect();
+        flights.extend(self.ring.take_queued().into_iter().map(|sending| Flight::new(sending, end, &self.model)));
+        flights.sort_by_key(|flight| (flight.sending.from, flight.sending.sequence));
+        self.due = Time::NEVER;
+        let fate = |flight: &Flight| Delivery { visible: end, ..lost(flight, flight.sending.from, end, Loss::End) };
+        flights.iter().map(fate).collect()
     }
 
     /// What left the buffers of its senders since this was asked last, where the medium decides: (sender, number), for
@@ -134,7 +145,9 @@ impl Channel {
                     Flight::new(sending, begins, &model)
                 };
                 self.air.add(sendings.into_iter().map(flight));
-                offs.iter().flat_map(|off| self.air.stop(off).map(|flight| unsent(&flight)).collect::<Vec<_>>()).collect()
+                offs.iter()
+                    .flat_map(|off| self.air.stop(off).map(|flight| unsent(&flight)).collect::<Vec<_>>())
+                    .collect()
             }
             Medium::TokenRing => {
                 self.ring.queue(sendings);

@@ -141,6 +141,11 @@ impl Ring {
         };
     }
 
+    /// Takes away all that waits for the token.
+    pub fn take_queued(&mut self) -> Vec<Sending> {
+        std::mem::take(&mut self.queues).into_values().flatten().map(|queued| queued.sending).collect()
+    }
+
     /// Takes away what is never sent: what was stopped, and what those have who are not in the ring.
     pub fn take_unsent(&mut self) -> Vec<Sending> {
         let is_in = |robot| self.nodes.binary_search_by_key(&robot, |node| node.robot).is_ok();

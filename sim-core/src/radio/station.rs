@@ -90,16 +90,23 @@ impl Station {
             return Vec::new();
         }
         self.has_changed = true;
+        self.outgoing = self.outgoing.iter().filter(|it| self.goes_out(it, now)).copied().collect();
         self.offs.push(Off { robot: self.robot, at: now, last_sequence: self.last_sequence });
-        let untaken = self.sent.first().map_or(u64::MAX, |sending| sending.sequence);
-        let goes_out = |it: &Outgoing| {
-            let is_taken = self.medium == Medium::Free && it.sequence < untaken;
-            it.span.is_some_and(|(begins, _)| begins <= now || is_taken)
-        };
-        self.outgoing.retain(goes_out);
         self.inbox.clear();
         let unheard = |delivery: Delivery| Delivery { outcome: delivery.outcome.and(Err(Loss::Off)), ..delivery };
         self.coming.drain(..).map(unheard).collect()
+    }
+
+    /// How many of its messages would never be sent if it were switched off at `now`; all that wait for a token.
+    pub fn unsent(&self, now: Time) -> usize {
+        self.outgoing.iter().filter(|it| !self.goes_out(it, now)).count()
+    }
+
+    /// True if the message is sent even if it is switched off at `now`: its transmission has begun, or the channel has taken it.
+    fn goes_out(&self, message: &Outgoing, now: Time) -> bool {
+        let untaken = self.sent.first().map_or(u64::MAX, |sending| sending.sequence);
+        let is_taken = self.medium == Medium::Free && message.sequence < untaken;
+        message.span.is_some_and(|(begins, _)| begins <= now || is_taken)
     }
 
     /// What it tells the channel; none while it is off.

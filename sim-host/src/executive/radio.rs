@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 
 use parking_lot::MutexGuard;
 use sim_core::RobotId;
-use sim_core::radio::{Channel, Delivery, Medium, Sending};
+use sim_core::radio::{Channel, Delivery, Sending};
 use sim_core::time::Time;
 
 use crate::robios::radio;
@@ -19,6 +19,8 @@ pub struct Traffic {
     sendings: Vec<Sending>,
     /// What the channel has decided at the present slot's end.
     decided: Vec<Delivery>,
+    /// What has left the buffers of its senders by then.
+    left: Vec<(RobotId, u64)>,
     /// When something becomes visible, and to whom.
     visible: BinaryHeap<Reverse<(Time, RobotId)>>,
 }
@@ -27,8 +29,8 @@ impl Traffic {
     /// Takes what `robot` has sent in the slot that ends, and tells the channel whether its radio is on.
     pub fn collect(&mut self, robot: &mut Robot, channel: &mut Channel) {
         let Some(news) = robot.devices.radio.take_news() else { return };
-        if let Some(member) = news.switched {
-            channel.set_member(robot.id, member);
+        if let Some(change) = news.change {
+            channel.change(change);
         }
         self.sendings.extend(news.sendings);
     }
@@ -38,9 +40,8 @@ impl Traffic {
         if !self.sendings.is_empty() || channel.due() <= slot_end {
             self.decided = channel.exchange(slot_end, std::mem::take(&mut self.sendings));
             concerned.extend(self.decided.iter().map(|delivery| delivery.to));
-            if channel.model().medium == Medium::TokenRing {
-                concerned.extend(self.decided.iter().map(|delivery| delivery.from));
-            }
+            self.left = channel.take_left();
+            concerned.extend(self.left.iter().map(|(robot, _)| *robot));
         }
         while let Some(Reverse((visible, robot))) = self.visible.peek()
             && *visible < slot_end
@@ -53,11 +54,13 @@ impl Traffic {
     /// Gives each robot what concerns it and settles the slot that ends; `robots` are those that [`Traffic::exchange`] named, and
     /// others, in the order of their ids.
     pub fn deliver(&mut self, slot_end: Time, robots: &mut [MutexGuard<'_, Robot>]) {
-        for delivery in self.decided.drain(..) {
-            let Delivery { to, from, sequence, visible, .. } = delivery;
-            if let Ok(place) = robots.binary_search_by_key(&from, |robot| robot.id) {
+        for (robot, sequence) in self.left.drain(..) {
+            if let Ok(place) = robots.binary_search_by_key(&robot, |robot| robot.id) {
                 robots[place].devices.radio.has_left(sequence);
             }
+        }
+        for delivery in self.decided.drain(..) {
+            let Delivery { to, visible, .. } = delivery;
             if let Ok(place) = robots.binary_search_by_key(&to, |robot| robot.id) {
                 radio::deliver(&mut robots[place], delivery);
                 self.visible.push(Reverse((visible, to)));

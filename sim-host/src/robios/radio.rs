@@ -4,7 +4,7 @@
 //! [`crate::executive::radio`]. Sources: RoBIOS 6 library, radio communication; RoBIOS-7 library, radio communication.
 
 use robios_sys::robios6::{BROADCAST, RadioIOParameters};
-use sim_core::radio::{Address, Delivery, Loss, Member, Message, Sending, Station};
+use sim_core::radio::{Address, Change, Delivery, Member, Message, Sending, Station};
 use sim_core::time::Time;
 use sim_core::world::World;
 
@@ -29,8 +29,8 @@ pub struct Radio {
 /// What the slot loop has to tell the channel of a station.
 #[derive(Clone, Debug)]
 pub struct News {
-    /// What it is now, if it was switched.
-    pub switched: Option<Option<Member>>,
+    /// What the channel is to know, if it was switched.
+    pub change: Option<Change>,
     /// What it has sent.
     pub sendings: Vec<Sending>,
 }
@@ -54,9 +54,9 @@ impl Radio {
     /// What has happened since this was asked last.
     pub fn take_news(&mut self) -> Option<News> {
         let station = self.station.as_mut()?;
-        let switched = station.take_change().then(|| station.member());
+        let change = station.take_change();
         let sendings = station.take_sent();
-        (switched.is_some() || !sendings.is_empty()).then_some(News { switched, sendings })
+        (change.is_some() || !sendings.is_empty()).then_some(News { change, sendings })
     }
 
     /// The medium has sent the message of this number.
@@ -98,9 +98,9 @@ fn switch_off(robot: &mut Robot) -> usize {
     settle(robot, robot.now);
     let now = robot.now;
     let Some(station) = robot.devices.radio.on() else { return 0 };
-    let fates = station.switch_off(now);
-    fates.iter().for_each(|fate| record_fate(robot, now, fate));
-    fates.iter().filter(|fate| fate.outcome == Err(Loss::Unsent)).count()
+    let unsent = station.unsent(now);
+    station.switch_off(now).iter().for_each(|fate| record_fate(robot, now, fate));
+    unsent
 }
 
 /// `RADIOSend`
