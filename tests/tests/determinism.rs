@@ -90,3 +90,41 @@ fn debug_and_release_give_the_same_digest() {
     write_crowd(&scratch, 20, AVOID);
     assert_eq!(digest(&scratch, &[]), digest_with(&other, &scratch, &[]), "{} is out of date?", other.display());
 }
+
+#[test]
+fn robots_with_numbers_give_the_same_run_in_whatever_order_they_are_listed() {
+    const RING: &str = "%sim%/robis/ring.robi";
+    const WALL_C: &str = "%sim%/example-programs/follow-wall-c/follow-wall.c";
+    const SQUARE_C: &str = "%sim%/example-programs/square-c/square.c";
+    let scratch = Scratch::new();
+    let robots = [
+        (1, RING, AVOID_C, "x_mm = 500\ny_mm = 500\nheading_deg = 30"),
+        (2, RING, WALL_C, "noise = { base = \"harsh\", psd = { sigma_mm = 20 } }"),
+        (3, RING, AVOID, "layout = { kind = \"random\", clearance_mm = 100 }"),
+        (4, "S4", SQUARE_C, ""),
+        (5, RING, AVOID_C, "layout = { kind = \"random\" }"),
+        (6, RING, AVOID_C, ""),
+    ];
+    let run = |name: &str, places: [usize; 6], has_ids: bool| {
+        let mut scene = "[scene]\nseed = 3\nnoise = \"real\"\n[world]\nfloor_mm = [3000, 3000]\n\
+                         wall = [{ from_mm = [0, 0], to_mm = [3000, 0] }, { from_mm = [3000, 0], to_mm = [3000, 3000] },\n\
+                         { from_mm = [3000, 3000], to_mm = [0, 3000] }, { from_mm = [0, 3000], to_mm = [0, 0] }]\n\
+                         start = [{ x_mm = 1500, y_mm = 300 }, { x_mm = 2500, y_mm = 1500, heading_deg = 90 },\n\
+                         { x_mm = 1500, y_mm = 1500, heading_deg = 200 }]\n"
+            .to_owned();
+        for (id, kind, program, keys) in places.map(|place| robots[place]) {
+            let id = if has_ids { format!("id = {id}\n") } else { String::new() };
+            scene += &format!("[[robot]]\ntype = \"{kind}\"\nprogram = \"{program}\"\n{id}{keys}\n");
+        }
+        scratch.write(name, &scene);
+        let report = scratch.report(name, &["--until", "10", "--trace", "t.jsonl"], 0);
+        (report["digest"].clone(), report["robots"].clone(), scratch.read("t.jsonl"))
+    };
+    let first = run("a.scene.toml", [0, 1, 2, 3, 4, 5], true);
+    assert_eq!(first.1.as_array().expect("robots").len(), robots.len());
+    assert!(first.1.as_array().into_iter().flatten().any(|robot| robot["path_m"].as_f64() > Some(1.0)), "they drive");
+    assert_eq!(run("b.scene.toml", [5, 4, 3, 2, 1, 0], true), first);
+    assert_eq!(run("c.scene.toml", [2, 5, 0, 4, 1, 3], true), first);
+    assert_eq!(run("d.scene.toml", [0, 1, 2, 3, 4, 5], false), first, "that is what they are without numbers");
+    assert_ne!(run("e.scene.toml", [5, 4, 3, 2, 1, 0], false).0, first.0, "it is the numbers that count");
+}

@@ -118,6 +118,8 @@ codes! {
     RobiTrackWide = "robi-track-wide": "in a file of EyeSim VR the wheels would stand outside the body",
     RobiWheelArity = "robi-wheel-arity": "`wheel` with too few values",
     RobiWheelMissing = "robi-wheel-missing": "a robot file without a `wheel` line",
+    RobotIdGap = "robot-id-gap": "a robot's number is greater than the number of robots",
+    RobotIdTwice = "robot-id-twice": "two robots of one number",
     SceneCount = "scene-count": "more robots than a scene may have",
     SceneRoom = "scene-room": "a layout has no room for all its robots",
     SimKeyword = "sim-keyword": "an unknown keyword in a sim file",

@@ -1,10 +1,9 @@
 //! From the lines of a sim file to robots and objects with their types and poses.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::Range;
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::code::Code;
 use super::diagnostic::Sink;
@@ -41,17 +40,15 @@ pub(super) fn place(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str, world:
         shapes: BTreeMap::new(),
         robots: Vec::new(),
         objects: Vec::new(),
-        scattered: Vec::new(),
-        ids: 0,
+        has_robots: false,
     };
     placer.objects(world.map_or(&[], |world| &world.objects), loader);
     let of_world = placer.objects.len();
     placer.objects(&sim.objects, loader);
     placer.robots(loader);
-    placer.scatter();
     placer.objects[of_world..].sort_by_key(|object| object.span);
     loader.diagnostics.extend(placer.sink.finish());
-    if placer.ids == 0 && !super::has_errors(&loader.diagnostics) {
+    if !placer.has_robots && !super::has_errors(&loader.diagnostics) {
         let mut sink = Sink::new(&sim.file);
         let expected = match sim.form {
             SceneForm::Sim => "a line `NAME X Y PHI PROGRAM` or `robi FILE.robi PROGRAM`",
@@ -73,10 +70,59 @@ struct Placer<'a> {
     shapes: BTreeMap<String, Arc<ObjectType>>,
     robots: Vec<RobotSpec>,
     objects: Vec<ObjectSpec>,
-    /// Random layouts and which of the robots have them.
-    scattered: Vec<(Range<usize>, Layout)>,
-    /// How many robots there are, with those that are lost.
-    ids: usize,
+    /// There are robots, be it that they are lost.
+    has_robots: bool,
+}
+
+/// The robots of a line.
+struct Group<'a> {
+    line: &'a RobotLine,
+    /// Their type; `None` if it is missing, which has been told.
+    robi: Option<Arc<RobiSpec>>,
+    count: u32,
+    /// How they stand; `None` for one that stands alone.
+    layout: Option<Layout>,
+    /// There is no place for one of them, which has been told, nor for those after it.
+    is_full: bool,
+}
+
+impl Group<'_> {
+    /// Area, clearance and heading of those that stand at random.
+    fn random(&self) -> Option<(Option<[DVec2; 2]>, f64, Option<f64>)> {
+        match self.layout {
+            Some(Layout::Random { area, clearance, heading }) => Some((area, clearance, heading)),
+            _ => None,
+        }
+    }
+}
+
+/// One of the robots of a line.
+struct Member {
+    id: RobotId,
+    /// Which of the groups.
+    group: usize,
+    /// Its place in the group.
+    index: u32,
+}
+
+/// The numbers that robots without one get, in order.
+struct Ids {
+    last: u32,
+    given: BTreeSet<RobotId>,
+}
+
+impl Ids {
+    fn besides(given: impl Iterator<Item = RobotId>) -> Self {
+        Self { last: 0, given: given.collect() }
+    }
+
+    fn next(&mut self) -> RobotId {
+        self.last += 1;
+        while self.given.contains(&RobotId(self.last)) {
+            self.last += 1;
+        }
+        RobotId(self.last)
+    }
 }
 
 impl Placer<'_> {
@@ -136,117 +182,124 @@ impl Placer<'_> {
     fn robots(&mut self, loader: &mut Loader<'_>) {
         let mut lines: Vec<&RobotLine> = self.sim.robots.iter().chain(&self.sim.named).collect();
         lines.sort_by_key(|line| line.span);
+        let mut ids = Ids::besides(lines.iter().filter_map(|line| line.id));
+        let mut groups = Vec::new();
+        let mut members = Vec::new();
         for line in lines {
-            let robi = match &line.kind {
-                TypeRef::File(path) => loader.robot_type(&self.sim.file, self.folder, path),
-                TypeRef::Name(name) => match self.types.find(&mut self.sink, name) {
-                    Some(Kind::Robot(robi)) => Some(robi),
-                    Some(Kind::Object(object)) => {
-                        if self.sim.form == SceneForm::Toml {
-                            let message = format!("`{}` is an object, not a robot", name.text);
-                            self.sink.error(Code::SimTypeUnknown, name.span, message, "the name of a robot type");
-                        } else {
-                            self.named_object(line, object);
-                        }
-                        continue;
-                    }
-                    None => {
-                        // Without a program it may have been an object, and EyeSim skips the line.
-                        let is_robot = self.sim.form == SceneForm::Toml
-                            || line.program.is_some()
-                            || !matches!(line.start, StartRef::Pose(_));
-                        let severity = if is_robot { Severity::Error } else { Severity::Warning };
-                        self.types.report_unknown(loader, &mut self.sink, severity, self.folder, name);
-                        self.ids += usize::from(is_robot);
-                        continue;
-                    }
-                },
+            let Some(robi) = self.robot_kind(loader, line) else { continue };
+            let (count, layout) = match line.start {
+                StartRef::Many { count, layout } => (count, Some(layout)),
+                _ => (1, None),
             };
-            self.robot(line, robi);
-        }
-    }
-
-    /// A robot of the type `robi`, or a group of them; `None` if that is missing, which has been told.
-    fn robot(&mut self, line: &RobotLine, robi: Option<Arc<RobiSpec>>) {
-        let StartRef::Many { count, layout } = line.start else {
-            let start = self.start(line);
-            self.stand(line, robi.as_ref(), start);
-            return;
-        };
-        let first = self.robots.len();
-        for index in 0..count {
-            let start = match layout {
-                Layout::Starts => self.next(line.span),
-                // Where there is room shows when all others stand.
-                Layout::Random { .. } => Some(Pose::default()),
-                _ => layout.pose(index, count),
-            };
-            if start.is_none() {
-                self.ids += (count - index) as usize;
-                break;
+            for index in 0..count {
+                let id = line.id.unwrap_or_else(|| ids.next());
+                members.push(Member { id, group: groups.len(), index });
             }
-            self.stand(line, robi.as_ref(), start);
+            groups.push(Group { line, robi, count, layout, is_full: false });
         }
-        if matches!(layout, Layout::Random { .. }) && self.robots.len() > first {
-            self.scattered.push((first..self.robots.len(), layout));
+        // Whatever goes from robot to robot goes by their numbers, not by their lines.
+        members.sort_by_key(|member| member.id);
+        for member in &members {
+            self.stand(&mut groups[member.group], member);
+        }
+        self.scatter(&members, &mut groups);
+        self.has_robots = !members.is_empty();
+    }
+
+    /// The type of the robot of a line, without one if that is missing, which has been told; `None` if the line places no robot.
+    fn robot_kind(&mut self, loader: &mut Loader<'_>, line: &RobotLine) -> Option<Option<Arc<RobiSpec>>> {
+        let name = match &line.kind {
+            TypeRef::File(path) => return Some(loader.robot_type(&self.sim.file, self.folder, path)),
+            TypeRef::Name(name) => name,
+        };
+        match self.types.find(&mut self.sink, name) {
+            Some(Kind::Robot(robi)) => Some(Some(robi)),
+            Some(Kind::Object(object)) => {
+                if self.sim.form == SceneForm::Toml {
+                    let message = format!("`{}` is an object, not a robot", name.text);
+                    self.sink.error(Code::SimTypeUnknown, name.span, message, "the name of a robot type");
+                } else {
+                    self.named_object(line, object);
+                }
+                None
+            }
+            None => {
+                // Without a program it may have been an object, and EyeSim skips the line.
+                let is_robot = self.sim.form == SceneForm::Toml
+                    || line.program.is_some()
+                    || !matches!(line.start, StartRef::Pose(_));
+                let severity = if is_robot { Severity::Error } else { Severity::Warning };
+                self.types.report_unknown(loader, &mut self.sink, severity, self.folder, name);
+                is_robot.then_some(None)
+            }
         }
     }
 
-    fn stand(&mut self, line: &RobotLine, robi: Option<&Arc<RobiSpec>>, start: Option<Pose>) {
-        let id = RobotId::from_index(self.ids);
-        self.ids += 1;
-        if let (Some(robi), Some(start)) = (robi, start) {
-            let (program, arguments) = (line.program.clone(), line.arguments.clone());
-            let dialect = match (self.sim.form, &line.kind) {
-                (SceneForm::Toml, _) => None,
-                (SceneForm::Sim, TypeRef::File(_)) => Some(6),
-                (SceneForm::Sim, TypeRef::Name(_)) => Some(7),
-            };
-            let (robi, span, api) = (Arc::clone(robi), line.span, line.api.or(self.sim.run.api));
-            let noise = line.noise.as_ref().or(self.sim.run.noise.as_ref()).cloned();
-            self.robots.push(RobotSpec { id, robi, start, program, arguments, api, noise, dialect, span });
+    /// Puts a robot where its line says, if there is a place left.
+    fn stand(&mut self, group: &mut Group<'_>, member: &Member) {
+        if group.is_full {
+            return;
         }
+        let line = group.line;
+        let start = match group.layout {
+            None => self.start(line),
+            Some(Layout::Starts) => self.next(line.span),
+            // Where there is room shows when all others stand.
+            Some(Layout::Random { .. }) => Some(Pose::default()),
+            Some(layout) => layout.pose(member.index, group.count),
+        };
+        group.is_full = start.is_none();
+        let (Some(robi), Some(start)) = (&group.robi, start) else { return };
+        let dialect = match (self.sim.form, &line.kind) {
+            (SceneForm::Toml, _) => None,
+            (SceneForm::Sim, TypeRef::File(_)) => Some(6),
+            (SceneForm::Sim, TypeRef::Name(_)) => Some(7),
+        };
+        self.robots.push(RobotSpec {
+            id: member.id,
+            robi: Arc::clone(robi),
+            start,
+            program: line.program.clone(),
+            arguments: line.arguments.clone(),
+            api: line.api.or(self.sim.run.api),
+            noise: line.noise.as_ref().or(self.sim.run.noise.as_ref()).cloned(),
+            dialect,
+            span: line.span,
+        });
     }
 
     /// Gives the robots of random layouts their places, in order of their ids; those without room are lost.
-    fn scatter(&mut self) {
-        let Some(world) = self.starts.world.filter(|_| !self.scattered.is_empty()) else { return };
+    fn scatter(&mut self, members: &[Member], groups: &mut [Group<'_>]) {
+        let scattered: BTreeMap<RobotId, &Member> =
+            members.iter().filter(|member| groups[member.group].random().is_some()).map(|it| (it.id, it)).collect();
+        let Some(world) = self.starts.world.filter(|_| !scattered.is_empty()) else { return };
         let radius = |robot: &RobotSpec| 0.5 * robot.robi.diameter;
         let reach = |object: &ObjectSpec| object.kind.colliders.iter().map(Collider::reach).fold(0.0, f64::max);
-        let clearance = |layout: &Layout| if let Layout::Random { clearance, .. } = layout { *clearance } else { 0.0 };
         let robots = self.robots.iter().map(radius);
         let widest = robots.chain(self.objects.iter().map(reach)).fold(0.0, f64::max);
-        let widest = widest + self.scattered.iter().map(|(_, layout)| clearance(layout)).fold(0.0, f64::max);
-        let mut room = Room::new(world, widest);
-        let mut is_scattered = vec![false; self.robots.len()];
-        self.scattered.iter().for_each(|(range, _)| is_scattered[range.clone()].fill(true));
-        for (robot, _) in self.robots.iter().zip(is_scattered).filter(|(_, is_scattered)| !is_scattered) {
+        let clearances = groups.iter().filter_map(|group| Some(group.random()?.1));
+        let mut room = Room::new(world, widest + clearances.fold(0.0, f64::max));
+        for robot in self.robots.iter().filter(|robot| !scattered.contains_key(&robot.id)) {
             room.take(robot.start.position, radius(robot));
         }
         for object in &self.objects {
             room.take(object.pose.position, reach(object));
         }
         let seed = self.sim.run.seed.unwrap_or_default();
-        let mut lost = Vec::new();
-        for (range, layout) in &self.scattered {
-            let Layout::Random { area, clearance, heading } = *layout else { continue };
-            for index in range.clone() {
-                let robot = &mut self.robots[index];
-                let (radius, random) = (0.5 * robot.robi.diameter, (area, clearance, heading));
-                if let Some(start) = room.place(seed, robot.id, radius, random) {
-                    robot.start = start;
-                    continue;
-                }
-                let message = format!("there is room for {} of {} robots", index - range.start, range.len());
-                let expected = "fewer robots, a larger area or less clearance";
-                self.sink.error(Code::SceneRoom, robot.span, message, expected);
-                lost.push(index..range.end);
-                break;
+        let sink = &mut self.sink;
+        self.robots.retain_mut(|robot| {
+            let Some(member) = scattered.get(&robot.id) else { return true };
+            let group = &mut groups[member.group];
+            let Some(random) = group.random().filter(|_| !group.is_full) else { return false };
+            if let Some(start) = room.place(seed, robot.id, radius(robot), random) {
+                robot.start = start;
+                return true;
             }
-        }
-        for range in lost.into_iter().rev() {
-            self.robots.drain(range);
-        }
+            group.is_full = true;
+            let message = format!("there is room for {} of {} robots", member.index, group.count);
+            sink.error(Code::SceneRoom, robot.span, message, "fewer robots, a larger area or less clearance");
+            false
+        });
     }
 
     /// An object of a loaded type.

@@ -129,6 +129,7 @@ impl Reader {
         if let (Some(robi), Some(program)) = (robi, program) {
             let kind = TypeRef::File(robi);
             self.sim.robots.push(RobotLine {
+                id: None,
                 kind,
                 program: Some(program),
                 arguments: Vec::new(),
@@ -239,7 +240,8 @@ impl Reader {
             None => None,
         };
         let kind = TypeRef::Name(reference(name));
-        Some(RobotLine { kind, program, arguments: Vec::new(), api: None, noise: None, start: start?, span })
+        let arguments = Vec::new();
+        Some(RobotLine { id: None, kind, program, arguments, api: None, noise: None, start: start?, span })
     }
 
     fn marker(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {

@@ -574,6 +574,95 @@ fn radios_that_cannot_be_are_reported_where_they_stand() {
     );
 }
 
+/// Two robots at starts of their own, with the keys of each.
+fn numbered(first: &str, second: &str) -> format::Loaded {
+    let robot = |keys: &str| format!("[[robot]]\ntype = \"S4\"\n{keys}\n");
+    scene(&format!(
+        "start = [{{ x_mm = 500, y_mm = 500 }}, {{ x_mm = 1500, y_mm = 500 }}]\n{}{}",
+        robot(first),
+        robot(second)
+    ))
+}
+
+#[test]
+fn robots_have_the_numbers_that_the_scene_gives_them() {
+    let programs = |loaded: &format::Loaded| -> Vec<(u32, String)> {
+        loaded.scene.robots.iter().map(|robot| (robot.id.0, robot.program_name().to_owned())).collect()
+    };
+    let named = |first: &str, second: &str| {
+        let loaded = numbered(&format!("program = \"a.c\"\n{first}"), &format!("program = \"b.c\"\n{second}"));
+        assert_eq!(loaded.diagnostics, [], "{first}, {second}");
+        assert_eq!(places(&loaded), [(0.5, 0.5, 0.0), (1.5, 0.5, 0.0)], "the first number takes the first start");
+        programs(&loaded)
+    };
+    let (straight, turned) =
+        ([(1, "a.c".to_owned()), (2, "b.c".to_owned())], [(1, "b.c".to_owned()), (2, "a.c".to_owned())]);
+    assert_eq!(named("", ""), straight);
+    assert_eq!(named("id = 1", "id = 2"), straight);
+    assert_eq!(named("id = 2", "id = 1"), turned);
+    assert_eq!(named("id = 2", ""), turned, "the other one takes what is free");
+    assert_eq!(named("", "id = 1"), turned);
+    let group = "count = 3\nlayout = { kind = \"line\", from_mm = [500, 2000], to_mm = [2500, 2000] }";
+    let loaded = numbered(group, "id = 2");
+    assert_eq!(loaded.diagnostics, []);
+    let stand = places(&loaded);
+    assert_eq!(stand, [(0.5, 2.0, 0.0), (0.5, 0.5, 0.0), (1.5, 2.0, 0.0), (2.5, 2.0, 0.0)]);
+}
+
+#[test]
+fn numbers_that_robots_cannot_have_are_reported_where_they_stand() {
+    let said = |first: &str, second: &str| -> Vec<String> {
+        let said = numbered(first, second).diagnostics;
+        let of = |said: &format::Diagnostic| {
+            format!("{}:{} {} {}; {}", said.span.line, said.span.column, said.code, said.message, said.expected)
+        };
+        said.iter().map(of).collect()
+    };
+    let range = "an integer from 1 to 100000";
+    for id in ["0", "-1", "100001", "99999999999999999999"] {
+        assert_eq!(said(&format!("id = {id}"), ""), [format!("6:6 number-range id `{id}` is out of range; {range}")]);
+    }
+    assert_eq!(said("id = 1.0", ""), [format!("6:6 toml-type `id` is of type float; {range}")]);
+    let each = "robot numbers go from 1 to the number of robots, 2, each once";
+    assert_eq!(
+        said("id = 2", "id = 2"),
+        [format!("9:1 robot-id-twice the number 2 is that of the robot of line 6; {each}")]
+    );
+    assert_eq!(said("id = 1", "id = 3"), [format!("9:1 robot-id-gap the number 3 leaves a gap; {each}")]);
+    assert_eq!(
+        said("id = 1\ncount = 2", ""),
+        [
+            "6:1 toml-conflict `id` and `count` exclude each other; either `id` or `count`",
+            "8:1 sim-start-missing no start is left for this robot: the world has 2; `x_mm` and `y_mm`, a `layout`, or a \
+             start in the world"
+        ]
+    );
+}
+
+#[test]
+fn a_sim_has_robots_in_the_order_of_their_numbers() {
+    let text = "[world]\nfloor_mm = [4000, 3000]\n\
+                start = [{ x_mm = 500, y_mm = 500 }, { x_mm = 1500, y_mm = 500 }, { x_mm = 2500, y_mm = 500 }]\n\
+                [[robot_type]]\nfile = \"s.robi\"\n\
+                [[robot]]\ntype = \"s.robi\"\nprogram = \"a.c\"\nid = 4\n\
+                [[robot]]\ntype = \"S4\"\nprogram = \"b.c\"\ncount = 2\n\
+                [[robot]]\ntype = \"S4\"\nprogram = \"c.c\"\nid = 2\nx_mm = 2000\ny_mm = 2000\n";
+    let files =
+        Overlay::of(&[("a.scene.toml", text), ("s.robi", "wheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE A B C D\n")]);
+    let converted = convert("a.scene.toml", "b.sim", &files);
+    files.write(&converted);
+    let [old, new] = ["a.scene.toml", "b.sim"].map(|name| load_scene(name, &files));
+    assert_eq!((old.diagnostics, new.diagnostics), (Vec::new(), Vec::new()));
+    let programs: Vec<&str> = old.scene.robots.iter().map(|robot| robot.program_name()).collect();
+    assert_eq!(programs, ["b.c", "c.c", "b.c", "a.c"]);
+    let text = &converted.outputs.last().expect("a sim").text;
+    assert_eq!(same::scene(&new.scene).robots, same::scene(&old.scene).robots, "{text}");
+    let back = convert("b.sim", "c.scene.toml", &files);
+    files.write(&back);
+    let again = load_scene("c.scene.toml", &files).scene;
+    assert_eq!(same::scene(&again).robots, same::scene(&old.scene).robots);
+}
+
 #[test]
 fn files_that_cannot_become_each_other_are_refused() {
     let files = Overlay::of(&[("a.wld", "floor 1000 1000\n3 4 500 600\n"), ("a.sim", "")]);

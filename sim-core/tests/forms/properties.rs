@@ -304,17 +304,54 @@ proptest! {
     }
 
     #[test]
+    fn robots_with_numbers_may_be_listed_in_any_order(
+        kinds in prop::collection::vec((0..4_usize, any::<u32>(), any::<u32>()), 1..9), seed in 0..1_000_u32,
+    ) {
+        // The second of the random numbers is a robot's place in the file, the first its number.
+        let rank = |by: fn(&(usize, u32, u32)) -> u32| -> Vec<usize> {
+            let mut order: Vec<usize> = (0..kinds.len()).collect();
+            order.sort_by_key(|place| (by(&kinds[*place]), *place));
+            order
+        };
+        let robot = |id: usize, kind: usize| {
+            let start = ["", "start = \"U\"", "layout = { kind = \"random\" }", "x_mm = 900\ny_mm = 200\nheading_deg = 7"][kind];
+            format!("[[robot]]\ntype = \"S4\"\nid = {id}\nprogram = \"{id}.c\"\n{start}\n")
+        };
+        let places: Vec<String> = (0..9).map(|x| {
+            let letter = if x % 3 == 0 { ", letter = \"U\"" } else { "" };
+            format!("{{ x_mm = {}, y_mm = 500{letter} }}", 400 * x + 300)
+        }).collect();
+        let head = format!("[scene]\nseed = {seed}\n[world]\nfloor_mm = [4000, 4000]\nstart = [{}]\n", places.join(", "));
+        let by_number = rank(|kind| kind.1);
+        let lines: Vec<String> = (1..).zip(&by_number).map(|(id, place)| robot(id, kinds[*place].0)).collect();
+        let shuffled: String = rank(|kind| kind.2).into_iter().map(|place| lines[place].as_str()).collect();
+        let load = |robots: &str| load_scene("a.scene.toml", &Overlay::of(&[("a.scene.toml", &format!("{head}{robots}"))]));
+        let (straight, shuffled) = (load(&lines.concat()), load(&shuffled));
+        prop_assert!(!straight.has_errors(), "{:?}", straight.diagnostics);
+        prop_assert_eq!(straight.scene.robots.len(), kinds.len());
+        for (id, robot) in (1..).zip(&straight.scene.robots) {
+            let program = format!("{id}.c");
+            prop_assert_eq!((robot.id.0, robot.program_name()), (id, program.as_str()));
+        }
+        prop_assert_eq!(same::scene(&shuffled.scene), same::scene(&straight.scene));
+    }
+
+    #[test]
     fn scenes_read_back_as_they_were_printed(
         poses in prop::collection::vec((prop::collection::vec(number(), 3), prop::collection::vec(".*", 0..3)), 0..10),
         seed in prop::option::of(0..1_u64 << 63),
         slot in prop::option::of(1..3_600_000_000_i64),
         until in prop::option::of(1..1_000_000_000_000_i64),
+        turn in prop::option::of(0..10_usize),
     ) {
         let mut text = String::from("[world]\nfile = \"a.wld\"\n");
-        for (pose, _) in &poses {
+        for (place, (pose, _)) in poses.iter().enumerate() {
             let [x, y, phi] = &pose[..] else { unreachable!("three numbers") };
             text += "[[robot]]\ntype = \"S4\"\nprogram = \"a b.c\"\n";
             text += &format!("x_mm = {x}\ny_mm = {y}\nheading_deg = {phi}\n");
+            if let Some(turn) = turn {
+                text += &format!("id = {}\n", (place + turn) % poses.len() + 1);
+            }
         }
         let mut sim = read_scene("a.scene.toml", &text).0;
         for (line, (_, arguments)) in sim.robots.iter_mut().zip(&poses) {

@@ -219,6 +219,7 @@ fn robot_form(line: &RobotLine) -> RobotForm {
         arguments: line.arguments.clone(),
         api: line.api,
         noise: line.noise.as_ref().map(noise_form),
+        id: line.id.map(|id| id.0),
         ..RobotForm::default()
     };
     match line.start {

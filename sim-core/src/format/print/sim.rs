@@ -5,9 +5,10 @@ use std::fmt::Write;
 use super::Printed;
 use super::looks::LOOKS;
 use super::number::{heading, written, written_degrees, written_mm};
+use crate::RobotId;
 use crate::format::path;
 use crate::format::spec::{
-    LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneSpec, SimSpec, StartRef, TypeRef, WorldKind,
+    Layout, LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneSpec, SimSpec, StartRef, TypeRef, WorldKind,
 };
 use crate::pose::Pose;
 use crate::radio::Model;
@@ -55,9 +56,7 @@ impl Printer<'_> {
             self.line(&["object", &file]);
         }
         self.run(sim);
-        let mut lines: Vec<&RobotLine> = sim.robots.iter().chain(&sim.named).collect();
-        lines.sort_by_key(|line| line.span);
-        lines.into_iter().for_each(|line| self.robot(line));
+        self.robots(sim);
         sim.objects.iter().for_each(|line| self.object(line));
         for marker in &sim.markers {
             let [x, y] = marker.position.to_array().map(written_mm);
@@ -98,66 +97,56 @@ impl Printer<'_> {
         self.out.lost.extend(said.into_iter().filter(|(is_said, _)| *is_said).map(|(_, what)| what.to_owned()));
     }
 
-    fn robot(&mut self, line: &RobotLine) {
+    /// The lines of the robots, in the order of their numbers, which a sim file gives by the order alone.
+    fn robots(&mut self, sim: &SimSpec) {
+        let lines = || sim.robots.iter().chain(&sim.named);
+        // They have their poses written, so they would leave their starts to others.
+        let takes_starts = |line: &RobotLine| matches!(line.start, StartRef::Many { layout: Layout::Starts, .. });
+        let are_starts_taken = lines().any(takes_starts);
+        let mut robots: Vec<(RobotId, String)> = lines().flat_map(|line| self.robot(line, are_starts_taken)).collect();
+        robots.sort_by_key(|(id, _)| *id);
+        robots.iter().for_each(|(_, line)| self.line(&[line]));
+    }
+
+    /// The lines of the robots of a line, with their numbers.
+    fn robot(&mut self, line: &RobotLine, are_starts_taken: bool) -> Vec<(RobotId, String)> {
         let robots: Vec<&RobotSpec> = self.scene.robots.iter().filter(|robot| robot.span == line.span).collect();
+        let who = robots.first().map_or_else(|| "a robot".to_owned(), |robot| robot.id.to_string());
         if let StartRef::Many { count, .. } = line.start {
             self.out
                 .lost
                 .push(format!("that {count} robots of line {} are a group: each has its own line", line.span.line));
         }
         if !line.arguments.is_empty() {
-            let who = robots.first().map_or_else(|| "a robot".to_owned(), |robot| robot.id.to_string());
             self.out.lost.push(format!("the arguments of {who}"));
         }
         if line.noise.is_some() {
-            let who = robots.first().map_or_else(|| "a robot".to_owned(), |robot| robot.id.to_string());
             self.out.lost.push(format!("the noise profile of {who}"));
         }
         if let Some(api) = line.api {
-            let who = robots.first().map_or_else(|| "a robot".to_owned(), |robot| robot.id.to_string());
             self.out.lost.push(format!("that the program of {who} is written for RoBIOS {api}"));
         }
         let program = line.program.as_ref().map(|program| self.word(&program.text));
-        match (&line.kind, program) {
-            (TypeRef::File(file), Some(program)) if is_classic(line) => {
-                let file = self.word(&file.text);
-                for robot in &robots {
-                    match line.start {
-                        StartRef::Next => self.line(&["robi", &file, &program]),
-                        _ => {
-                            let [x, y, phi] = pose(&robot.start);
-                            self.line(&["robi", &file, &program, &x, &y, &phi]);
-                        }
-                    }
+        let first = match &line.kind {
+            TypeRef::File(file) if is_classic(line) => vec!["robi".to_owned(), self.word(&file.text)],
+            TypeRef::Name(name) => vec![self.word(&name.text)],
+            TypeRef::File(_) => robots.first().map(|robot| self.word(&robot.robi.name)).into_iter().collect(),
+        };
+        let of = |robot: &&RobotSpec| {
+            let start = match line.start {
+                StartRef::Next if is_classic(line) && !are_starts_taken => Vec::new(),
+                StartRef::Letter { letter, heading } => {
+                    [letter.to_string()].into_iter().chain(heading.map(written_degrees)).collect()
                 }
-            }
-            (kind, program) => {
-                let written = match kind {
-                    TypeRef::Name(name) => Some(name.text.clone()),
-                    TypeRef::File(_) => robots.first().map(|robot| robot.robi.name.clone()),
-                };
-                if let Some(name) = written {
-                    let name = self.word(&name);
-                    self.named_robot(line, &robots, &name, program.as_deref());
-                }
-            }
-        }
-    }
-
-    /// `NAME X Y PHI [PROGRAM]` or `NAME LETTER [PHI] [PROGRAM]`.
-    fn named_robot(&mut self, line: &RobotLine, robots: &[&RobotSpec], name: &str, program: Option<&str>) {
-        if let StartRef::Letter { letter, heading } = line.start {
-            let letter = letter.to_string();
-            let heading = heading.map(written_degrees);
-            let words: Vec<&str> = [name, &letter].into_iter().chain(heading.as_deref()).chain(program).collect();
-            self.line(&words);
-            return;
-        }
-        for robot in robots {
-            let [x, y, phi] = pose(&robot.start);
-            let words: Vec<&str> = [name, &x, &y, &phi].into_iter().chain(program).collect();
-            self.line(&words);
-        }
+                _ => pose(&robot.start).to_vec(),
+            };
+            let words = match is_classic(line) {
+                true => [first.as_slice(), program.as_slice(), &start].concat(),
+                false => [first.as_slice(), &start, program.as_slice()].concat(),
+            };
+            (robot.id, words.join(" "))
+        };
+        robots.iter().map(of).collect()
     }
 
     fn object(&mut self, line: &ObjectLine) {

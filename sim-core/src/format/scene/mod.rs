@@ -11,16 +11,17 @@ mod room;
 mod types;
 mod world;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use toml::de::{DeTable, DeValue};
 
 use super::code::Code;
 use super::diagnostic::Diagnostic;
 use super::line::Quantity;
-use super::path;
-use super::spec::{CostEntry, CostTable, CostsRef, MarkerSpec, PathRef, SceneForm, SimSpec, TypeRef};
+use super::spec::{CostEntry, CostTable, CostsRef, MarkerSpec, PathRef, RobotLine, SceneForm, SimSpec, TypeRef};
 use super::table::{Reader, Section, has_top_key};
+use super::{Span, path};
+use crate::RobotId;
 use crate::time::Time;
 use place::MAX_ROBOTS;
 pub(super) use room::Room;
@@ -102,11 +103,15 @@ impl Reader<'_> {
             self.object_type(section, &mut names, sim);
         }
         let mut count = 0;
+        let mut robots = Vec::new();
         for section in self.sections(&mut root, "robot") {
-            let (line, robots) = self.robot(section, &sim.file);
-            sim.robots.extend(line);
-            count += u64::from(robots);
+            let id_span = self.key_span(&section, "id");
+            let (line, standing) = self.robot(section, &sim.file);
+            robots.extend(line.map(|line| (line, id_span)));
+            count += u64::from(standing);
         }
+        self.robot_ids(&mut robots, count);
+        sim.robots = robots.into_iter().map(|(line, _)| line).collect();
         if count > u64::from(MAX_ROBOTS) {
             let message = format!("the scene has {count} robots");
             let span = self.key_span(&root, "robot");
@@ -120,6 +125,25 @@ impl Reader<'_> {
             sim.markers.extend(self.marker(section));
         }
         self.unknown_keys(&root);
+    }
+
+    /// Takes the numbers from those of `count` robots that cannot have them; with each robot comes the place of its number.
+    fn robot_ids(&mut self, robots: &mut [(RobotLine, Span)], count: u64) {
+        let mut given: BTreeMap<RobotId, u32> = BTreeMap::new();
+        for (robot, span) in robots {
+            let Some(id) = robot.id else { continue };
+            let (code, message) = if let Some(line) = given.get(&id) {
+                (Code::RobotIdTwice, format!("the number {} is that of the robot of line {line}", id.0))
+            } else if u64::from(id.0) > count {
+                (Code::RobotIdGap, format!("the number {} leaves a gap", id.0))
+            } else {
+                given.insert(id, span.line);
+                continue;
+            };
+            let expected = format!("robot numbers go from 1 to the number of robots, {count}, each once");
+            self.sink.error(code, *span, message, expected);
+            robot.id = None;
+        }
     }
 
     fn run(&mut self, mut section: Section<'_, '_>, sim: &mut SimSpec) {

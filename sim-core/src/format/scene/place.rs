@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec2;
 
 use super::type_ref;
+use crate::RobotId;
 use crate::format::code::Code;
 use crate::format::line::Quantity;
 use crate::format::spec::{Layout, ObjectLine, RobotLine, StartRef, TypeRef};
@@ -35,18 +36,23 @@ impl Reader<'_> {
         let arguments = self.texts(&mut section, "arguments");
         let api = self.api(&mut section);
         let noise = self.noise_ref(&mut section, file);
+        let id = self.integer(&mut section, "id", 1, i64::from(MAX_ROBOTS)).map(|id| RobotId(id as u32));
         let start = self.start(&mut section);
+        let count = match start {
+            Some(StartRef::Many { count, .. }) => count,
+            _ => 1,
+        };
+        if count > 1 {
+            self.exclude(&mut section, "count", &["id"]);
+        }
         if program.is_none() && !arguments.is_empty() {
             let span = self.key_span(&section, "arguments");
             let message = "`arguments` without a `program`; one of the command line gets them";
             self.sink.warn(Code::TomlMissing, span, message, "a line `program = ...`");
         }
         self.unknown_keys(&section);
-        let count = match start {
-            Some(StartRef::Many { count, .. }) => count,
-            _ => 1,
-        };
         let line = |kind: TypeRef, start: StartRef| RobotLine {
+            id: id.filter(|_| count == 1),
             kind,
             program,
             arguments,

@@ -219,6 +219,9 @@ pub struct InlineSpec {
 /// One robot of a sim file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotLine {
+    /// Its number where the scene gives it one; no other line has the same. Robots without take the free numbers from 1, in the
+    /// order of the file. A group has none.
+    pub id: Option<RobotId>,
     /// Its type.
     pub kind: TypeRef,
     /// Its program; `None` for a robot that only stands there.
@@ -289,7 +292,7 @@ pub struct SimSpec {
 /// A robot of a scene, ready to be built.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotSpec {
-    /// Its number: its place among the robots of the sim file, from 1.
+    /// Its number, from 1: the one that the scene gives it, else its place among the robots of the file.
     pub id: RobotId,
     /// Its type; robots of one file share it.
     pub robi: Arc<RobiSpec>,

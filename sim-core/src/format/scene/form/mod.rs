@@ -43,7 +43,7 @@ pub(crate) struct SceneForm {
     /// Object types: files, or described in place.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub(crate) object_type: Vec<ObjectTypeForm>,
-    /// Robots, alone and in groups; they are numbered 1, 2, ... in this order.
+    /// Robots, alone and in groups; those without an `id` are numbered 1, 2, ... in this order.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub(crate) robot: Vec<RobotForm>,
     /// Passive objects.
@@ -286,6 +286,10 @@ pub(crate) struct RobotForm {
     /// What errors its devices and its drive have; those of the scene if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) noise: Option<NoiseForm>,
+    /// Its number, 1 to the number of robots; the next free one if left out. Not of several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 100_000))]
+    pub(crate) id: Option<u32>,
     /// Place of its centre along x in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) x_mm: Option<Number>,
