@@ -1098,46 +1098,47 @@ void IRTVGetStatus(int *type_code, int *length, int *tog_mask, int *inv_mask, in
 
 /* ---- RADIO: radio between robots ---- */
 
-/* Starts the radio. Returns 0, or not 0 on failure.
+/* Switches the radio on, with the settings of RADIOSetIoctl. Returns 0, -1 if it is on already.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, radio communication; fields of RadioStatus: our choice. */
 int RADIOInit(void);
 
-/* Ends the radio. Returns 0, or not 0 on failure.
+/* Switches the radio off: messages that wait or are on their way are lost. Returns 0, -1 if it is off.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, radio communication; fields of RadioStatus: our choice. */
 int RADIOTerm(void);
 
-/* Sends a message; does not wait.
- * id: the receiver, BROADCAST for everybody. byteCount: at most MAXMSGLEN.
- * Returns 0, or 1 if the buffer is full or the message is too long.
+/* Sends a message; does not wait until it is sent, nor learns whether it arrives.
+ * id: the receiver, BROADCAST for everybody. byteCount: 0 to MAXMSGLEN.
+ * Returns 0, or 1 if the radio is off, the message is too long, buffer is 0, or 1024 bytes wait to be sent already.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, radio communication; fields of RadioStatus: our choice. */
 int RADIOSend(BYTE id, int byteCount, BYTE *buffer);
 
-/* How many messages wait to be received.
+/* How many messages wait to be received; 0 if the radio is off.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, radio communication; fields of RadioStatus: our choice. */
 int RADIOCheck();
 
-/* Waits for a message.
- * id: its sender. bytesReceived: its length. buffer: at least MAXMSGLEN bytes.
- * Returns 0, or not 0 at once on failure or if buffer is 0; the other pointers may be 0.
+/* Waits for a message, which may be damaged: there is no checksum.
+ * id: its sender. bytesReceived: its length. buffer: at least MAXMSGLEN bytes; a longer message is cut to these.
+ * Returns 0, or -1 at once if the radio is off or buffer is 0; the other pointers may be 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, radio communication; fields of RadioStatus: our choice. */
 int RADIORecv(BYTE *id, int *bytesReceived, BYTE *buffer);
 
-/* The settings of the radio. Returns 0, or not 0 on failure or if p is 0.
+/* The settings of the radio. Returns 0, -1 if p is 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, radio communication; fields of RadioStatus: our choice. */
 int RADIOGetIoctl(RadioIOParameters *p);
 
-/* Changes the settings of the radio, before RADIOInit. Returns 0, or not 0 on failure or if p is 0.
+/* Changes the settings of the radio, before RADIOInit: speed and id count, the others are kept.
+ * Returns 0, or -1 if p is 0, a setting is not one that it may have, or the radio is on; then nothing changes.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, radio communication; fields of RadioStatus: our choice. */
 int RADIOSetIoctl(RadioIOParameters *p);
 
-/* State of the radio. Returns 0, or not 0 on failure or if s is 0.
+/* State of the radio. Returns 0, -1 if it is off or s is 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, radio communication; fields of RadioStatus: our choice. */
 int RADIOGetStatus(RadioStatus *s);

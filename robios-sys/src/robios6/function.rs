@@ -686,33 +686,34 @@ function_table! {
     }
 
     family RADIO "radio between robots", source "RoBIOS 6 library, radio communication; fields of RadioStatus: our choice" {
-        /// Starts the radio. Returns 0, or not 0 on failure.
+        /// Switches the radio on, with the settings of RADIOSetIoctl. Returns 0, -1 if it is on already.
         fn RADIOInit() -> i32 = -1;
 
-        /// Ends the radio. Returns 0, or not 0 on failure.
+        /// Switches the radio off: messages that wait or are on their way are lost. Returns 0, -1 if it is off.
         fn RADIOTerm() -> i32 = -1;
 
-        /// Sends a message; does not wait.
-        /// id: the receiver, BROADCAST for everybody. byteCount: at most MAXMSGLEN.
-        /// Returns 0, or 1 if the buffer is full or the message is too long.
+        /// Sends a message; does not wait until it is sent, nor learns whether it arrives.
+        /// id: the receiver, BROADCAST for everybody. byteCount: 0 to MAXMSGLEN.
+        /// Returns 0, or 1 if the radio is off, the message is too long, buffer is 0, or 1024 bytes wait to be sent already.
         fn RADIOSend(id: Byte, buffer: Bytes) -> i32 = 1, c "int RADIOSend(BYTE id, int byteCount, BYTE *buffer)";
 
-        /// How many messages wait to be received.
+        /// How many messages wait to be received; 0 if the radio is off.
         fn RADIOCheck() -> i32 = 0, c "int RADIOCheck()";
 
-        /// Waits for a message.
-        /// id: its sender. bytesReceived: its length. buffer: at least MAXMSGLEN bytes.
-        /// Returns 0, or not 0 at once on failure or if buffer is 0; the other pointers may be 0.
+        /// Waits for a message, which may be damaged: there is no checksum.
+        /// id: its sender. bytesReceived: its length. buffer: at least MAXMSGLEN bytes; a longer message is cut to these.
+        /// Returns 0, or -1 at once if the radio is off or buffer is 0; the other pointers may be 0.
         fn RADIORecv(id: Out<Byte>, bytesReceived: Out<i32>, buffer: OutBytes) -> i32 = -1,
             c "int RADIORecv(BYTE *id, int *bytesReceived, BYTE *buffer)";
 
-        /// The settings of the radio. Returns 0, or not 0 on failure or if p is 0.
+        /// The settings of the radio. Returns 0, -1 if p is 0.
         fn RADIOGetIoctl(p: Out<RadioIOParameters>) -> i32 = -1;
 
-        /// Changes the settings of the radio, before RADIOInit. Returns 0, or not 0 on failure or if p is 0.
+        /// Changes the settings of the radio, before RADIOInit: speed and id count, the others are kept.
+        /// Returns 0, or -1 if p is 0, a setting is not one that it may have, or the radio is on; then nothing changes.
         fn RADIOSetIoctl(p: In<RadioIOParameters>) -> i32 = -1;
 
-        /// State of the radio. Returns 0, or not 0 on failure or if s is 0.
+        /// State of the radio. Returns 0, -1 if it is off or s is 0.
         fn RADIOGetStatus(s: Out<RadioStatus>) -> i32 = -1;
     }
     family RANGE "range sensors beyond RoBIOS", source "our choice: RoBIOS has none" {

@@ -441,25 +441,30 @@ function_table! {
     }
 
     family RADIO "messages between robots", source "RoBIOS-7 library, radio communication" {
-        /// Switches the radio on. Returns 0, 1 on failure.
+        /// Switches the radio on. Returns 0, 1 if it is on already.
         fn RADIOInit() -> i32 = 1;
 
-        /// The robot's address; 0 on failure.
+        /// The robot's address: its number.
         fn RADIOGetID() -> i32 = 0;
 
-        /// Sends text. Returns 0, 1 on failure.
+        /// Sends text of up to 1023 bytes; does not wait until it is sent, nor learns whether it arrives.
+        /// id: the receiver, 0 for everybody.
+        /// Returns 0, or 1 if the radio is off, buf is NULL or too long, id is negative, or 1024 bytes wait to be sent already.
         fn RADIOSend(id: i32, buf: Text) -> i32 = 1;
 
-        /// Waits for a message; size: room in buf. Returns 0, 1 on failure.
+        /// Waits for a message, which may be damaged: there is no checksum.
+        /// id: its sender; may be NULL. size: room in buf for the text up to its first 0, cut to what fits, and a final 0.
+        /// Returns 0, or 1 at once if the radio is off, buf is NULL or has no room.
         fn RADIOReceive(id: Out<i32>, buf: OutBytes) -> i32 = 1, c "int RADIOReceive(int *id, char *buf, int size)";
 
-        /// Number of messages that wait.
+        /// Number of messages that wait; 0 if the radio is off.
         fn RADIOCheck() -> i32 = 0, c "int RADIOCheck(EYESIM_ANY)";
 
-        /// Addresses of the robots on the radio. Returns their number, 0 on failure.
+        /// Addresses of the robots whose radios are on, the own one included, in order of the robots; room for 256.
+        /// Returns their number, 0 if the own radio is off or IDlist is NULL.
         fn RADIOStatus(IDlist: OutInts) -> i32 = 0, c "int RADIOStatus(int IDlist[])";
 
-        /// Switches the radio off. Returns 0, 1 on failure.
+        /// Switches the radio off: messages that wait or are on their way are lost. Returns 0, 1 if it is off.
         fn RADIORelease() -> i32 = 1;
     }
 

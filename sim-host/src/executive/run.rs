@@ -16,7 +16,7 @@ use super::bell::Bell;
 use super::conductor::{Conductor, End, HandOver, Plan};
 use super::fault::Broken;
 use super::program::{RobotProgram, Site};
-use super::standing::{Finish, Standing};
+use super::standing::{Finish, Senders, Standing};
 use super::{signal, standing, watchdog};
 use crate::record::{Digest, Outcome, Recorder};
 use crate::robios::caller::{Call, Caller};
@@ -395,7 +395,9 @@ impl Run {
         let mut conductor = self.conductor.lock();
         let time = conductor.time(&self.world.read());
         let end = conductor.take_end();
-        let finish = Finish { end: &end, time, robots: self.robots.len() };
+        let senders = Senders::among(self.ids_with_program().map(|id| self.robot(id)));
+        let finish = Finish { end: &end, time, robots: self.robots.len(), senders };
+        let mut undecided = self.world.write().radio_mut().finish(time).into_iter().peekable();
         let mut robots = Vec::with_capacity(self.robots.len());
         for (index, program) in self.programs.iter().enumerate() {
             let id = RobotId::from_index(index);
@@ -405,6 +407,9 @@ impl Run {
                 Some(program) => standing::judge(&mut robot, &finish, broken, program),
                 None => Standing::without_program(),
             };
+            while let Some(fate) = undecided.next_if(|fate| fate.to == id) {
+                radio::deliver(&mut robot, fate);
+            }
             radio::finish(&mut robot, time);
             robot.record_standing(&standing);
             conductor.recorder().collect(&mut robot.journal);

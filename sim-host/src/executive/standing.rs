@@ -1,5 +1,6 @@
 //! How a robot's program stands at the end of a run, and the words in which the user is told.
 
+use parking_lot::MutexGuard;
 use sim_core::time::Time;
 
 use super::conductor::End;
@@ -46,6 +47,41 @@ pub struct Finish<'a> {
     pub time: Time,
     /// Number of robots.
     pub robots: usize,
+    /// Who could still have sent a message.
+    pub senders: Senders,
+}
+
+/// Who could still send a message to a robot that waits for one when the run ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Senders {
+    /// Nobody: its program is the only one.
+    None,
+    /// Nobody: all other programs have ended.
+    Ended,
+    /// The other programs that have not ended, and they all wait for messages.
+    Waiting,
+    /// A program that waits for something else.
+    Other,
+}
+
+impl Senders {
+    /// Who they are, given the robots that have a program.
+    pub fn among<'a>(robots: impl Iterator<Item = MutexGuard<'a, Robot>>) -> Self {
+        let (mut programs, mut living, mut listening) = (0, 0, 0);
+        for robot in robots {
+            programs += 1;
+            if matches!(robot.ending, None | Some(Ending::Stopped)) {
+                living += 1;
+                listening += usize::from(robot.tasks.wait_for(&Waits::Message));
+            }
+        }
+        match living {
+            1 if programs == 1 => Self::None,
+            1 => Self::Ended,
+            _ if listening == living => Self::Waiting,
+            _ => Self::Other,
+        }
+    }
 }
 
 /// How the program of `robot` stands, given how the run finished and whether its flow broke.
@@ -87,8 +123,11 @@ fn waits_in_words(robot: &mut Robot, program: &RobotProgram, finish: &Finish<'_>
 
 /// `waits for KEY4 since 2.310 s at maze.c:88 (try --keys "3:KEY4")`.
 fn wait_in_words(robot: &mut Robot, waiting: &Waiting, program: &RobotProgram, finish: &Finish<'_>) -> String {
-    let Waiting { waits_for, since, site, .. } = waiting;
-    let place = program.place_of(site).map(|site| format!(" at {site}")).unwrap_or_default();
+    let Waiting { call, waits_for, since, site } = waiting;
+    let mut place = program.place_of(site).map(|site| format!(" at {site}")).unwrap_or_default();
+    if *waits_for == Waits::Message {
+        place = format!(" in {}{place}", call.name());
+    }
     let advice = match waits_for {
         Waits::Key(key) => {
             let seconds = since.seconds().ceil();
@@ -96,6 +135,12 @@ fn wait_in_words(robot: &mut Robot, waiting: &Waiting, program: &RobotProgram, f
             let robot = if finish.robots == 1 { String::new() } else { format!("{}:", robot.id.0) };
             format!(" (try --keys \"{robot}{seconds}:{key}\")")
         }
+        Waits::Message => match finish.senders {
+            Senders::None => " (no other robot has a program)".into(),
+            Senders::Ended => " (all other programs have ended)".into(),
+            Senders::Waiting => " (all programs that have not ended wait for messages from each other)".into(),
+            Senders::Other => String::new(),
+        },
         Waits::Drive if robot.motion.is_stalled(finish.time) => " (its wheels stall: something is in its way)".into(),
         _ => String::new(),
     };

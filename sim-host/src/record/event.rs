@@ -435,7 +435,7 @@ events! {
         message: u64,
         /// When it would have arrived, s.
         arrived_s: f64,
-        /// `packet`, `range`, `sight`, `collision`, `baud`, `nobody`, `off`, `overflow` or `unsent`.
+        /// `packet`, `range`, `sight`, `collision`, `baud`, `nobody`, `off`, `overflow`, `unsent` or `end`.
         cause: &'a str,
     }
     /// The program takes a message from its radio.

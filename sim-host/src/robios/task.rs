@@ -113,6 +113,11 @@ impl Tasks {
         self.list.iter().all(|task| task.waiting.is_some())
     }
 
+    /// True when every task waits, one of them for `what`.
+    pub fn wait_for(&self, what: &Waits) -> bool {
+        self.are_waiting() && self.list.iter().any(|task| task.waits_for(what))
+    }
+
     /// Adds a task, ready, the last in order; its number. None when there are [`MAX_TASKS`].
     pub fn spawn(&mut self, now: Time) -> Option<u32> {
         if self.list.len() >= MAX_TASKS {
