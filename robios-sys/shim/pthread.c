@@ -28,9 +28,10 @@ struct task {
     const void *site;   /* where it called the function that it is in */
     void *(*start)(void *);
     int (*start_c11)(void *);
+    void (*start_plain)(void); /* of OSSpawn */
     void *argument;
     void *result;
-    int is_detached, is_joined, has_ended;
+    int is_detached, is_joined, has_begun, is_ending, has_ended;
     int is_cancelled, refuses_cancel, cancel_type;
     __pthread_unwind_buf_t *cleanup; /* the innermost handler; the next one is in its first pad */
     const void **values;             /* of keys */
@@ -87,7 +88,7 @@ static struct task *begin(const void *site)
     task->site = site;
     TASK_CALL(status, task_self, &number);
     if (status == EYESIM_STOP)
-        leave(EYESIM_EXIT_STOPPED);
+        stop();
     return task;
 }
 #define BEGIN() begin(__builtin_return_address(0))
@@ -100,7 +101,7 @@ static int wait_for(const void *key, int32_t kind, int32_t holder, int64_t deadl
     if (status == EYESIM_STOP && is_cancelled())
         return -1;
     if (status == EYESIM_STOP)
-        leave(EYESIM_EXIT_STOPPED);
+        stop();
     return is_woken;
 }
 
@@ -130,7 +131,7 @@ static void turn(void)
     this_task()->site = self.call_site.address;
     TASK_CALL(status, task_turn, &result);
     if (status == EYESIM_STOP)
-        leave(EYESIM_EXIT_STOPPED);
+        stop();
 }
 
 /* A point in time as the program gives it. */
@@ -189,6 +190,14 @@ static void note_end(struct task *task)
         forget(task);
 }
 
+/* A task of the program has ended. */
+static void remove_task(struct task *task)
+{
+    if (--other_tasks == 0)
+        wake(&other_tasks);
+    note_end(task);
+}
+
 /* longjmp: a handler's buffer begins as a jmp_buf does, but ends before the mask of signals. */
 _Noreturn void jump_to_handler(__pthread_unwind_buf_t *handler, int value) __asm__("longjmp");
 
@@ -202,6 +211,11 @@ static _Noreturn void unwind_task(struct task *task)
         task->cleanup = handler->__pad[0];
         jump_to_handler(handler, 1);
     }
+    if (task->start_plain != NULL && !task->base->is_left) {
+        task->base->is_left = 1;
+        task->base->way_out = TASK_ENDS;
+        eyesim_unwind(task->base);
+    }
     longjmp(task->base->place, TASK_ENDS);
 }
 
@@ -210,13 +224,17 @@ static _Noreturn void end_task(struct task *task, void *result)
     if (!may_call())
         __builtin_trap(); /* a thread that is no task's */
     task->result = result;
-    task->refuses_cancel = 1;
+    task->refuses_cancel = task->is_ending = 1;
     unwind_task(task);
 }
 
 static __attribute__((noinline)) void *start_outermost(struct task *task)
 {
     OUTERMOST;
+    if (task->start_plain != NULL) {
+        task->start_plain();
+        return NULL;
+    }
     return task->start != NULL ? task->start(task->argument) : (void *)(intptr_t)task->start_c11(task->argument);
 }
 
@@ -227,18 +245,17 @@ static int32_t run_task(void *data)
     struct frame frame = {.task = task, .thread = this_thread()};
     task->thread = frame.thread;
     task->base = &frame;
+    task->has_begun = 1;
     self.frame = &frame;
     switch (setjmp(frame.place)) {
     case 0:
         task->result = start_outermost(task);
         /* fall through */
     case TASK_ENDS:
-        task->refuses_cancel = 1;
+        task->refuses_cancel = task->is_ending = 1;
         end_thread();
         call_destructors(task);
-        if (--other_tasks == 0)
-            wake(&other_tasks);
-        note_end(task);
+        remove_task(task);
         self.frame = NULL;
         return 0;
     default:
@@ -258,10 +275,20 @@ static void end_main_task(void)
 
 /* ---- tasks ---- */
 
+static void add_task(struct task *task, int32_t number)
+{
+    struct task **place = &tasks;
+    task->number = number;
+    while (*place != NULL)
+        place = &(*place)->next;
+    *place = task;
+    other_tasks++;
+}
+
 static int spawn_task(const void *site, pthread_t *to, const pthread_attr_t *attributes, struct task what)
 {
     struct eyesim_callback callback = {run_task, NULL};
-    struct task *task, **place = &tasks;
+    struct task *task;
     int detached = PTHREAD_CREATE_JOINABLE;
     int32_t status, number = 0;
     begin(site);
@@ -274,16 +301,12 @@ static int spawn_task(const void *site, pthread_t *to, const pthread_attr_t *att
     callback.data = task;
     TASK_CALL(status, task_spawn, callback, &number);
     if (status == EYESIM_STOP)
-        leave(EYESIM_EXIT_STOPPED);
+        stop();
     if (number == 0) {
         free(task);
         return EAGAIN;
     }
-    task->number = number;
-    while (*place != NULL)
-        place = &(*place)->next;
-    *place = task;
-    other_tasks++;
+    add_task(task, number);
     *to = (pthread_t)number;
     return 0;
 }
@@ -337,7 +360,7 @@ static void give_way(const void *site)
     this_task()->site = site;
     TASK_CALL(status, task_yield, &result);
     if (status == EYESIM_STOP)
-        leave(EYESIM_EXIT_STOPPED);
+        stop();
 }
 
 LIBC(int, pthread_create, (pthread_t *to, const pthread_attr_t *attributes, void *(*start)(void *), void *argument))
@@ -408,6 +431,13 @@ static int is_cancelled(void)
 }
 
 static _Noreturn void cancel_self(void) { end_task(this_task(), PTHREAD_CANCELED); }
+
+static _Noreturn void stop(void)
+{
+    if (is_cancelled())
+        cancel_self();
+    leave(EYESIM_EXIT_STOPPED);
+}
 
 LIBC(int, pthread_cancel, (pthread_t which))
 {

@@ -386,13 +386,6 @@ WEAK int IPColor2Grey(colimage *src, image *dest)
     return result;
 }
 
-WEAK int OSMTInit(BYTE mode)
-{
-    int32_t result = 0;
-    ROBIOS(OSMTInit, mode, &result);
-    return result;
-}
-
 WEAK int OSMTStatus(void)
 {
     int32_t result = 0;
@@ -439,13 +432,6 @@ WEAK int OSGetUID(struct tcb *thread)
 {
     int32_t result = 0;
     ROBIOS(OSGetUID, task_of(thread), &result);
-    return result;
-}
-
-WEAK int OSKill(struct tcb *thread)
-{
-    int32_t result = 0;
-    ROBIOS(OSKill, task_of(thread), &result);
     return result;
 }
 

@@ -33,34 +33,75 @@ WEAK void *HDT_FindEntry(TypeID type_id, DeviceSemantics semantics)
 }
 
 static struct tcb *all_tasks;
+static int is_multitasking;
+
+WEAK int OSMTInit(BYTE mode)
+{
+    int32_t result = -1;
+    ROBIOS(OSMTInit, mode, &result);
+    is_multitasking |= result == 0;
+    return result;
+}
 
 WEAK struct tcb *OSSpawn(const char *name, void (*code)(void), int stksiz, int pri, int uid)
 {
+    struct eyesim_callback callback = {NULL, NULL};
     int32_t id = 0;
-    struct tcb *task = calloc(1, sizeof *task);
-    if (task == NULL)
-        return NULL;
-    ROBIOS(OSSpawn, text_of(name), callback_of(code), stksiz, pri, uid, &id);
+    struct tcb *handle = calloc(1, sizeof *handle);
+    struct task *task = calloc(1, sizeof *task);
+    if (code != NULL) {
+        callback.code = run_task;
+        callback.data = task;
+    }
+    if (handle != NULL && task != NULL) {
+        task->start_plain = code;
+        task->is_detached = 1;
+        /* No other task runs before this one is made ready, which takes another call. */
+        ROBIOS(OSSpawn, text_of(name), callback, stksiz, pri, uid, &id);
+    }
     if (id == 0) {
+        free(handle);
         free(task);
         return NULL;
     }
-    task->id = id;
-    task->uid = uid;
-    task->pri = pri;
-    task->stksiz = stksiz;
+    add_task(task, id);
+    handle->id = id;
+    handle->uid = uid;
+    handle->pri = pri;
+    handle->stksiz = stksiz;
     if (name != NULL)
-        memcpy(task->name, name, strnlen(name, sizeof task->name - 1));
-    task->next = all_tasks;
-    all_tasks = task;
-    return task;
+        memcpy(handle->name, name, strnlen(name, sizeof handle->name - 1));
+    handle->next = all_tasks;
+    all_tasks = handle;
+    return handle;
+}
+
+/* A task that is to be left at its next call, if it is one that can be left. */
+static void mark_as_killed(struct task *task)
+{
+    if (is_multitasking && task != NULL && task != &main_task && !task->is_ending) {
+        task->is_cancelled = 1;
+        task->refuses_cancel = 0;
+    }
+}
+
+WEAK int OSKill(struct tcb *thread)
+{
+    int32_t result = -1;
+    struct task *task = thread == NULL ? this_task() : task_numbered((pthread_t)thread->id);
+    mark_as_killed(task);
+    ROBIOS(OSKill, task_of(thread), &result);
+    /* A task that ran has forgotten itself by now. */
+    if (thread != NULL && result == 0 && (task = task_numbered((pthread_t)thread->id)) != NULL && !task->has_begun)
+        remove_task(task);
+    return result;
 }
 
 WEAK int OSExit(int code)
 {
     int32_t result = 0;
+    mark_as_killed(this_task());
     ROBIOS(OSExit, code, &result);
-    /* There is no other task, or this is the first one. */
     end_program(code);
 }
 
@@ -75,7 +116,7 @@ WEAK int OSSemInit(struct sem *sem, int val)
 {
     int32_t result = 0;
     ROBIOS(OSSemInit, sem == NULL ? NULL : &sem->id, val, &result);
-    if (sem != NULL)
+    if (sem != NULL && result == 0)
         sem->count = val;
     return result;
 }

@@ -49,7 +49,8 @@ struct frame {
     struct frame *outer;
     struct task *task;
     const void *thread; /* which runs it */
-    int is_left; /* by unwinding, which runs destructors: calls do nothing any more */
+    int is_left; /* by unwinding, which runs destructors */
+    int way_out; /* what unwinding brings to it in the end; 0 is LEAVES */
 };
 
 /* What longjmp brings to a frame. */
@@ -114,7 +115,7 @@ HIDDEN void eyesim_unwind(struct frame *frame);
 /* Where unwinding ends. */
 HIDDEN _Noreturn void eyesim_jump(struct frame *frame)
 {
-    longjmp(frame->place, LEAVES);
+    longjmp(frame->place, frame->way_out);
 }
 #else
 #define eyesim_unwind(frame) ((void)(frame))
@@ -136,6 +137,9 @@ static _Noreturn void leave(int exit_code)
     longjmp(self.frame->place, LEAVES);
 }
 
+/* The host has stopped the task that runs: it was killed or cancelled, or else the program is to be left. */
+static _Noreturn void stop(void);
+
 static int is_cancelled(void);
 static struct frame *frame_of_thread(void);
 static void turn(void);
@@ -156,10 +160,8 @@ static int reaches_host(void)
 static void returned(int32_t status, struct frame *frame)
 {
     self.frame = frame;
-    if (is_cancelled())
-        cancel_self();
-    if (status == EYESIM_STOP)
-        leave(EYESIM_EXIT_STOPPED);
+    if (status == EYESIM_STOP || is_cancelled())
+        stop();
 }
 
 #define CALL(table, name, ...)                                                                                          \
@@ -222,7 +224,7 @@ static int32_t called_back(void *data)
     frame.outer = frame_of_thread();
     frame.task = frame.outer->task;
     frame.thread = this_thread();
-    frame.is_left = 0;
+    frame.is_left = frame.way_out = 0;
     self.frame = &frame;
     if (setjmp(frame.place) == 0) {
         call_outermost(function);
@@ -312,6 +314,8 @@ HIDDEN _Noreturn void eyesim_uncaught(const char *text)
 {
     if (text != NULL)
         fail(FAILED_EXCEPTION, text);
+    if (!self.is_leaving && self.frame->way_out == TASK_ENDS)
+        longjmp(self.frame->place, TASK_ENDS);
     leave(EYESIM_EXIT_STOPPED);
 }
 
@@ -381,7 +385,7 @@ static int run(const struct eyesim_host *host, void *robot, int argc, const char
     frame.outer = NULL;
     frame.task = &main_task;
     frame.thread = main_task.thread = this_thread();
-    frame.is_left = 0;
+    frame.is_left = frame.way_out = 0;
     main_task.base = &frame;
     self.is_leaving = self.wants_out = self.ignored_calls = 0;
     self.host = host;

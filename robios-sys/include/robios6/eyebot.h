@@ -448,15 +448,17 @@ int IPColor2Grey(colimage *src, image *dest);
 
 /* ---- MT: multi-tasking ---- */
 
-/* Starts multi-tasking; the program becomes the first task.
- * mode: COOP (or DEFAULT) or PREEMPT. Returns 0, or not 0 on failure.
+/* Starts multi-tasking; the program becomes the first task, of priority IDLE_PRI.
+ * mode: COOP (or DEFAULT): tasks change only where one gives way. PREEMPT: also every 10 ms and when one of
+ * higher priority is ready, from OSPermit on. Returns 0, or -1 for another mode or if it was started before.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSMTInit(BYTE mode);
 
-/* Creates a task, which is not ready yet: see OSReady.
- * name: shown in messages. code: its function. stksiz: bytes of stack. pri: MIN_PRI to MAX_PRI.
- * uid: a number for OSGetUID. Returns the task, valid until the program ends, or 0 on failure.
+/* Creates a task, which is not ready yet: see OSReady. It ends when its function returns.
+ * name: shown in messages; may be 0. code: its function. stksiz: bytes of stack, 0 to 4194304; it gets at
+ * least 8 MiB. pri: MIN_PRI to MAX_PRI. uid: a number for OSGetUID.
+ * Returns the task, valid until the program ends; 0 before OSMTInit, for a wrong argument, or with 256 tasks.
  * [any task of the robot]  The function is kept until the program ends.
  * Source: RoBIOS 6 library, multi-tasking. */
 struct tcb *OSSpawn(const char *name, void (*code)(void), int stksiz, int pri, int uid);
@@ -466,40 +468,42 @@ struct tcb *OSSpawn(const char *name, void (*code)(void), int stksiz, int pri, i
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSMTStatus(void);
 
-/* Makes a task ready to run. Returns 0, or not 0 on failure.
+/* Makes a task that is new or suspended ready to run, the last among those of its priority.
+ * thread: 0 is the current one. Returns 0, or -1 without multi-tasking or if the task has ended.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSReady(struct tcb *thread);
 
 /* Suspends a task until it is made ready.
- * thread: 0 is the current one. Returns 0, or not 0 on failure.
+ * thread: 0 is the current one. Returns 0, or -1 without multi-tasking or if the task has ended.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSSuspend(struct tcb *thread);
 
-/* Lets the next task run. Returns 0, or not 0 on failure.
+/* Lets the next ready task of the same or a higher priority run. Returns 0, or -1 without multi-tasking.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSReschedule(void);
 
-/* Suspends the current task and lets the next one run. Returns 0, or not 0 on failure.
+/* Suspends the current task until it is made ready. Returns 0, or -1 without multi-tasking.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSYield(void);
 
-/* Makes a task ready and lets the next one run. Returns 0, or not 0 on failure.
+/* Makes a task ready as OSReady does, then lets the next one run as OSReschedule does.
+ * Returns 0, or -1 without multi-tasking or if the task has ended.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSRun(struct tcb *thread);
 
 /* The number that a task was created with.
- * thread: 0 is the current one. Returns the number, 0 on failure.
+ * thread: 0 is the current one. Returns the number; 0 for the first task, or if the task has ended.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSGetUID(struct tcb *thread);
 
-/* Ends a task.
- * thread: 0 is the current one. Returns 0, or not 0 on failure.
+/* Ends a task at once; its destructors run. Ending the first task ends the program.
+ * thread: 0 is the current one. Returns 0, or -1 without multi-tasking or if the task has ended.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSKill(struct tcb *thread);
@@ -520,28 +524,30 @@ int OSPanic(const char *message);
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSSleep(int n);
 
-/* Keeps the other tasks from running. Returns 0, or not 0 on failure.
+/* Keeps tasks from changing by themselves, until OSPermit. Returns 0, or -1 without multi-tasking.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSForbid(void);
 
-/* Lets the other tasks run again. Returns 0, or not 0 on failure.
+/* Lets tasks change by themselves, in mode PREEMPT. Returns 0, or -1 without multi-tasking.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSPermit(void);
 
-/* Makes a semaphore. Returns 0, or not 0 on failure.
- * sem: the program's own, which must not move. val: how many may pass at first.
+/* Makes a semaphore; one that is made anew is another one.
+ * sem: the program's own. val: how many may pass at first. Returns 0, or -1 if sem is 0 or val below 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSSemInit(struct sem *sem, int val);
 
-/* Passes a semaphore, or waits at it. Returns 0, or not 0 on failure.
+/* Passes a semaphore, or waits at it: first come, first served. Also without multi-tasking.
+ * Returns 0, or -1 if sem is 0 or was not made.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSSemP(struct sem *sem);
 
-/* Lets one more pass a semaphore. Returns 0, or not 0 on failure.
+/* Lets the task pass that has waited longest, or one more later.
+ * Returns 0, or -1 if sem is 0 or was not made.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSSemV(struct sem *sem);

@@ -250,42 +250,46 @@ function_table! {
     }
 
     family MT "multi-tasking", source "RoBIOS 6 library, multi-tasking" {
-        /// Starts multi-tasking; the program becomes the first task.
-        /// mode: COOP (or DEFAULT) or PREEMPT. Returns 0, or not 0 on failure.
-        fn OSMTInit(mode: Byte) -> i32 = -1;
+        /// Starts multi-tasking; the program becomes the first task, of priority IDLE_PRI.
+        /// mode: COOP (or DEFAULT): tasks change only where one gives way. PREEMPT: also every 10 ms and when one of
+        /// higher priority is ready, from OSPermit on. Returns 0, or -1 for another mode or if it was started before.
+        fn OSMTInit(mode: Byte) -> i32 = -1, c "int OSMTInit(BYTE mode)";
 
-        /// Creates a task, which is not ready yet: see OSReady.
-        /// name: shown in messages. code: its function. stksiz: bytes of stack. pri: MIN_PRI to MAX_PRI.
-        /// uid: a number for OSGetUID. Returns the task, valid until the program ends, or 0 on failure.
+        /// Creates a task, which is not ready yet: see OSReady. It ends when its function returns.
+        /// name: shown in messages; may be 0. code: its function. stksiz: bytes of stack, 0 to 4194304; it gets at
+        /// least 8 MiB. pri: MIN_PRI to MAX_PRI. uid: a number for OSGetUID.
+        /// Returns the task, valid until the program ends; 0 before OSMTInit, for a wrong argument, or with 256 tasks.
         fn OSSpawn(name: Text, code: Callback, stksiz: i32, pri: i32, uid: i32) -> i32 = 0,
             c "struct tcb *OSSpawn(const char *name, void (*code)(void), int stksiz, int pri, int uid)";
 
         /// The mode of multi-tasking: COOP, PREEMPT, or NOTASK if it was not started.
         fn OSMTStatus() -> i32 = NOTASK;
 
-        /// Makes a task ready to run. Returns 0, or not 0 on failure.
+        /// Makes a task that is new or suspended ready to run, the last among those of its priority.
+        /// thread: 0 is the current one. Returns 0, or -1 without multi-tasking or if the task has ended.
         fn OSReady(thread: Task) -> i32 = -1;
 
         /// Suspends a task until it is made ready.
-        /// thread: 0 is the current one. Returns 0, or not 0 on failure.
+        /// thread: 0 is the current one. Returns 0, or -1 without multi-tasking or if the task has ended.
         fn OSSuspend(thread: Task) -> i32 = -1;
 
-        /// Lets the next task run. Returns 0, or not 0 on failure.
+        /// Lets the next ready task of the same or a higher priority run. Returns 0, or -1 without multi-tasking.
         fn OSReschedule() -> i32 = -1;
 
-        /// Suspends the current task and lets the next one run. Returns 0, or not 0 on failure.
+        /// Suspends the current task until it is made ready. Returns 0, or -1 without multi-tasking.
         fn OSYield() -> i32 = -1;
 
-        /// Makes a task ready and lets the next one run. Returns 0, or not 0 on failure.
+        /// Makes a task ready as OSReady does, then lets the next one run as OSReschedule does.
+        /// Returns 0, or -1 without multi-tasking or if the task has ended.
         fn OSRun(thread: Task) -> i32 = -1;
 
         /// The number that a task was created with.
-        /// thread: 0 is the current one. Returns the number, 0 on failure.
+        /// thread: 0 is the current one. Returns the number; 0 for the first task, or if the task has ended.
         fn OSGetUID(thread: Task) -> i32 = 0;
 
-        /// Ends a task.
-        /// thread: 0 is the current one. Returns 0, or not 0 on failure.
-        fn OSKill(thread: Task) -> i32 = -1;
+        /// Ends a task at once; its destructors run. Ending the first task ends the program.
+        /// thread: 0 is the current one. Returns 0, or -1 without multi-tasking or if the task has ended.
+        fn OSKill(thread: Task) -> i32 = -1, c "int OSKill(struct tcb *thread)";
 
         /// Ends the current task; without multi-tasking, and from the first task, the program, as exit(code) does.
         fn OSExit(code: i32) -> i32 = -1, c "int OSExit(int code)";
@@ -297,20 +301,22 @@ function_table! {
         /// n: hundredths of a second. Returns 0.
         fn OSSleep(n: i32) -> i32 = -1;
 
-        /// Keeps the other tasks from running. Returns 0, or not 0 on failure.
+        /// Keeps tasks from changing by themselves, until OSPermit. Returns 0, or -1 without multi-tasking.
         fn OSForbid() -> i32 = -1;
 
-        /// Lets the other tasks run again. Returns 0, or not 0 on failure.
+        /// Lets tasks change by themselves, in mode PREEMPT. Returns 0, or -1 without multi-tasking.
         fn OSPermit() -> i32 = -1;
 
-        /// Makes a semaphore. Returns 0, or not 0 on failure.
-        /// sem: the program's own, which must not move. val: how many may pass at first.
+        /// Makes a semaphore; one that is made anew is another one.
+        /// sem: the program's own. val: how many may pass at first. Returns 0, or -1 if sem is 0 or val below 0.
         fn OSSemInit(sem: InOut<Semaphore>, val: i32) -> i32 = -1, c "int OSSemInit(struct sem *sem, int val)";
 
-        /// Passes a semaphore, or waits at it. Returns 0, or not 0 on failure.
+        /// Passes a semaphore, or waits at it: first come, first served. Also without multi-tasking.
+        /// Returns 0, or -1 if sem is 0 or was not made.
         fn OSSemP(sem: Semaphore) -> i32 = -1, c "int OSSemP(struct sem *sem)";
 
-        /// Lets one more pass a semaphore. Returns 0, or not 0 on failure.
+        /// Lets the task pass that has waited longest, or one more later.
+        /// Returns 0, or -1 if sem is 0 or was not made.
         fn OSSemV(sem: Semaphore) -> i32 = -1, c "int OSSemV(struct sem *sem)";
     }
 

@@ -297,10 +297,13 @@ impl Run {
 
     /// The life of a further flow of robot `id`; the task that goes on after it.
     fn live_task(&self, id: RobotId, code: Callback) -> u32 {
-        let is_left = self.is_stopping() || self.robot(id).tasks.is_leaving();
+        let is_left = {
+            let tasks = &self.robot(id).tasks;
+            self.is_stopping() || tasks.is_leaving() || tasks.is_killed()
+        };
         let result = if is_left { Err(Stop) } else { self.executor.call_back(id, code) };
         let mut robot = self.robot(id);
-        if result.is_err() {
+        if result.is_err() && !robot.tasks.is_killed() {
             robot.tasks.begin_leaving();
         }
         let now = robot.now;
@@ -323,6 +326,11 @@ impl Run {
     /// Where the program of robot `id` is, in its own words; asked by a flow of the robot on behalf of the program.
     pub(crate) fn call_site(&self, id: RobotId) -> Site {
         self.program(id).map(RobotProgram::call_site).unwrap_or_default()
+    }
+
+    /// What each task of `robot` waits for, in words.
+    pub(crate) fn waits_of(&self, robot: &Robot) -> String {
+        self.program(robot.id).map(|program| standing::tasks_in_words(robot, program)).unwrap_or_default()
     }
 
     /// Ends robot `id` in the world: its motors stop, its end is recorded, the slot loop goes on without it.

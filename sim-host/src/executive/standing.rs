@@ -112,6 +112,9 @@ pub fn judge(robot: &mut Robot, finish: &Finish<'_>, broken: Option<&Broken>, pr
 
 /// What each task waits for: `task 1 waits for the end of task 2 since 0.500 s at maze.c:31; task 2 waits for ...`.
 fn waits_in_words(robot: &mut Robot, program: &RobotProgram, finish: &Finish<'_>) -> String {
+    if robot.tasks.scheduler().is_some() && robot.tasks.has_others() {
+        return tasks_in_words(robot, program);
+    }
     let waits: Vec<_> = robot.tasks.iter().filter_map(|task| Some((task.number, task.waiting.clone()?))).collect();
     let is_alone = waits.len() == 1;
     let words = waits.iter().map(|(task, waiting)| {
@@ -119,6 +122,37 @@ fn waits_in_words(robot: &mut Robot, program: &RobotProgram, finish: &Finish<'_>
         if is_alone { words } else { format!("task {task} {words}") }
     });
     words.collect::<Vec<_>>().join("; ")
+}
+
+/// What each task of RoBIOS 6 waits for: `` task `left` waits for semaphore 2 (made at deadlock.c:12), last passed by task `right`
+/// (deadlock.c:31), since 0.500 s at deadlock.c:20; ... ``.
+pub fn tasks_in_words(robot: &Robot, program: &RobotProgram) -> String {
+    let tasks = &robot.tasks;
+    let at = |site| program.place_of(site).map(|place| format!(" at {place}")).unwrap_or_default();
+    let words = tasks.iter().map(|task| {
+        let name = tasks.name(task.number);
+        let Some(Waiting { waits_for, since, site, .. }) = &task.waiting else {
+            return format!("{name}, spawned{}, is not ready", at(&task.origin.site));
+        };
+        let semaphore = match waits_for {
+            Waits::Semaphore(number) => tasks.semaphores.get(*number),
+            _ => None,
+        };
+        let more = semaphore.map(|semaphore| {
+            let made = program.place_of(&semaphore.made_at).map(|place| format!(" (made at {place})"));
+            let last = semaphore.last.as_ref().map(|(by, site)| {
+                let place = program.place_of(site).map(|place| format!(" ({place})")).unwrap_or_default();
+                format!(", last passed by {}{place},", tasks.name(*by))
+            });
+            made.unwrap_or_default() + &last.unwrap_or_default()
+        });
+        let suspended = match tasks.scheduler() {
+            Some(scheduler) if *waits_for != Waits::Ready && scheduler.is_suspended(task.number) => "is suspended and ",
+            _ => "",
+        };
+        format!("{name} {suspended}waits for {waits_for}{} since {since}{}", more.unwrap_or_default(), at(site))
+    });
+    words.collect::<Vec<_>>().join("; ").replace("waits for to be", "waits to be")
 }
 
 /// `waits for KEY4 since 2.310 s at maze.c:88 (try --keys "3:KEY4")`.

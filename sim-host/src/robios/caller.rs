@@ -13,7 +13,8 @@ use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::robot::{Ending, Robot, Waiting, Waits};
-use super::task::Next;
+use super::task::NextThread;
+use super::task::scheduler::Next;
 use crate::executive::program::Site;
 use crate::executive::run::Run;
 use crate::record::Event;
@@ -121,6 +122,11 @@ impl Caller {
         &self.run
     }
 
+    /// The same, to be shared.
+    pub(super) fn shared_run(&self) -> &Arc<Run> {
+        &self.run
+    }
+
     /// Passes the call's cost of virtual time, then acts at the call's end.
     ///
     /// # Errors
@@ -187,12 +193,20 @@ impl Caller {
                 return Err(self.fail(robot, format!("`{}` would wait inside a timer callback", call.name())));
             }
             // A condition that holds in the past would never advance: time goes on by 1 us at least.
-            let wake = at.max(robot.now + Time(1));
-            let site = site.clone();
-            robot.tasks.wait(Waiting { call, waits_for, since, site }, wake);
-            robot = match robot.tasks.next(robot.now) {
-                Next::Same => self.pass_until(robot, wake, false)?,
-                Next::Other(task) => self.switch_to(robot, task)?,
+            let (now, wake) = (robot.now, at.max(robot.now + Time(1)));
+            let waiting = Waiting { call, waits_for, since, site: site.clone() };
+            if robot.tasks.current().is_unwinding() {
+                if waiting.waits_for.is_for_task() {
+                    return Err(self.fail_in_unwinding(robot, call));
+                }
+                robot = self.pass_until(robot, wake, false)?;
+                continue;
+            }
+            robot.tasks.wait(now, waiting, wake);
+            robot = match robot.tasks.next_thread(now) {
+                _ if robot.tasks.scheduler().is_some() => self.await_turn(robot)?,
+                NextThread::Same => self.pass_until(robot, wake, false)?,
+                NextThread::Other(task) => self.switch_to(robot, task)?,
             };
             if robot.tasks.take_interrupt() {
                 robot.tasks.end_wait();
@@ -202,10 +216,13 @@ impl Caller {
     }
 
     /// The end of `call`: where the time slice of its task is over, the others that are ready get their turn first.
-    fn take_turns(&self, mut robot: MutexGuard<'_, Robot>, call: Call) -> Result<(), Stop> {
+    pub(super) fn take_turns(&self, mut robot: MutexGuard<'_, Robot>, call: Call) -> Result<(), Stop> {
         // The program prints from within its C library, whose streams no other task may use then.
         if call == Call::Support(SupportCall::console) || robot.timers.in_callback {
             return Ok(());
+        }
+        if robot.tasks.scheduler().is_some() {
+            return if robot.tasks.current().is_unwinding() { Ok(()) } else { self.await_turn(robot).map(drop) };
         }
         let now = robot.now;
         match robot.tasks.whose_turn(now) {
@@ -229,21 +246,48 @@ impl Caller {
     pub(super) fn give_way(&self, call: SupportCall) -> Result<(), Stop> {
         self.within(call.into(), |caller| {
             let robot = caller.spend(call.into())?;
-            match robot.tasks.next_ready(robot.now) {
+            let mut robot = robot;
+            let now = robot.now;
+            if !robot.timers.in_callback
+                && let Some(scheduler) = robot.tasks.scheduler_at(now)
+            {
+                scheduler.reschedule();
+                return caller.take_turns(robot, call.into());
+            }
+            match robot.tasks.next_ready(now) {
                 Some(task) if !robot.timers.in_callback => caller.switch_to(robot, task).map(drop),
                 _ => Ok(()),
             }
         })
     }
 
+    /// Lets the other tasks run, and virtual time pass, until it is the calling one's turn: for RoBIOS 6 with multi-tasking.
+    pub(super) fn await_turn<'a>(&'a self, mut robot: MutexGuard<'a, Robot>) -> Result<MutexGuard<'a, Robot>, Stop> {
+        loop {
+            let now = robot.now;
+            let next = robot.tasks.turn(now);
+            robot = match next {
+                Next::Go(task) if task == robot.tasks.current().number => return Ok(robot),
+                Next::Go(task) => self.switch_to(robot, task)?,
+                Next::At(Time::NEVER) if robot.is_deadlocked() => return Err(self.end_deadlock(robot)),
+                Next::At(time) => self.pass_until(robot, time, false)?,
+            };
+        }
+    }
+
     /// Hands the robot to another task of its own, until that hands it back.
-    fn switch_to<'a>(&'a self, mut robot: MutexGuard<'a, Robot>, task: u32) -> Result<MutexGuard<'a, Robot>, Stop> {
+    pub(super) fn switch_to<'a>(
+        &'a self,
+        mut robot: MutexGuard<'a, Robot>,
+        task: u32,
+    ) -> Result<MutexGuard<'a, Robot>, Stop> {
         let now = robot.now;
         robot.tasks.switch_to(task, now);
         drop(robot);
         self.run.executor().switch(self.id, task);
-        let robot = self.robot();
-        if robot.tasks.is_leaving() || self.run.is_stopping() { Err(Stop) } else { Ok(robot) }
+        let mut robot = self.robot();
+        let is_left = robot.tasks.is_leaving() || self.run.is_stopping();
+        if is_left || robot.tasks.take_kill() { Err(Stop) } else { Ok(robot) }
     }
 
     /// Starts a further task, which runs `code` when its turn comes; its number, or 0 when the robot has too many.
@@ -300,7 +344,7 @@ impl Caller {
     }
 
     /// Runs `body` as the host's work for the program: stopped programs are turned back, a stack at its end is a fault.
-    fn within<R>(&self, call: Call, body: impl FnOnce(&Self) -> Result<R, Stop>) -> Result<R, Stop> {
+    pub(super) fn within<R>(&self, call: Call, body: impl FnOnce(&Self) -> Result<R, Stop>) -> Result<R, Stop> {
         let executor = self.run.executor();
         if !executor.enter(self.id, call) {
             return Err(self.fail(self.robot(), format!("stack overflow in `{}`", call.name())));
@@ -311,7 +355,7 @@ impl Caller {
     }
 
     /// Passes the cost of `call`.
-    fn spend(&self, call: Call) -> Result<MutexGuard<'_, Robot>, Stop> {
+    pub(super) fn spend(&self, call: Call) -> Result<MutexGuard<'_, Robot>, Stop> {
         let robot = self.robot();
         if robot.ending.is_some() {
             return Err(Stop);
@@ -341,7 +385,8 @@ impl Caller {
                 if target >= self.run.slot_end() {
                     // Woken before its time: the slot loop has changed what the robot waits for.
                     robot.now = robot.now.max(self.run.slot_start());
-                    robot.tasks.look_at_world();
+                    let now = robot.now;
+                    robot.tasks.look_at_world(now);
                     return Ok(robot);
                 }
             }

@@ -32,6 +32,7 @@ mod level;
 pub mod lidar;
 pub mod motor;
 mod motor7;
+mod multitasking;
 pub mod os;
 mod os7;
 pub mod panel;
@@ -300,7 +301,7 @@ impl Robot {
     /// Gives the drive a command now.
     fn command(&mut self, world: &World, command: Command) -> Result<(), CommandError> {
         let touching = world.touching(&mut self.motion, self.now);
-        self.tasks.look_at_drive();
+        self.tasks.look_at_drive(self.now);
         self.motion.command(self.now, command, &touching)
     }
 }

@@ -1,16 +1,17 @@
 //! Which function of which family answers each RoBIOS 6 call.
 
 use robios_sys::robios6::{
-    BayerFrame, BitImage, ColImage, ColorFrame, FALSE, HDTEntry, Image, MonoFrame, NOTASK, PositionType,
-    RadioIOParameters, RadioStatus, SpeedType, VEHICLE,
+    BayerFrame, BitImage, ColImage, ColorFrame, FALSE, HDTEntry, Image, MonoFrame, PositionType, RadioIOParameters,
+    RadioStatus, SpeedType, VEHICLE,
 };
 use robios_sys::{Callback, Out, OutBytes, OutFloats, OutInts, Robios6, Robios6Call as Call, Stop};
 use sim_core::time::TICK;
 
 use super::caller::Caller;
+use super::multitasking::Spawn;
 use super::{
-    audio, bump, camera6 as camera, compass, display, hdt, image, ir, irtv, key, latch, lidar, motor, os, psd, radio,
-    radio6, serial, servo, vw,
+    audio, bump, camera6 as camera, compass, display, hdt, image, ir, irtv, key, latch, lidar, motor, multitasking, os,
+    psd, radio, radio6, serial, servo, vw,
 };
 
 type Text<'a> = Option<&'a [u8]>;
@@ -43,8 +44,7 @@ impl Robios6 for Caller {
     }
 
     fn OSExit(&self, code: i32) -> Result<i32, Stop> {
-        self.call(Call::OSExit, |robot, _| os::exit(robot, code))?;
-        Err(Stop)
+        self.exit(code)
     }
 
     // Time and timers.
@@ -332,22 +332,51 @@ impl Robios6 for Caller {
 
     // Multi-tasking.
     act! {
-        fn OSMTStatus() -> i32 = |_, _| NOTASK;
+        fn OSMTInit(mode: u8) -> i32 = |robot, _| multitasking::start(robot, mode);
+        fn OSMTStatus() -> i32 = |robot, _| multitasking::status(robot);
+        fn OSReady(task: i32) -> i32 = |robot, _| multitasking::ready(robot, Call::OSReady, task);
+        fn OSGetUID(task: i32) -> i32 = |robot, _| multitasking::uid(robot, task);
+        fn OSForbid() -> i32 = |robot, _| multitasking::permit(robot, Call::OSForbid, false);
+        fn OSPermit() -> i32 = |robot, _| multitasking::permit(robot, Call::OSPermit, true);
+        fn OSSemV(semaphore: i32) -> i32 = |robot, _| multitasking::release_semaphore(robot, semaphore);
     }
-    fail! {
-        fn OSMTInit(mode: u8) -> i32 = -1;
-        fn OSSpawn(name: Text<'_>, code: Option<Callback>, stack_bytes: i32, priority: i32, uid: i32) -> i32 = 0;
-        fn OSReady(thread: i32) -> i32 = -1;
-        fn OSSuspend(thread: i32) -> i32 = -1;
-        fn OSReschedule() -> i32 = -1;
-        fn OSYield() -> i32 = -1;
-        fn OSRun(thread: i32) -> i32 = -1;
-        fn OSGetUID(thread: i32) -> i32 = 0;
-        fn OSKill(thread: i32) -> i32 = -1;
-        fn OSForbid() -> i32 = -1;
-        fn OSPermit() -> i32 = -1;
-        fn OSSemInit(semaphore: Option<&mut i32>, value: i32) -> i32 = -1;
-        fn OSSemP(semaphore: i32) -> i32 = -1;
-        fn OSSemV(semaphore: i32) -> i32 = -1;
+
+    fn OSSpawn(
+        &self,
+        name: Text<'_>,
+        code: Option<Callback>,
+        stack_bytes: i32,
+        priority: i32,
+        uid: i32,
+    ) -> Result<i32, Stop> {
+        self.create(&Spawn { name, code, stack_bytes, priority, uid })
+    }
+
+    fn OSSuspend(&self, task: i32) -> Result<i32, Stop> {
+        self.suspend_task(task)
+    }
+
+    fn OSReschedule(&self) -> Result<i32, Stop> {
+        self.reschedule()
+    }
+
+    fn OSYield(&self) -> Result<i32, Stop> {
+        self.yield_task()
+    }
+
+    fn OSRun(&self, task: i32) -> Result<i32, Stop> {
+        self.run_task(task)
+    }
+
+    fn OSKill(&self, task: i32) -> Result<i32, Stop> {
+        self.kill_task(task)
+    }
+
+    fn OSSemInit(&self, semaphore: Option<&mut i32>, count: i32) -> Result<i32, Stop> {
+        self.make_semaphore(semaphore, count)
+    }
+
+    fn OSSemP(&self, semaphore: i32) -> Result<i32, Stop> {
+        self.pass_semaphore(semaphore)
     }
 }

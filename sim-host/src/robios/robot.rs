@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use robios_sys::{Robios6Call, SupportCall};
 use sim_core::RobotId;
 use sim_core::contact::Thing;
 use sim_core::drive::{Command, Motion};
@@ -95,6 +96,10 @@ pub enum Waits {
     Message,
     /// Something that only another task could give.
     Task(TaskWait),
+    /// The semaphore of RoBIOS 6 with this number.
+    Semaphore(u32),
+    /// To be made ready by another task.
+    Ready,
 }
 
 /// How a robot's program ended.
@@ -222,11 +227,25 @@ impl Ending {
     }
 }
 
+impl Waiting {
+    /// True where the task leaves the processor to others under the scheduler of RoBIOS 6; in any other wait it keeps what it has.
+    pub fn leaves_processor(&self) -> bool {
+        let is_sleep = matches!(self.call, Call::Robios6(Robios6Call::OSSleep) | Call::Support(SupportCall::sleep_us));
+        is_sleep || self.waits_for.is_for_task()
+    }
+}
+
 impl Waits {
+    /// True for what only another task of the robot could give.
+    pub fn is_for_task(&self) -> bool {
+        matches!(self, Self::Task(_) | Self::Semaphore(_) | Self::Ready)
+    }
+
     /// True where another task may end the wait by force.
     pub fn is_interruptible(&self) -> bool {
         match self {
             Self::Task(wait) => wait.is_interruptible(),
+            Self::Semaphore(_) | Self::Ready => false,
             _ => true,
         }
     }
@@ -241,6 +260,8 @@ impl std::fmt::Display for Waits {
             Self::Input(what) => f.write_str(what),
             Self::Message => f.write_str("a message"),
             Self::Task(wait) => wait.fmt(f),
+            Self::Semaphore(number) => write!(f, "semaphore {number}"),
+            Self::Ready => f.write_str("to be made ready"),
         }
     }
 }

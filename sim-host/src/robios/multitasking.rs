@@ -1,0 +1,386 @@
+//! Multi-tasking: tasks of RoBIOS 6 and their semaphores.
+//!
+//! Source: RoBIOS 6 library, multi-tasking; what it leaves open is in `docs/tasks.md`.
+
+use parking_lot::MutexGuard;
+use robios_sys::robios6::{COOP, MAX_PRI, MIN_PRI, NOTASK, PREEMPT};
+use robios_sys::{Callback, Robios6Call as Call, Stop};
+use sim_core::time::Time;
+
+use super::caller::{self, Caller, Poll};
+use super::robot::{Ending, Robot, Waiting, Waits};
+use super::task::scheduler::{Policy, Scheduler};
+use super::task::semaphore::Passing;
+use super::task::{MAIN, MAX_TASKS, Origin};
+use super::text;
+use crate::executive::run::Run;
+
+/// The largest stack that a task may ask for, in bytes; each gets twice as much.
+const MAX_STACK: i32 = 4 << 20;
+
+/// How much of a task's name is kept, in characters.
+const MAX_NAME: usize = 40;
+
+/// What `OSSpawn` is asked for.
+pub struct Spawn<'a> {
+    /// Shown in messages.
+    pub name: Option<&'a [u8]>,
+    /// What the task runs.
+    pub code: Option<Callback>,
+    /// Bytes that its stack must have at least.
+    pub stack_bytes: i32,
+    /// 1 to 8.
+    pub priority: i32,
+    /// The program's own number for it.
+    pub uid: i32,
+}
+
+/// What comes of a call about tasks.
+enum Answer {
+    /// This is returned, once it is the caller's turn.
+    Returned(i32),
+    /// The task that calls is suspended first, and 0 returned when it is ready again.
+    Suspended,
+}
+
+impl Caller {
+    /// `OSSpawn`
+    pub(super) fn create(&self, spawn: &Spawn<'_>) -> Result<i32, Stop> {
+        let site = self.run().call_site(self.id());
+        let call = Call::OSSpawn.into();
+        self.within(call, |caller| {
+            let mut robot = caller.spend(call)?;
+            let Some(task) = create(&mut robot, spawn, site) else { return Ok(0) };
+            drop(robot);
+            let code = spawn.code.unwrap_or(Callback::NONE);
+            if let Err(error) = Run::start_task(self.shared_run(), caller.id(), task, code) {
+                let mut robot = caller.robot();
+                robot.tasks.forget(task);
+                return Ok(robot.refused(Call::OSSpawn, 0, |_| format!("the system has no room for a task: {error}")));
+            }
+            caller.take_turns(caller.robot(), call)?;
+            Ok(task.cast_signed())
+        })
+    }
+
+    /// `OSSuspend`
+    pub(super) fn suspend_task(&self, task: i32) -> Result<i32, Stop> {
+        self.arrange(Call::OSSuspend, |robot| {
+            let number = match find(robot, Call::OSSuspend, task) {
+                Ok(number) => number,
+                Err(answer) => return Answer::Returned(answer),
+            };
+            if number == robot.tasks.current().number {
+                return Answer::Suspended;
+            }
+            scheduler(robot, |scheduler| scheduler.suspend(number));
+            Answer::Returned(0)
+        })
+    }
+
+    /// `OSYield`
+    pub(super) fn yield_task(&self) -> Result<i32, Stop> {
+        self.arrange(Call::OSYield, |robot| match is_started(robot, Call::OSYield) {
+            true => Answer::Suspended,
+            false => Answer::Returned(-1),
+        })
+    }
+
+    /// `OSReschedule`
+    pub(super) fn reschedule(&self) -> Result<i32, Stop> {
+        self.arrange(Call::OSReschedule, |robot| {
+            let is_started = is_started(robot, Call::OSReschedule);
+            if is_started && gives_way(robot, Call::OSReschedule) {
+                scheduler(robot, Scheduler::reschedule);
+            }
+            Answer::Returned(if is_started { 0 } else { -1 })
+        })
+    }
+
+    /// `OSRun`
+    pub(super) fn run_task(&self, task: i32) -> Result<i32, Stop> {
+        self.arrange(Call::OSRun, |robot| {
+            let answer = ready(robot, Call::OSRun, task);
+            if answer == 0 && gives_way(robot, Call::OSRun) {
+                scheduler(robot, Scheduler::reschedule);
+            }
+            Answer::Returned(answer)
+        })
+    }
+
+    /// `OSKill`
+    pub(super) fn kill_task(&self, task: i32) -> Result<i32, Stop> {
+        let call = caller::Call::from(Call::OSKill);
+        self.within(call, |caller| {
+            let mut robot = caller.spend(call)?;
+            let number = match find(&mut robot, Call::OSKill, task) {
+                Ok(number) => number,
+                Err(answer) => return Ok(answer),
+            };
+            if number == MAIN {
+                robot.ending.get_or_insert(Ending::Exited { code: 0 });
+                return Err(Stop);
+            }
+            if number == robot.tasks.current().number {
+                return caller.end_task(robot).map(|()| 0);
+            }
+            if robot.tasks.find(number.cast_signed()).is_some_and(super::task::Task::is_unwinding) {
+                return Ok(0);
+            }
+            let now = robot.now;
+            robot.tasks.kill(now, number);
+            let robot = caller.switch_to(robot, number)?;
+            caller.take_turns(robot, call)?;
+            Ok(0)
+        })
+    }
+
+    /// `OSExit`
+    pub(super) fn exit(&self, code: i32) -> Result<i32, Stop> {
+        let call = caller::Call::from(Call::OSExit);
+        self.within(call, |caller| {
+            let mut robot = caller.spend(call)?;
+            if robot.tasks.scheduler().is_none() || robot.tasks.current().number == MAIN {
+                super::os::exit(&mut robot, code);
+                return Err(Stop);
+            }
+            caller.end_task(robot).map(|()| 0)
+        })
+    }
+
+    /// The task that calls is to end, the others going on.
+    fn end_task(&self, mut robot: MutexGuard<'_, Robot>) -> Result<(), Stop> {
+        if robot.tasks.current().is_unwinding() {
+            return Ok(());
+        }
+        if robot.timers.in_callback {
+            return Err(self.fail(robot, "a timer's function would end the task that it interrupts".to_owned()));
+        }
+        let (now, number) = (robot.now, robot.tasks.current().number);
+        robot.tasks.kill(now, number);
+        robot.tasks.take_kill();
+        Err(Stop)
+    }
+
+    /// `OSSemInit`
+    pub(super) fn make_semaphore(&self, semaphore: Option<&mut i32>, count: i32) -> Result<i32, Stop> {
+        let site = self.run().call_site(self.id());
+        self.call(Call::OSSemInit, |robot, _| make_semaphore(robot, semaphore, count, site))
+    }
+
+    /// `OSSemP`
+    pub(super) fn pass_semaphore(&self, semaphore: i32) -> Result<i32, Stop> {
+        let site = self.run().call_site(self.id());
+        let number = u32::try_from(semaphore).unwrap_or(0);
+        self.wait(Call::OSSemP, |robot, _| match robot.tasks.pass_semaphore(number, &site) {
+            Passing::Passed => Poll::Ready(0),
+            Passing::Closed => Poll::Until { at: Time::NEVER, waits_for: Waits::Semaphore(number) },
+            Passing::Unknown => Poll::Ready(no_semaphore(robot, Call::OSSemP)),
+        })
+    }
+
+    /// A call about tasks, after which it may be another one's turn.
+    fn arrange(&self, call: Call, act: impl FnOnce(&mut Robot) -> Answer) -> Result<i32, Stop> {
+        let site = self.run().call_site(self.id());
+        let call = caller::Call::from(call);
+        self.within(call, |caller| {
+            let mut robot = caller.spend(call)?;
+            match act(&mut robot) {
+                Answer::Returned(answer) => caller.take_turns(robot, call).map(|()| answer),
+                Answer::Suspended if robot.timers.in_callback => {
+                    Err(caller.fail(robot, format!("`{}` would wait inside a timer callback", call.name())))
+                }
+                Answer::Suspended if robot.tasks.current().is_unwinding() => Err(caller.fail_in_unwinding(robot, call)),
+                Answer::Suspended => {
+                    let (now, number) = (robot.now, robot.tasks.current().number);
+                    robot.tasks.note_suspension(Waiting { call, waits_for: Waits::Ready, since: now, site });
+                    scheduler(&mut robot, |scheduler| scheduler.suspend(number));
+                    let mut robot = caller.await_turn(robot)?;
+                    robot.tasks.end_wait();
+                    Ok(0)
+                }
+            }
+        })
+    }
+
+    /// The program fails: a task that was killed would wait before it has ended.
+    pub(super) fn fail_in_unwinding(&self, robot: MutexGuard<'_, Robot>, call: caller::Call) -> Stop {
+        let name = robot.tasks.name(robot.tasks.current().number);
+        self.fail(robot, format!("{name} was killed and would wait in `{}` before it has ended", call.name()))
+    }
+
+    /// The program fails: none of its tasks can go on any more.
+    pub(super) fn end_deadlock(&self, robot: MutexGuard<'_, Robot>) -> Stop {
+        let reason = format!("deadlock: {}", self.run().waits_of(&robot));
+        self.fail(robot, reason)
+    }
+}
+
+impl Robot {
+    /// True when every task waits for another one, and no timer's function is left that could help.
+    pub(super) fn is_deadlocked(&self) -> bool {
+        let is_blocked = |number| self.tasks.scheduler().is_none_or(|scheduler| !scheduler.is_ready(number));
+        self.timers.next_due() == Time::NEVER && self.tasks.iter().all(|task| is_blocked(task.number))
+    }
+}
+
+/// `OSMTInit`
+pub fn start(robot: &mut Robot, mode: u8) -> i32 {
+    let policy = match i32::from(mode) {
+        COOP => Policy::Coop,
+        PREEMPT => Policy::Preempt { is_permitted: false },
+        _ => return robot.refused(Call::OSMTInit, -1, |_| format!("mode {mode} is neither COOP (0) nor PREEMPT (1)")),
+    };
+    let now = robot.now;
+    if robot.tasks.start(now, policy) {
+        return 0;
+    }
+    robot.refused(Call::OSMTInit, -1, |robot| {
+        let is_started = robot.tasks.scheduler().is_some();
+        let reason = if is_started { "multi-tasking was started before" } else { "the program has threads already" };
+        reason.to_owned()
+    })
+}
+
+/// `OSMTStatus`
+pub fn status(robot: &Robot) -> i32 {
+    match robot.tasks.scheduler().map(Scheduler::policy) {
+        None => NOTASK,
+        Some(Policy::Coop) => COOP,
+        Some(Policy::Preempt { .. }) => PREEMPT,
+    }
+}
+
+/// `OSReady`, `OSRun`
+pub fn ready(robot: &mut Robot, call: Call, task: i32) -> i32 {
+    match find(robot, call, task) {
+        Ok(number) => {
+            scheduler(robot, |scheduler| scheduler.ready(number));
+            0
+        }
+        Err(answer) => answer,
+    }
+}
+
+/// `OSPermit`, `OSForbid`
+pub fn permit(robot: &mut Robot, call: Call, is_to_be: bool) -> i32 {
+    if !is_started(robot, call) {
+        return -1;
+    }
+    scheduler(robot, |scheduler| scheduler.permit(is_to_be));
+    0
+}
+
+/// `OSGetUID`
+pub fn uid(robot: &mut Robot, task: i32) -> i32 {
+    match robot.tasks.find(task) {
+        Some(task) => task.origin.uid,
+        None => robot.refused(Call::OSGetUID, 0, |_| "it got no task, or one that has ended".to_owned()),
+    }
+}
+
+/// `OSSemV`
+pub fn release_semaphore(robot: &mut Robot, semaphore: i32) -> i32 {
+    let number = u32::try_from(semaphore).unwrap_or(0);
+    let now = robot.now;
+    robot.tasks.scheduler_at(now);
+    if robot.tasks.semaphores.get(number).is_none() {
+        return no_semaphore(robot, Call::OSSemV);
+    }
+    if robot.tasks.release_semaphore(number) {
+        return 0;
+    }
+    robot.refused(Call::OSSemV, -1, |_| format!("semaphore {number} counts no further than {}", i32::MAX))
+}
+
+fn no_semaphore(robot: &mut Robot, call: Call) -> i32 {
+    robot.refused(call, -1, |_| "it got no semaphore that `OSSemInit` has made".to_owned())
+}
+
+fn make_semaphore(
+    robot: &mut Robot,
+    semaphore: Option<&mut i32>,
+    count: i32,
+    site: crate::executive::program::Site,
+) -> i32 {
+    let Some(place) = semaphore else {
+        return robot.refused(Call::OSSemInit, -1, |_| "the semaphore is a null pointer".to_owned());
+    };
+    if count < 0 {
+        return robot.refused(Call::OSSemInit, -1, |_| format!("{count} tasks cannot pass: the count is 0 or more"));
+    }
+    let before = u32::try_from(*place).unwrap_or(0);
+    if robot.tasks.semaphores.get(before).is_some_and(super::task::semaphore::Semaphore::is_waited_at) {
+        robot.hint(&format!("`OSSemInit` makes semaphore {before} anew: the tasks that wait at it never pass"));
+    }
+    match robot.tasks.semaphores.make(count, site) {
+        Some(number) => {
+            *place = number.cast_signed();
+            0
+        }
+        None => robot.refused(Call::OSSemInit, -1, |_| "there are too many semaphores".to_owned()),
+    }
+}
+
+/// Adds the task that `OSSpawn` asks for; its number.
+fn create(robot: &mut Robot, spawn: &Spawn<'_>, site: crate::executive::program::Site) -> Option<u32> {
+    let Spawn { stack_bytes, priority, uid, .. } = *spawn;
+    let reason = if robot.tasks.scheduler().is_none() {
+        Some(NOT_STARTED.to_owned())
+    } else if spawn.code.is_none() {
+        Some("the task's function is a null pointer".to_owned())
+    } else if !(MIN_PRI..=MAX_PRI).contains(&priority) {
+        Some(format!("priority {priority} is not within MIN_PRI ({MIN_PRI}) and MAX_PRI ({MAX_PRI})"))
+    } else if !(0..=MAX_STACK).contains(&stack_bytes) {
+        Some(format!("a stack of {stack_bytes} bytes is not within 0 and {MAX_STACK}"))
+    } else {
+        None
+    };
+    if let Some(reason) = reason {
+        robot.refused(Call::OSSpawn, 0, |_| reason);
+        return None;
+    }
+    let name = text(spawn.name.unwrap_or_default()).chars().take(MAX_NAME).collect();
+    let now = robot.now;
+    let task = robot.tasks.create(now, Origin { name, uid, site }, priority as usize);
+    if task.is_none() {
+        robot.refused(Call::OSSpawn, 0, |_| format!("a robot has at most {MAX_TASKS} tasks"));
+    }
+    task
+}
+
+/// The number of a task that a program names, 0 for the one that calls.
+fn find(robot: &mut Robot, call: Call, task: i32) -> Result<u32, i32> {
+    if !is_started(robot, call) {
+        return Err(-1);
+    }
+    let number = robot.tasks.find(task).map(|task| task.number);
+    number.ok_or_else(|| robot.refused(call, -1, |_| "it got no task, or one that has ended".to_owned()))
+}
+
+const NOT_STARTED: &str = "there is no multi-tasking before `OSMTInit`";
+
+/// Whether multi-tasking was started; a program that did not is told.
+fn is_started(robot: &mut Robot, call: Call) -> bool {
+    let is_started = robot.tasks.scheduler().is_some();
+    if !is_started {
+        robot.refused(call, -1, |_| NOT_STARTED.to_owned());
+    }
+    is_started
+}
+
+/// Whether the task that calls can give way: not for a timer's function, which belongs to none, nor while it ends.
+fn gives_way(robot: &mut Robot, call: Call) -> bool {
+    if robot.timers.in_callback {
+        robot.rejected(call, |_| "a timer's function gives way to nobody".to_owned());
+    }
+    !robot.timers.in_callback && !robot.tasks.current().is_unwinding()
+}
+
+/// Tells the scheduler, where there is one.
+fn scheduler(robot: &mut Robot, change: impl FnOnce(&mut Scheduler)) {
+    let now = robot.now;
+    if let Some(scheduler) = robot.tasks.scheduler_at(now) {
+        change(scheduler);
+    }
+}

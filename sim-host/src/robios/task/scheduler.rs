@@ -1,0 +1,369 @@
+//! Who of a robot's tasks has the processor under RoBIOS 6, and from when on: a state machine over virtual time alone.
+//!
+//! Strict priorities; among equals round robin in order of readiness. A task that waits for the world (a busy wait) keeps what
+//! it has of the processor; one that sleeps, waits for another task or is suspended has none. Time slices end at the ticks of the
+//! global 10 ms grid. How control really goes from one task to another is not known here: the tasks in a busy wait take
+//! their turns on paper, in closed form, and only who has something to do is named by [`Scheduler::next`].
+
+use std::collections::VecDeque;
+
+use sim_core::time::{TICK, Time};
+
+/// How many priorities there are, from `IDLE_PRI`, that of `main`, to `MAX_PRI`.
+pub const LEVELS: usize = 9;
+
+/// When tasks change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Policy {
+    /// Only where the one that runs gives way.
+    Coop,
+    /// Also when its time slice is over or a task of higher priority is ready, unless that is forbidden.
+    Preempt {
+        /// False from `OSForbid` to `OSPermit`.
+        is_permitted: bool,
+    },
+}
+
+/// Who goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// This task, now.
+    Go(u32),
+    /// Nobody before this time, at which somebody may; [`Time::NEVER`] if nobody ever.
+    At(Time),
+}
+
+/// The tasks of one robot that share its processor.
+#[derive(Clone, Debug)]
+pub struct Scheduler {
+    policy: Policy,
+    /// In order of their numbers.
+    entries: Vec<Entry>,
+    /// Those that are ready but have not the processor, by priority; first come, first served.
+    queues: [VecDeque<u32>; LEVELS],
+    /// Who has the processor; nobody when none is ready.
+    owner: Option<u32>,
+    slice_end: Time,
+    now: Time,
+}
+
+#[derive(Clone, Debug)]
+struct Entry {
+    number: u32,
+    priority: usize,
+    is_suspended: bool,
+    doing: Doing,
+}
+
+/// What a task does with the processor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Doing {
+    /// Computes.
+    Run,
+    /// Waits for the world, until this time.
+    Busy(Time),
+    /// Leaves it to the others until this time, or until it is woken.
+    Block(Time),
+}
+
+impl Scheduler {
+    /// The processor from `now` on, with one task that has it.
+    pub fn new(policy: Policy, main: u32, priority: usize, now: Time) -> Self {
+        let main_entry = Entry { number: main, priority, is_suspended: false, doing: Doing::Run };
+        Self {
+            policy,
+            entries: vec![main_entry],
+            queues: Default::default(),
+            owner: Some(main),
+            slice_end: slice_end(now),
+            now,
+        }
+    }
+
+    /// When tasks change.
+    pub fn policy(&self) -> Policy {
+        self.policy
+    }
+
+    /// Forbids that tasks change by themselves, or permits it; nothing where they never do.
+    pub fn permit(&mut self, is_to_be: bool) {
+        if let Policy::Preempt { is_permitted } = &mut self.policy {
+            *is_permitted = is_to_be;
+        }
+    }
+
+    /// Adds a task, suspended; its number is higher than all before.
+    pub fn add(&mut self, number: u32, priority: usize) {
+        self.entries.push(Entry { number, priority: priority.min(LEVELS - 1), is_suspended: true, doing: Doing::Run });
+    }
+
+    /// Its priority; that of `main` if there is no such task.
+    pub fn priority(&self, number: u32) -> usize {
+        self.index(number).map_or(0, |index| self.entries[index].priority)
+    }
+
+    /// True if it is ready to run, or has the processor.
+    pub fn is_ready(&self, number: u32) -> bool {
+        self.index(number).is_some_and(|index| self.entries[index].is_ready())
+    }
+
+    /// True if it is suspended.
+    pub fn is_suspended(&self, number: u32) -> bool {
+        self.index(number).is_some_and(|index| self.entries[index].is_suspended)
+    }
+
+    /// Ends its suspension: it is the last among its equals, unless it waits for something else still.
+    pub fn ready(&mut self, number: u32) {
+        self.change(number, |entry| entry.is_suspended = false);
+    }
+
+    /// Suspends it.
+    pub fn suspend(&mut self, number: u32) {
+        self.change(number, |entry| entry.is_suspended = true);
+    }
+
+    /// It computes from now on: its wait is over.
+    pub fn run(&mut self, number: u32) {
+        self.change(number, |entry| entry.doing = Doing::Run);
+    }
+
+    /// It waits for the world until `wake`.
+    pub fn wait(&mut self, number: u32, wake: Time) {
+        self.change(number, |entry| entry.doing = Doing::Busy(wake));
+    }
+
+    /// It leaves the processor to others until `wake`.
+    pub fn block(&mut self, number: u32, wake: Time) {
+        self.change(number, |entry| entry.doing = Doing::Block(wake));
+    }
+
+    /// Its wait for the world may be over at `wake` already.
+    pub fn look_at(&mut self, number: u32, wake: Time) {
+        if let Some(index) = self.index(number)
+            && let Doing::Busy(at) = &mut self.entries[index].doing
+        {
+            *at = (*at).min(wake);
+        }
+    }
+
+    /// It waits for the world until `wake`, whatever was said before.
+    pub fn reset_wake(&mut self, number: u32, wake: Time) {
+        if let Some(index) = self.index(number)
+            && let Doing::Busy(at) = &mut self.entries[index].doing
+        {
+            *at = wake;
+        }
+    }
+
+    /// It has ended.
+    pub fn remove(&mut self, number: u32) {
+        self.suspend(number);
+        self.entries.retain(|entry| entry.number != number);
+    }
+
+    /// Whoever has the processor gives way: the next of the highest priority gets it, in the end perhaps the same.
+    pub fn reschedule(&mut self) {
+        if let Some(owner) = self.owner.take() {
+            self.queue_of(owner).push_back(owner);
+        }
+        self.dispatch();
+    }
+
+    /// Gives the processor to this task out of turn, for what it must do before all others.
+    pub fn take_over(&mut self, number: u32) {
+        if self.owner == Some(number) {
+            return;
+        }
+        if let Some(owner) = self.owner.take() {
+            self.queue_of(owner).push_front(owner);
+        }
+        self.change(number, |entry| (entry.is_suspended, entry.doing) = (false, Doing::Run));
+        self.queues.iter_mut().for_each(|queue| queue.retain(|other| *other != number));
+        self.owner = Some(number);
+    }
+
+    /// Virtual time has come to `now` within a call, whose task has the processor to the call's end.
+    pub fn reach(&mut self, now: Time) {
+        self.rise(now);
+        self.now = self.now.max(now);
+    }
+
+    /// Virtual time has come to `to`, and no call is in progress.
+    pub fn advance(&mut self, to: Time) {
+        loop {
+            match self.next() {
+                Next::At(time) if time <= to => self.pass(time),
+                Next::At(_) => return self.pass(to),
+                Next::Go(_) => return self.pass_at_once(to),
+            }
+        }
+    }
+
+    /// Who goes on, as things stand now.
+    pub fn next(&self) -> Next {
+        let Some(owner) = self.owner.and_then(|number| self.index(number)).map(|index| &self.entries[index]) else {
+            return Next::At(self.first_risen(0));
+        };
+        let wake = match owner.doing {
+            Doing::Busy(wake) if wake > self.now => wake,
+            _ => return Next::Go(owner.number),
+        };
+        if !self.is_permitted() {
+            return Next::At(wake);
+        }
+        let peers = &self.queues[owner.priority];
+        let first = if peers.is_empty() { wake } else { self.first_chance(wake, peers) };
+        Next::At(first.min(self.first_risen(owner.priority)))
+    }
+
+    /// When the first of those that take turns has something to do in a slice of its own.
+    fn first_chance(&self, owner_wake: Time, peers: &VecDeque<u32>) -> Time {
+        let round = Time(TICK.0 * (peers.len() as i64 + 1));
+        let chance = |place: usize, wake: Time| {
+            let end = self.slice_end + Time(TICK.0 * place as i64);
+            if wake == Time::NEVER {
+                return Time::NEVER;
+            }
+            let rounds = if wake < end { 0 } else { (wake - end).0 / round.0 + 1 };
+            let end = end + Time(round.0 * rounds);
+            wake.max(if place == 0 && rounds == 0 { self.now } else { end - TICK })
+        };
+        let of_peers = peers.iter().enumerate().map(|(place, number)| {
+            let doing = self.index(*number).map(|index| self.entries[index].doing);
+            chance(place + 1, if let Some(Doing::Busy(wake)) = doing { wake } else { Time::ZERO })
+        });
+        of_peers.fold(chance(0, owner_wake), Time::min)
+    }
+
+    /// When the first task of at least this priority gets ready by itself.
+    fn first_risen(&self, priority: usize) -> Time {
+        let wakes = self.entries.iter().filter(|entry| entry.priority >= priority).map(Entry::risen);
+        wakes.min().unwrap_or(Time::NEVER)
+    }
+
+    /// Lets time pass until `to` in which nobody has anything to do: those in a busy wait take turns.
+    fn pass(&mut self, to: Time) {
+        let before = Time(to.0 - 1).max(self.now);
+        if before >= self.slice_end {
+            let ticks = (before - self.slice_end).0 / TICK.0 + 1;
+            self.rotate(ticks);
+            self.slice_end += Time(TICK.0 * ticks);
+        }
+        self.rise(to);
+        if to >= self.slice_end {
+            self.rotate(1);
+            self.slice_end = slice_end(to);
+        }
+        self.now = self.now.max(to);
+        self.settle();
+    }
+
+    /// Lets time pass until `to` within one call, or in a timer's callback: nobody takes turns before its end.
+    fn pass_at_once(&mut self, to: Time) {
+        self.reach(to);
+        if to >= self.slice_end {
+            self.rotate(1);
+            self.slice_end = slice_end(to);
+        }
+        self.settle();
+    }
+
+    /// Those whose sleep ends until `to` are ready, in order of their wakes.
+    fn rise(&mut self, to: Time) {
+        let mut risen: Vec<(Time, u32)> = Vec::new();
+        for entry in &mut self.entries {
+            if let Doing::Block(wake) = entry.doing
+                && wake <= to
+            {
+                entry.doing = Doing::Run;
+                risen.push((wake, entry.number));
+            }
+        }
+        risen.sort_unstable();
+        for (_, number) in risen {
+            if self.is_ready(number) {
+                self.queue_of(number).push_back(number);
+            }
+        }
+    }
+
+    /// So many slices are over.
+    fn rotate(&mut self, slices: i64) {
+        let Some(owner) = self.owner.filter(|_| self.is_permitted()) else { return };
+        let queue = self.queue_of(owner);
+        let count = queue.len() as i64 + 1;
+        queue.push_front(owner);
+        queue.rotate_left((slices % count) as usize);
+        self.owner = queue.pop_front();
+    }
+
+    /// Somebody has the processor if anybody can; one of higher priority than who has it, where that is permitted.
+    fn settle(&mut self) {
+        match self.owner {
+            None => self.dispatch(),
+            Some(owner) if self.is_permitted() => {
+                let priority = self.priority(owner);
+                if self.queues[priority + 1..].iter().any(|queue| !queue.is_empty()) {
+                    self.queue_of(owner).push_front(owner);
+                    self.dispatch();
+                }
+            }
+            Some(_) => {}
+        }
+    }
+
+    fn dispatch(&mut self) {
+        self.owner = self.queues.iter_mut().rev().find_map(VecDeque::pop_front);
+        self.slice_end = slice_end(self.now);
+    }
+
+    fn is_permitted(&self) -> bool {
+        self.policy == Policy::Preempt { is_permitted: true }
+    }
+
+    /// Changes what a task does or whether it is suspended, and with it who is ready.
+    fn change(&mut self, number: u32, change: impl FnOnce(&mut Entry)) {
+        let Some(index) = self.index(number) else { return };
+        let entry = &mut self.entries[index];
+        let was_ready = entry.is_ready();
+        change(entry);
+        match (was_ready, entry.is_ready()) {
+            (false, true) => self.queue_of(number).push_back(number),
+            (true, false) => {
+                self.queue_of(number).retain(|other| *other != number);
+                if self.owner == Some(number) {
+                    self.dispatch();
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn queue_of(&mut self, number: u32) -> &mut VecDeque<u32> {
+        let priority = self.priority(number);
+        &mut self.queues[priority]
+    }
+
+    fn index(&self, number: u32) -> Option<usize> {
+        self.entries.binary_search_by_key(&number, |entry| entry.number).ok()
+    }
+}
+
+impl Entry {
+    fn is_ready(&self) -> bool {
+        !self.is_suspended && !matches!(self.doing, Doing::Block(_))
+    }
+
+    /// When it gets ready by itself.
+    fn risen(&self) -> Time {
+        match self.doing {
+            Doing::Block(wake) if !self.is_suspended => wake,
+            _ => Time::NEVER,
+        }
+    }
+}
+
+/// The end of a slice that begins at `now`.
+fn slice_end(now: Time) -> Time {
+    now.floor_to(TICK) + TICK
+}
