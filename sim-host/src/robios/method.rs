@@ -19,13 +19,3 @@ macro_rules! wait {
         }
     )*};
 }
-
-/// Methods that answer with their documented failure: what they need is not simulated yet.
-macro_rules! fail {
-    ($(fn $name:ident($($argument:ident: $kind:ty),* $(,)?) -> $result:ty = $failure:expr;)*) => {$(
-        fn $name(&self, $($argument: $kind),*) -> Result<$result, Stop> {
-            $(let _ = $argument;)*
-            self.call(Call::$name, |robot, _| robot.unavailable(Call::$name, $failure))
-        }
-    )*};
-}

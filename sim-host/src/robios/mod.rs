@@ -275,17 +275,6 @@ impl Robot {
         found
     }
 
-    /// The answer of a call whose device is not simulated: the user is told once a function.
-    fn unavailable<R>(&mut self, call: impl Into<Call>, answer: R) -> R {
-        let call = call.into();
-        if self.devices.hints.is_first_failure(call) {
-            let text = format!("`{}` is not simulated: it answers as a robot without that device does", call.name());
-            self.hint(&text);
-        }
-        self.failed(call, 0);
-        answer
-    }
-
     /// Tells the user of a likely mistake, once.
     fn hint_at(&mut self, mistake: Mistake) {
         self.hint_once(mistake, mistake.text());
