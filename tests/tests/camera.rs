@@ -447,7 +447,7 @@ fn wrong_folders_for_images_are_refused() {
     let stderr = refused(&scratch, &["run", "a.sim", "--frames", "."], 2);
     assert!(stderr.contains("--frames `.`: the folder is not empty: images of two runs would mix"), "{stderr}");
     let stderr = refused(&scratch, &["run", "a.sim", "--frames", "room.wld"], 2);
-    assert!(stderr.contains("--frames `room.wld`"), "{stderr}");
+    assert!(stderr.contains("--frames `room.wld`: this is a file: expected a folder for the images"), "{stderr}");
     let stderr = refused(&scratch, &["run", "a.sim", "--robot", "1"], 2);
     assert!(stderr.contains("--robot: it says whose calls are shown, and needs --verbose"), "{stderr}");
 }
@@ -455,14 +455,15 @@ fn wrong_folders_for_images_are_refused() {
 #[test]
 fn an_image_that_cannot_be_written_ends_the_run() {
     let scratch = scratch(ROBOTS);
-    scratch.write(
-        "one.c",
-        &WANDERER.replace("CAMInit(CUSTOM);", "CAMInit(CUSTOM); OSExecute(\"rm -r images\", (char *)image);"),
-    );
-    scratch.write("two.c", WANDERER);
-    let stderr = refused(&scratch, &["run", "a.sim", "--frames", "images", "--allow-execute"], 2);
-    // Both robots take an image in that slot; whose is written first depends on the threads.
-    assert!(stderr.contains("error: cannot write the image `images/r"), "{stderr}");
+    // Both take their images after the slot in which the second one removes the folder, the first one a little earlier.
+    let begun = |more: &str| WANDERER.replace("CAMInit(CUSTOM);", &format!("CAMInit(CUSTOM); {more} OSWait(100);"));
+    scratch.write("one.c", &begun(""));
+    scratch.write("two.c", &begun("OSExecute(\"rm -r images\", (char *)image);"));
+    for threads in ["1", "2", "2", "2"] {
+        let args = ["run", "a.sim", "--frames", "images", "--allow-execute", "--threads", threads];
+        let stderr = refused(&scratch, &args, 2);
+        assert!(stderr.contains("error: cannot write the image `images/r1-000001-"), "{stderr}");
+    }
 }
 
 #[test]

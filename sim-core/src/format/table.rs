@@ -164,17 +164,32 @@ impl Reader<'_> {
     }
 
     pub(super) fn text(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<String> {
+        self.text_of(section, key, "a text that is not empty, between double quotes")
+    }
+
+    /// A text that is not empty; `expected` says of what.
+    fn text_of(&mut self, section: &mut Section<'_, '_>, key: &'static str, expected: &str) -> Option<String> {
         let value = section.get(key)?;
         let text = value.get_ref().as_str().filter(|text| !text.trim().is_empty());
         if text.is_none() {
-            self.wrong_type(key, value, "a text that is not empty, between double quotes");
+            self.wrong_type(key, value, expected);
         }
         text.map(str::to_owned)
     }
 
     /// A file, or a name of a type.
     pub(super) fn reference(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<PathRef> {
-        let text = self.text(section, key)?;
+        self.reference_to(section, key, "a text that is not empty, between double quotes")
+    }
+
+    /// The same, where `expected` says to what.
+    pub(super) fn reference_to(
+        &mut self,
+        section: &mut Section<'_, '_>,
+        key: &'static str,
+        expected: &str,
+    ) -> Option<PathRef> {
+        let text = self.text_of(section, key, expected)?;
         let span = section.get(key).map_or(section.span, |value| self.span(value.span()));
         Some(PathRef { text, span })
     }
@@ -293,8 +308,17 @@ impl Reader<'_> {
         section: &mut Section<'_, '_>,
         key: &'static str,
     ) -> Option<[u8; N]> {
-        let shades = self.numbers(section, key, &[Quantity::number("shade", 0.0, 255.0); N])?;
-        Some(shades.map(|shade| shade as u8))
+        let expected = format!("an array of {N} integers from 0 to 255");
+        let items = self.array(section, key, &expected)?;
+        if items.len() != N {
+            let span = section.get(key).map_or(section.span, |value| self.span(value.span()));
+            let message = format!("`{key}` has {} values", items.len());
+            self.sink.error(Code::TomlType, span, message, expected);
+            return None;
+        }
+        let shades: Vec<u8> =
+            items.iter().filter_map(|item| self.as_integer(key, item, 0, 255)).map(|shade| shade as u8).collect();
+        shades.try_into().ok()
     }
 
     /// An array.
@@ -341,16 +365,36 @@ impl Reader<'_> {
         self.as_section(key, value)
     }
 
+    /// The same, with an example of what it may be.
+    pub(super) fn section_like<'a, 'i>(
+        &mut self,
+        parent: &mut Section<'a, 'i>,
+        key: &'static str,
+        example: &str,
+    ) -> Option<Section<'a, 'i>> {
+        let value = parent.get(key)?;
+        self.as_section_or(key, value, &format!("a table such as `{key} = {{ {example} }}`"))
+    }
+
     pub(super) fn as_section<'a, 'i>(
         &mut self,
         key: &'static str,
         value: &'a Spanned<DeValue<'i>>,
     ) -> Option<Section<'a, 'i>> {
+        self.as_section_or(key, value, "a table")
+    }
+
+    fn as_section_or<'a, 'i>(
+        &mut self,
+        key: &'static str,
+        value: &'a Spanned<DeValue<'i>>,
+        expected: &str,
+    ) -> Option<Section<'a, 'i>> {
         let span = self.span(value.span());
         match value.get_ref() {
             DeValue::Table(table) => Some(Section { name: key, table, span, known: Vec::new() }),
             _ => {
-                self.wrong_type(key, value, "a table");
+                self.wrong_type(key, value, expected);
                 None
             }
         }

@@ -511,9 +511,29 @@ fn cameras_and_looks_that_cannot_be_are_reported_where_they_stand() {
     assert_eq!(world("light = { shadows = 1 }"), ["3:21 toml-type `shadows` is of type integer; true or false"]);
     assert_eq!(
         world("sky = { zenith = [0, 0, 256] }"),
-        ["3:25 number-range shade `256` is out of range; a number from 0 to 255"]
+        ["3:25 number-range zenith `256` is out of range; an integer from 0 to 255"]
     );
-    assert_eq!(world("colour = \"grey\""), ["3:10 toml-type `colour` is of type string; an array of 3 numbers"]);
+    assert_eq!(
+        world("sky = { ground = [1.5, 0, 0] }"),
+        ["3:19 toml-type `ground` is of type float; an integer from 0 to 255"]
+    );
+    let colours = "an array of 3 integers from 0 to 255";
+    assert_eq!(world("colour = \"grey\""), [format!("3:10 toml-type `colour` is of type string; {colours}")]);
+    assert_eq!(world("colour = [1, 2]"), [format!("3:10 toml-type `colour` has 2 values; {colours}")]);
+    assert_eq!(
+        world("light = \"bright\""),
+        ["3:9 toml-type `light` is of type string; a table such as `light = { azimuth_deg = -120, shadows = true }`"]
+    );
+    assert_eq!(
+        world("sky = [0, 0, 9]"),
+        [
+            "3:7 toml-type `sky` is of type array; a table such as `sky = { horizon = [200, 210, 220], ground = [90, 90, 80] }`"
+        ]
+    );
+    assert_eq!(
+        said("[world]\nfloor_mm = [9, 9]\ntexture = { file = \"a.png\" }\n"),
+        ["3:11 toml-type `texture` is of type table; the name of an image file, between double quotes"]
+    );
 }
 
 #[test]

@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use parking_lot::Mutex;
 use sim_core::RobotId;
@@ -86,8 +85,14 @@ pub struct Frames {
     folder: PathBuf,
     /// Digits of the greatest number of a robot.
     robot_digits: usize,
-    failure: Mutex<Option<RecordError>>,
-    has_failed: AtomicBool,
+    /// The first image in order of (time, robot) that could not be written.
+    failure: Mutex<Option<Failure>>,
+}
+
+#[derive(Debug)]
+struct Failure {
+    image: (Time, RobotId),
+    error: RecordError,
 }
 
 /// Why a folder for images is refused.
@@ -96,7 +101,10 @@ pub enum FolderError {
     /// There is something in it.
     #[error("the folder is not empty: images of two runs would mix")]
     NotEmpty,
-    /// It cannot be made, or it is something else.
+    /// It is no folder.
+    #[error("this is a file: expected a folder for the images, which may be new")]
+    File,
+    /// It cannot be made or read.
     #[error(transparent)]
     Unusable(#[from] std::io::Error),
 }
@@ -107,27 +115,30 @@ impl Frames {
     /// # Errors
     /// [`FolderError`] if it is not empty, or no folder.
     pub fn create(folder: &Path, robots: usize) -> Result<Self, FolderError> {
+        if folder.exists() && !folder.is_dir() {
+            return Err(FolderError::File);
+        }
         std::fs::create_dir_all(folder)?;
         if std::fs::read_dir(folder)?.next().is_some() {
             return Err(FolderError::NotEmpty);
         }
-        Ok(Self {
-            folder: folder.to_owned(),
-            robot_digits: robots.to_string().len(),
-            failure: Mutex::default(),
-            has_failed: AtomicBool::new(false),
-        })
+        Ok(Self { folder: folder.to_owned(), robot_digits: robots.to_string().len(), failure: Mutex::default() })
     }
 
-    /// Writes an image of `robot`; after the first failure, of which [`FrameFailures`] tells, no more.
+    /// Writes an image of `robot`; none after the first that could not be written, of which [`FrameFailures`] tells. Those before
+    /// it are still tried, so that which one is the first does not depend on threads.
     pub fn write(&self, robot: RobotId, frame: &Frame<'_>) {
-        if self.has_failed.load(Ordering::Relaxed) {
+        let image = (frame.exposed, robot);
+        let is_first = |failure: &Option<Failure>| failure.as_ref().is_none_or(|failure| image < failure.image);
+        if !is_first(&self.failure.lock()) {
             return;
         }
         let path = self.folder.join(self.name(robot, frame));
         if let Err(error) = write_whole(&path, &frame.pixels.png(frame.size)) {
-            self.has_failed.store(true, Ordering::Relaxed);
-            self.failure.lock().get_or_insert(RecordError::write("image", &path, error));
+            let mut failure = self.failure.lock();
+            if is_first(&failure) {
+                *failure = Some(Failure { image, error: RecordError::write("image", &path, error) });
+            }
         }
     }
 
@@ -158,9 +169,6 @@ impl Sink for FrameFailures {
     }
 
     fn end_slot(&mut self, _: Time, _: Option<Digest>) -> Result<(), RecordError> {
-        if !self.0.has_failed.load(Ordering::Relaxed) {
-            return Ok(());
-        }
-        self.0.failure.lock().take().map_or(Ok(()), Err)
+        self.0.failure.lock().take().map_or(Ok(()), |failure| Err(failure.error))
     }
 }

@@ -12,8 +12,10 @@ impl Reader<'_> {
     /// `colour`, `light` and `sky` of a world.
     pub(super) fn looks(&mut self, section: &mut Section<'_, '_>) -> LooksSpec {
         let colour = self.shades(section, "colour");
-        let light = self.section(section, "light").map(|light| self.light(light)).unwrap_or_default();
-        let sky = self.section(section, "sky").map(|sky| self.sky(sky)).unwrap_or_default();
+        let light = self.section_like(section, "light", "azimuth_deg = -120, shadows = true");
+        let light = light.map(|light| self.light(light)).unwrap_or_default();
+        let sky = self.section_like(section, "sky", "horizon = [200, 210, 220], ground = [90, 90, 80]");
+        let sky = sky.map(|sky| self.sky(sky)).unwrap_or_default();
         LooksSpec { colour, light, sky }
     }
 

@@ -92,7 +92,7 @@ impl Reader<'_> {
         if let Some(section) = self.section(&mut root, "settings") {
             self.settings(section, sim);
         }
-        if let Some(section) = self.section(&mut root, "radio") {
+        if let Some(section) = self.section_like(&mut root, "radio", "medium = \"aloha\", baud = 9600") {
             sim.radio = self.radio(section);
         }
         let mut names = BTreeSet::new();

@@ -42,8 +42,8 @@ impl Reader<'_> {
         }
         section.get("file");
         let mut world = if section.has("maze") { self.maze(&mut section, sim) } else { self.walls(&mut section, sim) };
-        world.texture = self.reference(&mut section, "texture");
-        if let Some(surface) = self.section(&mut section, "surface") {
+        world.texture = self.reference_to(&mut section, "texture", "the name of an image file, between double quotes");
+        if let Some(surface) = self.section_like(&mut section, "surface", "reflectivity = 1, specular = 0.5") {
             world.surface = Some(self.surface(surface));
         }
         world.terrain = self.terrain(&mut section);
