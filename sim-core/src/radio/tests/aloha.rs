@@ -1,0 +1,138 @@
+//! Collisions against Abramson's formula.
+
+use super::*;
+use crate::math::{exp, ln};
+use crate::noise::{Purpose, Stream};
+
+const ALOHA: Model =
+    Model { medium: Medium::Aloha, baud: BAUD, latency: Time::ZERO, range: None, line_of_sight: false };
+
+/// Share of the messages of an offered load `g` that robot 1 hears, and the half width of its 99.9 % interval: messages begin at
+/// random, as many as `g` in the time of one, each from another robot.
+///
+/// Neighbours share their fate, so the spread is that between batches, each longer than anything that two share.
+fn heard(g: f64, slot: Time) -> (f64, f64) {
+    const BATCHES: usize = 200;
+    const BATCH: usize = 500;
+    let air = air_time(35, BAUD);
+    let mut channel = channel(ALOHA, Vec::new(), 1);
+    let mut stream = Stream::new(3, RobotId(1), Purpose::Program, 0, g.to_bits());
+    let mut batches = [0.0; BATCHES];
+    let mut count = |deliveries: Vec<Delivery>| {
+        for delivery in deliveries {
+            let message = (delivery.sequence - 1) as usize;
+            batches[message / BATCH] += f64::from(u8::from(delivery.outcome.is_ok())) / BATCH as f64;
+        }
+    };
+    let (mut at, mut slot_end, mut sendings) = (0.0, slot, Vec::new());
+    for message in 0..BATCHES * BATCH {
+        at -= ln(1.0 - stream.unit()) * air.seconds() / g;
+        let sent = Time::from_seconds_ceil(at);
+        while sent >= slot_end {
+            count(channel.exchange(slot_end, std::mem::take(&mut sendings)));
+            slot_end += slot;
+        }
+        let from = 2 + (message % 10_000) as u32;
+        sendings.push(sending(from, message as u64 + 1, Address::One(1), vec![0; 35], sent));
+    }
+    count(channel.exchange(Time::NEVER, sendings));
+    let mean = batches.iter().sum::<f64>() / BATCHES as f64;
+    let variance = batches.iter().map(|share| (share - mean).powi(2)).sum::<f64>() / (BATCHES - 1) as f64;
+    // Student's quantile for 199 degrees of freedom.
+    (mean, 3.34 * (variance / BATCHES as f64).sqrt())
+}
+
+/// Source: Abramson, "The ALOHA System", 1970: S = G exp(-2 G).
+#[test]
+fn throughput_is_that_of_the_formula() {
+    for g in [0.05, 0.2, 0.5, 1.0, 1.5] {
+        let (share, half) = heard(g, Time::from_millis(50));
+        let expected = exp(-2.0 * g);
+        assert!((share - expected).abs() < half, "S = {} +- {}, not {} at G = {g}", g * share, g * half, g * expected);
+        assert!(half < 0.03 * expected.max(0.2), "the interval says something: {half}");
+        // An interval that would take anything is none: slotted ALOHA is far off.
+        assert!((share - exp(-g)).abs() > half, "at G = {g}");
+    }
+}
+
+#[test]
+fn the_length_of_a_slot_changes_no_collision() {
+    let shares = [Time(100), Time::from_millis(50), Time::from_millis(10_000)].map(|slot| heard(0.5, slot).0);
+    assert_eq!(shares, [shares[0]; 3]);
+}
+
+/// Robots 1 and 3 do not hear each other; 2 hears both.
+#[test]
+fn a_hidden_terminal_disturbs_only_where_it_is_heard() {
+    let mut channel = channel(ALOHA, Vec::new(), 4);
+    let far = |robot: u32| (RobotId(robot), Loss::Range);
+    let message = |from, to, at, out_of_reach| Sending {
+        out_of_reach,
+        ..sending(from, 1, Address::One(to), b"hello".to_vec(), Time(at))
+    };
+    // 1 to 2 and 3 to 4 overlap: 2 hears both and so neither; 4 does not hear 1.
+    let sendings = vec![message(1, 2, 0, vec![far(3), far(4)]), message(3, 4, 500, vec![far(1)])];
+    let fates = channel.exchange(Time::from_millis(50), sendings);
+    let of = |robot: u32| fates.iter().find(|fate| fate.to == RobotId(robot)).map(|fate| fate.outcome.is_ok());
+    assert_eq!([of(2), of(4)], [Some(false), Some(true)]);
+    assert_eq!(fates[0].outcome, Err(Loss::Collision));
+}
+
+#[test]
+fn who_sends_hears_nothing_meanwhile() {
+    let outcome = |begins: i64| {
+        let mut channel = channel(ALOHA, Vec::new(), 3);
+        let air = air_time(5, BAUD);
+        // 2 sends to 3 from which it is heard by nobody else: 1 to 2 is lost to 2's own transmission alone.
+        let own = Sending {
+            out_of_reach: vec![(RobotId(1), Loss::Sight)],
+            ..sending(2, 1, Address::One(3), b"12345".to_vec(), Time(10_000))
+        };
+        let other = Sending {
+            out_of_reach: vec![(RobotId(3), Loss::Sight)],
+            ..sending(1, 1, Address::One(2), b"12345".to_vec(), Time(10_000 + begins * air.0))
+        };
+        let later = Sending { sent: Time(other.sent.0 + begins.signum()), ..other };
+        let later = Sending { begins: Some(later.sent), ..later };
+        let fates = channel.exchange(Time::from_millis(50), vec![own, later]);
+        assert!(fates.iter().any(|fate| fate.to == RobotId(3) && fate.outcome.is_ok()), "3 hears 2 alone");
+        fates.into_iter().find(|fate| fate.to == RobotId(2)).expect("it is meant").outcome.map(|_| ())
+    };
+    assert_eq!([outcome(-1), outcome(0), outcome(1)], [Ok(()), Err(Loss::Collision), Ok(())]);
+}
+
+#[test]
+fn what_only_touches_does_not_overlap() {
+    let air = air_time(1, BAUD).0;
+    let outcomes = |gap: i64| {
+        let mut channel = channel(ALOHA, Vec::new(), 1);
+        let message = |from, at| sending(from, 1, Address::One(1), vec![1], Time(at));
+        let fates = channel.exchange(Time::from_millis(50), vec![message(2, 0), message(3, air + gap)]);
+        [0, 1].map(|place: usize| fates[place].outcome.clone().map(|_| ()))
+    };
+    assert_eq!(outcomes(0), [Ok(()), Ok(())]);
+    assert_eq!(outcomes(-1), [Err(Loss::Collision), Err(Loss::Collision)]);
+}
+
+/// A message that ended before another one was decided had met it all the same.
+#[test]
+fn collisions_are_remembered_across_slots() {
+    let model = Model { latency: Time::from_millis(500), ..ALOHA };
+    let mut channel = channel(model, Vec::new(), 1);
+    let slot = |index: i64| Time(1_000 * index);
+    let mut outcomes = Vec::new();
+    for index in 1..=600 {
+        let sent = match index {
+            1 => vec![sending(2, 1, Address::One(1), vec![0; 93], Time(0))],
+            9 => vec![sending(3, 1, Address::One(1), vec![0; 1], Time(8_600))],
+            20 => vec![sending(3, 2, Address::One(1), vec![0; 1], Time(19_000))],
+            _ => Vec::new(),
+        };
+        let is_due = channel.due() < slot(index) && channel.due() >= slot(index - 1);
+        let fates = channel.exchange(slot(index), sent);
+        assert!(fates.is_empty() || is_due, "at {}", slot(index));
+        outcomes.extend(fates.into_iter().map(|fate| (fate.from.0, fate.outcome.map(|_| ()))));
+    }
+    assert_eq!(outcomes, [(2, Err(Loss::Collision)), (3, Err(Loss::Collision)), (3, Ok(()))]);
+    assert_eq!(channel.due(), Time::NEVER);
+}

@@ -1,0 +1,221 @@
+//! Bit errors and lost messages against the binary symmetric channel.
+
+use accuracy::statistics::{binomial, chi_squared, uncorrelated};
+use accuracy::world::Random;
+
+use super::*;
+
+const MILLION: usize = 1_000_000;
+/// Bits of a message.
+const BITS: usize = 256;
+
+/// What a channel did to messages of [`BITS`] bits.
+struct Sample {
+    /// Which bits of each message that arrived are wrong, in order.
+    messages: Vec<Vec<u16>>,
+    lost: u64,
+}
+
+/// So many messages of zeros from robot 2 to robot 1.
+fn sample(errors: Radio, count: usize) -> Sample {
+    let mut channel = channel(Model::default(), vec![errors], 2);
+    let mut messages = Vec::new();
+    let mut lost = 0;
+    for batch in 0..count.div_ceil(1000) {
+        let sequences = 1000 * batch..(1000 * (batch + 1)).min(count);
+        let one = |sequence| {
+            let sent = Time::from_millis(sequence as i64);
+            sending(2, sequence as u64 + 1, Address::One(1), vec![0; BITS / 8], sent)
+        };
+        for delivery in channel.exchange(Time::from_millis(1000 * batch as i64), sequences.map(one).collect()) {
+            match delivery.outcome {
+                Ok(arrived) => messages.push(wrong_bits(&arrived)),
+                Err(loss) => {
+                    assert_eq!(loss, Loss::Packet);
+                    lost += 1;
+                }
+            }
+        }
+    }
+    assert_eq!(messages.len() + lost, count);
+    Sample { messages, lost: lost as u64 }
+}
+
+fn wrong_bits(arrived: &Arrived) -> Vec<u16> {
+    let bytes = || arrived.payload.iter().enumerate().filter(|(_, byte)| **byte != 0);
+    let bits = |(place, byte): (usize, &u8)| {
+        let byte = *byte;
+        (0..8).filter(move |bit| byte >> bit & 1 == 1).map(move |bit| (8 * place + bit) as u16)
+    };
+    let wrong: Vec<u16> = bytes().flat_map(bits).collect();
+    assert_eq!(wrong.len(), arrived.bit_errors as usize);
+    wrong
+}
+
+/// p-values of a sample being what a channel with `p` makes, each with what it looks at.
+fn verdicts(messages: &[Vec<u16>], p: f64) -> Vec<(String, f64)> {
+    let bits = (messages.len() * BITS) as u64;
+    let all = || messages.iter().flatten();
+    let errors = all().count();
+    let mut found = vec![("rate".to_owned(), binomial(errors as u64, bits, p))];
+
+    let mut positions = vec![0.0; BITS];
+    all().for_each(|bit| positions[usize::from(*bit)] += 1.0);
+    found.push(("positions".to_owned(), chi_squared(&positions, &[errors as f64 / BITS as f64; BITS])));
+
+    // Messages follow each other without a gap: then gaps between errors are geometric throughout.
+    let places = messages
+        .iter()
+        .enumerate()
+        .flat_map(|(message, wrong)| wrong.iter().map(move |bit| (message * BITS + usize::from(*bit)) as u64));
+    let places: Vec<u64> = places.collect();
+    let longest = (10.0 / p) as usize + 2;
+    let mut gaps = vec![0.0; longest];
+    places.windows(2).for_each(|pair| gaps[((pair[1] - pair[0] - 1) as usize).min(longest - 1)] += 1.0);
+    let mut left = places.len() as f64 - 1.0;
+    let mut expected = Vec::new();
+    for _ in 1..longest {
+        expected.push(left * p);
+        left *= 1.0 - p;
+    }
+    expected.push(left);
+    found.push(("gaps".to_owned(), chi_squared(&gaps, &expected)));
+
+    for lag in [1, 2, 7, 8, 16, BITS as u64] {
+        let mut pairs = 0;
+        let mut ahead = 0;
+        for (place, bit) in places.iter().enumerate() {
+            ahead = ahead.max(place);
+            while ahead < places.len() && places[ahead] < bit + lag {
+                ahead += 1;
+            }
+            pairs += u64::from(places.get(ahead) == Some(&(bit + lag)));
+        }
+        found.push((format!("bits {lag} apart"), binomial(pairs, bits - lag, p * p)));
+    }
+
+    let counts: Vec<f64> = messages.iter().map(|wrong| wrong.len() as f64).collect();
+    found.push(("one message after another".to_owned(), uncorrelated(&counts[1..], &counts[..counts.len() - 1])));
+    found
+}
+
+/// One in a thousand of good samples has a p-value below it.
+const LEAST: f64 = 0.001;
+
+#[test]
+fn a_million_messages_have_the_rates_that_are_set() {
+    for (bit_error_rate, packet_loss) in [(0.0, 0.2), (1e-4, 0.01), (1e-3, 0.001), (0.02, 0.5), (0.5, 0.9)] {
+        let Sample { messages, lost } = sample(Radio { bit_error_rate, packet_loss }, MILLION);
+        let p = binomial(lost, MILLION as u64, packet_loss);
+        assert!(p > LEAST, "{lost} lost at {packet_loss}: {p}");
+        let wrong = messages.iter().map(|wrong| wrong.len() as u64).sum();
+        let p = binomial(wrong, (messages.len() * BITS) as u64, bit_error_rate);
+        assert!(p > LEAST, "{wrong} bits wrong at {bit_error_rate}: {p}");
+    }
+}
+
+#[test]
+fn errors_are_uniform_and_independent() {
+    for (p, count) in [(0.001, MILLION), (0.01, 200_000), (0.3, 10_000)] {
+        let Sample { messages, .. } = sample(Radio { bit_error_rate: p, packet_loss: 0.1 }, count);
+        for (what, value) in verdicts(&messages, p) {
+            assert!(value > LEAST, "{what} at {p}: {value}");
+        }
+    }
+}
+
+#[test]
+fn the_same_tests_catch_biased_generators() {
+    const P: f64 = 0.01;
+    let mut random = Random::new(7);
+    let mut make = |probability: &mut dyn FnMut(u16, &[u16], &mut Random) -> f64| -> Vec<Vec<u16>> {
+        let mut message = || {
+            let mut wrong = Vec::new();
+            for bit in 0..BITS as u16 {
+                let probability = probability(bit, &wrong, &mut random);
+                if random.chance(probability) {
+                    wrong.push(bit);
+                }
+            }
+            wrong
+        };
+        (0..20_000).map(|_| message()).collect()
+    };
+    let is_before = |bit: u16, wrong: &[u16], by: u16| bit >= by && wrong.contains(&(bit - by));
+    // None of them but the first is known by its rate over all.
+    let higher_rate = make(&mut |_, _, _| 1.05 * P);
+    let first_of_byte = make(&mut |bit, _, _| if bit % 8 == 0 { 1.7 * P } else { 0.9 * P });
+    let towards_the_end = make(&mut |bit, _, _| P * (0.85 + 0.3 * f64::from(bit) / (BITS as f64 - 1.0)));
+    let burst = make(&mut |bit, wrong, _| if is_before(bit, wrong, 1) { 5.0 * P } else { 0.9596 * P });
+    let never_twice = make(&mut |bit, wrong, _| if is_before(bit, wrong, 1) { 0.0 } else { P / (1.0 - P) });
+    let echo = make(&mut |bit, wrong, _| if is_before(bit, wrong, 8) { 5.0 * P } else { 0.9596 * P });
+    let mut rate = P;
+    let fading = make(&mut |bit, _, random| {
+        if bit == 0 && random.chance(0.2) {
+            rate = random.between(0.0, 2.0 * P);
+        }
+        rate
+    });
+    // Gaps of a sum of two dice: the rate is right, the gaps are not.
+    let regular: Vec<Vec<u16>> = {
+        let mut places = vec![Vec::new(); 20_000];
+        let (mut place, mut dice) = (0, Random::new(8));
+        while place < 20_000 * BITS {
+            places[place / BITS].push((place % BITS) as u16);
+            place += 1 + dice.below(100) + dice.below(100);
+        }
+        places
+    };
+    let catches = |messages: &[Vec<u16>], test: &str| {
+        let all = verdicts(messages, P);
+        let (_, value) = all.iter().find(|(what, _)| what == test).unwrap_or_else(|| panic!("`{test}`"));
+        assert!(*value < 1e-6, "{test} does not notice: {all:?}");
+    };
+    catches(&higher_rate, "rate");
+    catches(&first_of_byte, "positions");
+    catches(&towards_the_end, "positions");
+    catches(&burst, "bits 1 apart");
+    catches(&burst, "gaps");
+    catches(&never_twice, "bits 1 apart");
+    catches(&echo, "bits 8 apart");
+    catches(&fading, "one message after another");
+    catches(&regular, "gaps");
+    // And a plain generator, bit by bit, passes them all.
+    for (what, value) in verdicts(&make(&mut |_, _, _| P), P) {
+        assert!(value > LEAST, "{what}: {value}");
+    }
+}
+
+#[test]
+fn receivers_senders_and_messages_draw_independently() {
+    const COUNT: u64 = 20_000;
+    let errors = Radio { bit_error_rate: 0.01, packet_loss: 0.3 };
+    let mut channel = channel(Model::default(), vec![errors; 4], 4);
+    let mut heard = vec![[None; 5]; COUNT as usize];
+    for message in 0..COUNT {
+        // Robots 1 and 2 send to everybody: 3 and 4 hear both, under the same numbers.
+        let of = |from| sending(from, message + 1, Address::All, vec![0; BITS / 8], Time::ZERO);
+        for delivery in channel.exchange(Time::ZERO, vec![of(1), of(2)]) {
+            let place = match (delivery.from.0, delivery.to.0) {
+                (1, 3) => 0,
+                (1, 4) => 1,
+                (2, 3) => 2,
+                (2, 4) => 3,
+                _ => continue,
+            };
+            heard[message as usize][place] = Some(delivery.outcome.ok().map(|arrived| arrived.bit_errors));
+        }
+    }
+    let column = |place: usize, of: fn(Option<u32>) -> f64| -> Vec<f64> {
+        heard.iter().map(|fates| of(fates[place].expect("each is decided"))).collect()
+    };
+    let is_lost = |fate: Option<u32>| f64::from(u8::from(fate.is_none()));
+    for (a, b) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
+        let p = uncorrelated(&column(a, is_lost), &column(b, is_lost));
+        assert!(p > LEAST, "losses of {a} and {b}: {p}");
+        let both = heard.iter().filter_map(|fates| Some((fates[a]??, fates[b]??)));
+        let (of_a, of_b): (Vec<f64>, Vec<f64>) = both.map(|(a, b)| (f64::from(a), f64::from(b))).unzip();
+        let p = uncorrelated(&of_a, &of_b);
+        assert!(of_a.len() > 9_000 && p > LEAST, "errors of {a} and {b}: {p}");
+    }
+}

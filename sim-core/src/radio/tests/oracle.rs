@@ -1,0 +1,366 @@
+//! The rules of the channel once more, microsecond by microsecond: slow, and without a line of the channel's own.
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
+use super::*;
+use crate::math::{ln, ln_1p};
+use crate::noise::{Purpose, Stream};
+
+/// What a program does with its radio.
+#[derive(Clone, Debug)]
+pub enum Deed {
+    On {
+        address: u32,
+        baud: u32,
+    },
+    Off,
+    Send {
+        to: Address,
+        payload: Vec<u8>,
+    },
+    /// Takes a message, if there is one.
+    Read,
+}
+
+/// A run: who does what when.
+#[derive(Clone, Debug)]
+pub struct Schedule {
+    pub model: Model,
+    pub slot: Time,
+    pub seed: u64,
+    /// Of each robot.
+    pub errors: Vec<Radio>,
+    /// Whom each robot cannot reach.
+    pub out_of_reach: Vec<Vec<(RobotId, Loss)>>,
+    /// In order of time; those of one robot at different instants.
+    pub deeds: Vec<(Time, RobotId, Deed)>,
+    pub end: Time,
+}
+
+/// What became of messages, and what was read: (when, by whom, from whom, which).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Story {
+    /// In order of (visible, receiver, arrives, sender, sequence).
+    pub fates: Vec<Delivery>,
+    pub read: Vec<(Time, RobotId, RobotId, u64)>,
+}
+
+/// A message that was sent.
+struct Sent {
+    from: RobotId,
+    sequence: u64,
+    to: Address,
+    payload: Vec<u8>,
+    address: u32,
+    baud: u32,
+    at: Time,
+    begins: Option<Time>,
+    /// Where something else was on the air meanwhile.
+    disturbed: BTreeSet<RobotId>,
+    is_decided: bool,
+}
+
+struct Oracle<'a> {
+    schedule: &'a Schedule,
+    now: Time,
+    sent: Vec<Sent>,
+    /// By robot: address and speed.
+    on: BTreeMap<RobotId, (u32, u32)>,
+    /// By robot: which messages wait to be sent.
+    queues: Vec<VecDeque<usize>>,
+    ring: Vec<(RobotId, u32)>,
+    token: Option<(RobotId, Time, f64)>,
+    tokens: u64,
+    story: Story,
+    /// By robot: what is decided and not yet visible, and what waits to be read.
+    coming: Vec<Vec<Delivery>>,
+    inbox: Vec<Vec<Delivery>>,
+}
+
+/// Tells the story of a schedule.
+pub fn tell(schedule: &Schedule) -> Story {
+    let robots = schedule.errors.len();
+    let mut oracle = Oracle {
+        schedule,
+        now: Time::ZERO,
+        sent: Vec::new(),
+        on: BTreeMap::new(),
+        queues: vec![VecDeque::new(); robots],
+        ring: Vec::new(),
+        token: None,
+        tokens: 0,
+        story: Story::default(),
+        coming: vec![Vec::new(); robots],
+        inbox: vec![Vec::new(); robots],
+    };
+    let mut deeds = schedule.deeds.iter().peekable();
+    while oracle.now < schedule.end {
+        oracle.show();
+        let mut offs = Vec::new();
+        while let Some((_, robot, deed)) = deeds.next_if(|(at, ..)| *at == oracle.now) {
+            match deed {
+                Deed::Off => offs.push(*robot),
+                deed => oracle.act(*robot, deed),
+            }
+        }
+        oracle.transmit();
+        offs.into_iter().for_each(|robot| oracle.switch_off(robot));
+        oracle.listen();
+        oracle.now += Time(1);
+        if oracle.now.0 % schedule.slot.0 == 0 {
+            oracle.end_slot();
+        }
+    }
+    let key = |it: &Delivery| (it.visible, it.to, it.arrives, it.from, it.sequence);
+    oracle.story.fates.sort_by_key(key);
+    oracle.story
+}
+
+impl Oracle<'_> {
+    fn duration(bytes: usize, baud: u32) -> Time {
+        let bits = 10.0 * (bytes as f64 + 7.0);
+        Time((bits * 1e6 / f64::from(baud)).ceil() as i64)
+    }
+
+    fn ends(sent: &Sent) -> Option<Time> {
+        Some(sent.begins? + Self::duration(sent.payload.len(), sent.baud))
+    }
+
+    /// What is visible now goes to its receivers.
+    fn show(&mut self) {
+        for (coming, inbox) in self.coming.iter_mut().zip(&mut self.inbox) {
+            let is_due = |it: &mut Delivery| it.visible <= self.now;
+            for fate in coming.extract_if(.., is_due) {
+                if fate.outcome.is_ok() {
+                    inbox.push(fate.clone());
+                }
+                self.story.fates.push(fate);
+            }
+        }
+    }
+
+    fn act(&mut self, robot: RobotId, deed: &Deed) {
+        match deed {
+            Deed::On { address, baud } => {
+                self.on.insert(robot, (*address, *baud));
+            }
+            Deed::Send { to, payload } => {
+                let Some(&(address, baud)) = self.on.get(&robot) else { return };
+                let sequence = 1 + self.sent.iter().filter(|sent| sent.from == robot).count() as u64;
+                self.queues[robot.index()].push_back(self.sent.len());
+                self.sent.push(Sent {
+                    from: robot,
+                    sequence,
+                    to: *to,
+                    payload: payload.clone(),
+                    address,
+                    baud,
+                    at: self.now,
+                    begins: None,
+                    disturbed: BTreeSet::new(),
+                    is_decided: false,
+                });
+            }
+            Deed::Read => {
+                let inbox = &mut self.inbox[robot.index()];
+                let first = (0..inbox.len()).min_by_key(|place| {
+                    let it = &inbox[*place];
+                    (it.arrives, it.from, it.sequence)
+                });
+                if let Some(place) = first.filter(|_| self.on.contains_key(&robot)) {
+                    let message = inbox.remove(place);
+                    self.story.read.push((self.now, robot, message.from, message.sequence));
+                }
+            }
+            Deed::Off => {}
+        }
+    }
+
+    fn switch_off(&mut self, robot: RobotId) {
+        if self.on.remove(&robot).is_none() {
+            return;
+        }
+        self.inbox[robot.index()].clear();
+        for fate in self.coming[robot.index()].drain(..) {
+            self.story.fates.push(Delivery { outcome: fate.outcome.and(Err(Loss::Off)), ..fate });
+        }
+        let slot_start = self.now.floor_to(self.schedule.slot);
+        let is_kept = |place: &usize| self.schedule.model.medium == Medium::Free && self.sent[*place].at < slot_start;
+        let queue = std::mem::take(&mut self.queues[robot.index()]);
+        self.queues[robot.index()] = queue.iter().copied().filter(is_kept).collect();
+        // As if it had begun when the transmitter would have been free.
+        let mut free = self.sent.iter().filter(|sent| sent.from == robot).filter_map(Self::ends).max();
+        for place in queue {
+            let is_kept = self.queues[robot.index()].contains(&place);
+            let slot_end = slot_start + self.schedule.slot;
+            let sent = &mut self.sent[place];
+            let begins = match self.schedule.model.medium {
+                Medium::TokenRing => slot_end,
+                _ => free.map_or(sent.at, |free| free.max(sent.at)),
+            };
+            let ends = begins + Self::duration(sent.payload.len(), sent.baud);
+            free = Some(ends);
+            if !is_kept {
+                sent.is_decided = true;
+                self.tell_sender(place, ends, slot_end, Loss::Unsent);
+            }
+        }
+    }
+
+    fn tell_sender(&mut self, place: usize, ends: Time, visible: Time, loss: Loss) {
+        let sent = &self.sent[place];
+        self.coming[sent.from.index()].push(Delivery {
+            to: sent.from,
+            from: sent.from,
+            address: sent.address,
+            sequence: sent.sequence,
+            arrives: ends + self.schedule.model.latency,
+            visible,
+            outcome: Err(loss),
+        });
+    }
+
+    /// Who may begins to send.
+    fn transmit(&mut self) {
+        if self.schedule.model.medium == Medium::TokenRing {
+            return self.turn();
+        }
+        for robot in 0..self.queues.len() {
+            let own = self.sent.iter().filter(|sent| sent.from.index() == robot);
+            let is_busy = own.filter_map(Self::ends).any(|ends| ends > self.now);
+            if !is_busy && let Some(place) = self.queues[robot].pop_front() {
+                self.sent[place].begins = Some(self.now);
+            }
+        }
+    }
+
+    /// Who has the token sends a message or hands it on.
+    fn turn(&mut self) {
+        let Some((owner, at, life)) = self.token else { return };
+        if at != self.now {
+            return;
+        }
+        let place = self.ring.iter().position(|(robot, _)| *robot == owner).expect("it is in the ring");
+        let mut frame = Self::duration(0, self.ring[place].1);
+        if let Some(message) = self.queues[owner.index()].pop_front() {
+            self.sent[message].begins = Some(at);
+            frame = Self::duration(self.sent[message].payload.len(), self.sent[message].baud);
+        }
+        let (next, _) = self.ring[(place + 1) % self.ring.len()];
+        let Radio { bit_error_rate, packet_loss } = self.schedule.errors[next.index()];
+        let mut risk = 0.0;
+        if self.ring.len() > 1 {
+            risk -= if packet_loss > 0.0 { ln_1p(-packet_loss) } else { 0.0 };
+            risk -= if bit_error_rate > 0.0 { 56.0 * ln_1p(-bit_error_rate) } else { 0.0 };
+        }
+        if risk <= life {
+            self.token = Some((next, at + frame, life - risk));
+        } else {
+            self.make_token(next, at + frame);
+        }
+    }
+
+    /// Nothing is heard from `silent` on: `maker` makes a new token.
+    fn make_token(&mut self, maker: RobotId, silent: Time) {
+        let (_, baud) = *self.ring.iter().find(|(robot, _)| *robot == maker).expect("it is in the ring");
+        // Two frames of silence, a poll, an answer of each of the others.
+        let frames = 2 + 1 + (self.ring.len() as i64 - 1);
+        let mut stream = Stream::new(self.schedule.seed, RobotId(0), Purpose::Token, 0, self.tokens);
+        self.tokens += 1;
+        let at = silent + Time(frames * Self::duration(0, baud).0);
+        self.token = Some((maker, at, -ln(1.0 - stream.unit())));
+    }
+
+    /// Notes what is heard together.
+    fn listen(&mut self) {
+        let is_on_air = |sent: &Sent| {
+            sent.begins.is_some_and(|begins| begins <= self.now) && Self::ends(sent).is_some_and(|ends| ends > self.now)
+        };
+        let on_air: Vec<usize> = (0..self.sent.len()).filter(|place| is_on_air(&self.sent[*place])).collect();
+        for receiver in (0..self.queues.len()).map(RobotId::from_index) {
+            let is_heard = |place: &&usize| {
+                let from = self.sent[**place].from;
+                let reaches = |(robot, _): &(RobotId, Loss)| *robot != receiver;
+                from == receiver || self.schedule.out_of_reach[from.index()].iter().all(reaches)
+            };
+            let heard: Vec<usize> = on_air.iter().filter(is_heard).copied().collect();
+            for place in &on_air {
+                if heard.iter().any(|other| other != place) {
+                    self.sent[*place].disturbed.insert(receiver);
+                }
+            }
+        }
+    }
+
+    /// `now` is the end of a slot.
+    fn end_slot(&mut self) {
+        let Schedule { model, .. } = *self.schedule;
+        let owner = self.token.map(|(owner, at, _)| (owner, at));
+        self.ring = self.on.iter().map(|(robot, (_, baud))| (*robot, *baud)).collect();
+        match owner {
+            _ if self.ring.is_empty() => self.token = None,
+            None if model.medium == Medium::TokenRing => self.make_token(self.ring[0].0, self.now),
+            Some((owner, at)) if self.ring.iter().all(|(robot, _)| *robot != owner) => {
+                let following = self.ring.iter().find(|(robot, _)| *robot > owner).unwrap_or(&self.ring[0]);
+                self.make_token(following.0, at);
+            }
+            _ => {}
+        }
+        // A free medium takes what is sent; its transmitters go on without anybody's help.
+        let mut free = vec![Time::ZERO; self.queues.len()];
+        for place in 0..self.sent.len() {
+            let sent = &self.sent[place];
+            let duration = Self::duration(sent.payload.len(), sent.baud);
+            let is_kept = sent.begins.is_some() || self.queues[sent.from.index()].contains(&place);
+            let ends = match model.medium {
+                Medium::Free => sent.begins.unwrap_or(free[sent.from.index()].max(sent.at)) + duration,
+                _ => Self::ends(sent).unwrap_or(Time::NEVER),
+            };
+            if is_kept {
+                free[sent.from.index()] = ends;
+            }
+            let is_due = model.medium == Medium::Free || ends + model.latency <= self.now;
+            if is_kept && !sent.is_decided && is_due {
+                self.sent[place].is_decided = true;
+                self.decide(place, ends);
+            }
+        }
+    }
+
+    fn decide(&mut self, place: usize, ends: Time) {
+        let arrives = ends + self.schedule.model.latency;
+        let visible = arrives.max(self.now);
+        let mut is_nobody = true;
+        for (robot, (address, baud)) in self.on.clone() {
+            let sent = &self.sent[place];
+            if robot == sent.from || (sent.to != Address::All && sent.to != Address::One(address)) {
+                continue;
+            }
+            is_nobody = false;
+            let far = self.schedule.out_of_reach[sent.from.index()].iter().find(|(other, _)| *other == robot);
+            let is_met = self.schedule.model.medium == Medium::Aloha && sent.disturbed.contains(&robot);
+            let radio = self.schedule.errors[robot.index()];
+            let mut stream = Stream::new(self.schedule.seed, robot, Purpose::Radio, sent.from.0, sent.sequence);
+            let outcome = if let Some((_, loss)) = far {
+                Err(*loss)
+            } else if sent.baud != baud {
+                Err(Loss::Baud)
+            } else if is_met {
+                Err(Loss::Collision)
+            } else if stream.unit() < radio.packet_loss {
+                Err(Loss::Packet)
+            } else {
+                // Where the error rate is 1 every bit is wrong.
+                let mask = if radio.bit_error_rate == 1.0 { 0xff } else { 0 };
+                let payload: Vec<u8> = sent.payload.iter().map(|byte| byte ^ mask).collect();
+                let bit_errors = if mask == 0 { 0 } else { 8 * payload.len() as u32 };
+                Ok(Arrived { payload, bit_errors })
+            };
+            let Sent { from, address, sequence, .. } = *sent;
+            self.coming[robot.index()].push(Delivery { to: robot, from, address, sequence, arrives, visible, outcome });
+        }
+        if is_nobody {
+            self.tell_sender(place, ends, visible, Loss::Nobody);
+        }
+    }
+}
