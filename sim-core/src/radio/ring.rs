@@ -220,5 +220,5 @@ fn fixed(number: f64) -> u128 {
 
 /// How often `hazard` fits into `life`.
 fn lives(life: u128, hazard: u128) -> i64 {
-    if hazard == 0 { i64::MAX } else { i64::try_from(life / hazard).unwrap_or(i64::MAX) }
+    life.checked_div(hazard).and_then(|count| i64::try_from(count).ok()).unwrap_or(i64::MAX)
 }
