@@ -431,6 +431,40 @@ fn messages_come_when_they_should_and_the_same_everywhere() {
     }
 }
 
+#[test]
+fn the_order_in_which_robots_are_listed_changes_nothing() {
+    let robots = [("six.c", 300, 500), ("seven.c", 1700, 2000), ("six.c", 2300, 2000), ("seven.c", 3500, 3500)];
+    for medium in ["free", "aloha", "token_ring"] {
+        let run = |places: [usize; 4], threads: &str| {
+            let robot = |place: usize| {
+                let ((program, x, y), id) = (robots[place], place + 1);
+                format!("[[robot]]\ntype = \"S4\"\nprogram = \"{program}\"\nid = {id}\nx_mm = {x}\ny_mm = {y}\n")
+            };
+            let tables = format!(
+                "[scene]\nseed = 4\nnoise = {{ radio = {{ bit_error_rate = 1e-4, packet_loss = 0.05 }} }}\n\
+                 [radio]\nmedium = \"{medium}\"\nlatency_ms = 1\nrange_mm = 4000\nline_of_sight = true\n{}",
+                places.map(robot).concat()
+            );
+            let scratch = scene(&[], &tables);
+            scratch.write("six.c", RANDOM_6);
+            scratch.write("seven.c", RANDOM_7);
+            let (digest, trace) = traced(&scratch, &["--until", "4", "--threads", threads], 0);
+            let is_of_radio = |event: &Value| event["event"].as_str().is_some_and(|event| event.starts_with("radio"));
+            (digest, trace.into_iter().filter(is_of_radio).collect::<Vec<_>>())
+        };
+        let (digest, events) = run([0, 1, 2, 3], "1");
+        for event in ["radio_sent", "radio_arrived", "radio_lost", "radio_received"] {
+            assert!(events.iter().filter(|it| it["event"] == event).count() > 20, "{medium}: {event}");
+        }
+        for (places, threads) in [([3, 2, 1, 0], "1"), ([2, 0, 3, 1], "2")] {
+            let (other_digest, other_events) = run(places, threads);
+            let differs = events.iter().zip(&other_events).find(|(one, other)| one != other);
+            assert!(differs.is_none() && events.len() == other_events.len(), "{medium} {places:?}: {differs:?}");
+            assert_eq!(digest, other_digest, "{medium} {places:?}");
+        }
+    }
+}
+
 /// Sends a message of 35 bytes as soon as it is on, and stays.
 const SENDER: &str = r#"
 #include "eyebot.h"
