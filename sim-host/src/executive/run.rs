@@ -330,7 +330,8 @@ impl Run {
 
     /// What each task of `robot` waits for, in words.
     pub(crate) fn waits_of(&self, robot: &Robot) -> String {
-        self.program(robot.id).map(|program| standing::tasks_in_words(robot, program)).unwrap_or_default()
+        let words = |program| standing::tasks_in_words(robot, program, Senders::Other);
+        self.program(robot.id).map(words).unwrap_or_default()
     }
 
     /// Ends robot `id` in the world: its motors stop, its end is recorded, the slot loop goes on without it.

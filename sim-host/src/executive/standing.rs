@@ -82,6 +82,16 @@ impl Senders {
             _ => Self::Other,
         }
     }
+
+    /// What to say of them behind the message that is waited for.
+    fn advice(self) -> &'static str {
+        match self {
+            Self::None => " (no other robot has a program)",
+            Self::Ended => " (all other programs have ended)",
+            Self::Waiting => " (all programs that have not ended wait for messages from each other)",
+            Self::Other => "",
+        }
+    }
 }
 
 /// How the program of `robot` stands, given how the run finished and whether its flow broke.
@@ -113,7 +123,7 @@ pub fn judge(robot: &mut Robot, finish: &Finish<'_>, broken: Option<&Broken>, pr
 /// What each task waits for: `task 1 waits for the end of task 2 since 0.500 s at maze.c:31; task 2 waits for ...`.
 fn waits_in_words(robot: &mut Robot, program: &RobotProgram, finish: &Finish<'_>) -> String {
     if robot.tasks.scheduler().is_some() && robot.tasks.has_others() {
-        return tasks_in_words(robot, program);
+        return tasks_in_words(robot, program, finish.senders);
     }
     let waits: Vec<_> = robot.tasks.iter().filter_map(|task| Some((task.number, task.waiting.clone()?))).collect();
     let is_alone = waits.len() == 1;
@@ -126,13 +136,18 @@ fn waits_in_words(robot: &mut Robot, program: &RobotProgram, finish: &Finish<'_>
 
 /// What each task of RoBIOS 6 waits for: `` task `left` waits for semaphore 2 (made at deadlock.c:12), last passed by task `right`
 /// (deadlock.c:31), since 0.500 s at deadlock.c:20; ... ``.
-pub fn tasks_in_words(robot: &Robot, program: &RobotProgram) -> String {
+pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: Senders) -> String {
     let tasks = &robot.tasks;
     let at = |site| program.place_of(site).map(|place| format!(" at {place}")).unwrap_or_default();
     let words = tasks.iter().map(|task| {
         let name = tasks.name(task.number);
         let Some(Waiting { waits_for, since, site, .. }) = &task.waiting else {
-            return format!("{name}, spawned{}, is not ready", at(&task.origin.site));
+            return match tasks.scheduler() {
+                Some(scheduler) if scheduler.is_ready(task.number) => {
+                    format!("{name} is ready, but it is not its turn")
+                }
+                _ => format!("{name}, spawned{}, is not ready", at(&task.origin.site)),
+            };
         };
         let semaphore = match waits_for {
             Waits::Semaphore(number) => tasks.semaphores.get(*number),
@@ -150,7 +165,8 @@ pub fn tasks_in_words(robot: &Robot, program: &RobotProgram) -> String {
             Some(scheduler) if *waits_for != Waits::Ready && scheduler.is_suspended(task.number) => "is suspended and ",
             _ => "",
         };
-        format!("{name} {suspended}waits for {waits_for}{} since {since}{}", more.unwrap_or_default(), at(site))
+        let advice = if *waits_for == Waits::Message { senders.advice() } else { "" };
+        format!("{name} {suspended}waits for {waits_for}{} since {since}{}{advice}", more.unwrap_or_default(), at(site))
     });
     words.collect::<Vec<_>>().join("; ").replace("waits for to be", "waits to be")
 }
@@ -169,12 +185,7 @@ fn wait_in_words(robot: &mut Robot, waiting: &Waiting, program: &RobotProgram, f
             let robot = if finish.robots == 1 { String::new() } else { format!("{}:", robot.id.0) };
             format!(" (try --keys \"{robot}{seconds}:{key}\")")
         }
-        Waits::Message => match finish.senders {
-            Senders::None => " (no other robot has a program)".into(),
-            Senders::Ended => " (all other programs have ended)".into(),
-            Senders::Waiting => " (all programs that have not ended wait for messages from each other)".into(),
-            Senders::Other => String::new(),
-        },
+        Waits::Message => finish.senders.advice().into(),
         Waits::Drive if robot.motion.is_stalled(finish.time) => " (its wheels stall: something is in its way)".into(),
         _ => String::new(),
     };
