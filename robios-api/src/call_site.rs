@@ -1,9 +1,8 @@
 //! Where in the program's source the call in progress was made, so that messages can say `waits at src/lib.rs:88`.
 
-use std::cell::Cell;
 use std::panic::Location;
 use std::ptr::null_mut;
-use std::rc::Rc;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicPtr, AtomicU32, AtomicUsize, Ordering};
 
 use robios_sys::CallSite;
@@ -13,14 +12,14 @@ pub(crate) enum Reader {
     /// The host that has loaded this library: it reads the variable that [`of_library`] names.
     Host,
     /// A fake host in the same library.
-    Fake(Rc<Cell<Option<&'static Location<'static>>>>),
+    Fake(Arc<LastPlace>),
 }
 
 impl Reader {
     /// Notes where the call that starts now was made. The one place that publishes it.
     pub(crate) fn note(&self, place: &'static Location<'static>) {
         match self {
-            Self::Fake(last) => last.set(Some(place)),
+            Self::Fake(last) => last.0.store(std::ptr::from_ref(place).cast_mut(), Ordering::Relaxed),
             Self::Host => {
                 let file = place.file();
                 LAST.file.store(file.as_ptr().cast_mut(), Ordering::Relaxed);
@@ -28,6 +27,18 @@ impl Reader {
                 LAST.line.store(place.line(), Ordering::Relaxed);
             }
         }
+    }
+}
+
+/// Where a program of the same library made its last call.
+#[derive(Debug, Default)]
+pub(crate) struct LastPlace(AtomicPtr<Location<'static>>);
+
+impl LastPlace {
+    /// The place, once there was a call.
+    pub(crate) fn get(&self) -> Option<&'static Location<'static>> {
+        // SAFETY: null, or from a `&'static Location` of `Reader::note`.
+        unsafe { self.0.load(Ordering::Relaxed).as_ref() }
     }
 }
 

@@ -129,6 +129,12 @@ pub enum Device {
     Image,
     /// Commands of the machine that simulates.
     Shell,
+    /// The radio.
+    Radio,
+    /// Multi-tasking.
+    Tasks,
+    /// A semaphore.
+    Semaphore,
     /// A device that RoBIOS-7 knows by number: what it is, and the number.
     Numbered(&'static str, u8),
 }
@@ -157,6 +163,9 @@ impl Display for Device {
             Self::Camera => f.write_str("camera"),
             Self::Image => f.write_str("image"),
             Self::Shell => f.write_str("shell"),
+            Self::Radio => f.write_str("radio"),
+            Self::Tasks => f.write_str("task"),
+            Self::Semaphore => f.write_str("semaphore"),
             Self::Numbered(kind, number) => write!(f, "{kind} {number}"),
         }
     }

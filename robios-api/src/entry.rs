@@ -9,7 +9,7 @@ use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 use std::sync::Once;
 
 use robios_sys::support::failure;
-use robios_sys::{ByteSlice, EXIT_PANICKED, EXIT_STOPPED};
+use robios_sys::{ByteSlice, EXIT_PANICKED, EXIT_STOPPED, Status};
 
 use crate::robot::Stopped;
 use crate::{Robot, call_site};
@@ -170,31 +170,49 @@ pub(crate) unsafe fn run_for<M: Machine, O: Outcome>(
     let arguments = unsafe { arguments(argc, argv) };
     // SAFETY: the caller vouches for host and context, and the robot is closed below.
     let robot = unsafe { Robot::new(host, context, arguments, reader) };
+    let code = contain(&robot, || main(&M::of(&robot)).failure());
+    robot.forget_tasks();
+    robot.close();
+    robot.common().failure.get().copied().unwrap_or(code)
+}
+
+/// Runs a task's function, reports how it failed if it did, and gives its exit code.
+fn contain(robot: &Robot, function: impl FnOnce() -> Option<String>) -> c_int {
     let outcome = {
         let _inside = Inside::enter();
-        panic::catch_unwind(AssertUnwindSafe(|| main(&M::of(&robot)).failure()))
+        panic::catch_unwind(AssertUnwindSafe(function))
     };
-    let code = match outcome {
+    match outcome {
         Ok(None) => 0,
         Ok(Some(text)) => {
-            report(&robot, failure::ERROR, &text);
+            report(robot, failure::ERROR, &text);
             EXIT_FAILED
         }
         Err(payload) if payload.is::<Stopped>() => EXIT_STOPPED,
         Err(payload) => {
-            report(&robot, failure::PANIC, &panic_text(payload));
+            report(robot, failure::PANIC, &panic_text(payload));
             EXIT_PANICKED
         }
-    };
-    robot.close();
-    robot.0.failure.get().unwrap_or(code)
+    }
+}
+
+/// Runs the function of a task beside `main`'s; its failure is the program's.
+pub(crate) fn run_task(robot: &Robot, function: impl FnOnce() -> Option<String>) -> Status {
+    match contain(robot, function) {
+        0 => Status::OK,
+        EXIT_STOPPED => Status::STOP,
+        code => {
+            let _first_counts = robot.common().failure.set(code);
+            Status::STOP
+        }
+    }
 }
 
 /// What a timer's function does that unwound: reports a panic, and leaves the rest to the call around it.
 pub(crate) fn leave_callback(robot: &Robot, payload: Box<dyn Any + Send>) {
     if !payload.is::<Stopped>() {
         report(robot, failure::PANIC, &panic_text(payload));
-        robot.0.failure.set(Some(EXIT_PANICKED));
+        let _first_counts = robot.common().failure.set(EXIT_PANICKED);
     }
 }
 

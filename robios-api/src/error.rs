@@ -1,6 +1,7 @@
 //! What can go wrong in a call, and with which device.
 
 use crate::device::Device;
+use crate::os::RobotNumber;
 
 /// The result of most calls.
 pub type Result<T = (), E = Error> = std::result::Result<T, E>;
@@ -31,6 +32,24 @@ pub enum Error {
         value: String,
         /// What is accepted.
         accepted: &'static str,
+    },
+    /// What cannot go together; nothing was called.
+    #[error("{what} is not possible, instead: {instead}")]
+    Unsuitable {
+        /// What was asked for, and with what.
+        what: &'static str,
+        /// What to use in its place.
+        instead: &'static str,
+    },
+    /// A message that is none of the expected kind, as one whose bits were inverted on its way.
+    #[error("the message of {} bytes from robot {from} is no {expected}", bytes.len())]
+    Garbled {
+        /// Its sender.
+        from: RobotNumber,
+        /// What was received.
+        bytes: Vec<u8>,
+        /// What it should have been.
+        expected: &'static str,
     },
     /// A sensor that was started gave no result in time.
     #[error("the {0} gave no result within a second")]

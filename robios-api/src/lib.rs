@@ -45,10 +45,13 @@
 //! | `println!`, `eprintln!`, which write to the simulator's own output | `writeln!` to [`Robot::console`] |
 //! | `HashMap` and `HashSet`, whose order is random | `BTreeMap`, `BTreeSet` |
 //! | random numbers of the system | [`Robot::random`] |
-//! | threads | [`Robot::every`] |
+//! | threads | [tasks](Robot::multi_tasking), [`Robot::every`] |
 //! | `std::process::exit`, which would end the simulator | return from the program's function |
 //!
-//! Image processing of RoBIOS 6, radio and multi-tasking are not offered yet.
+//! # Features
+//! `serde`: messages of the radio as values of types that it can serialise, `send_as` and `receive_as` of [`Radio`].
+//!
+//! Image processing of RoBIOS 6 is not offered yet.
 
 #![warn(missing_docs)]
 
@@ -59,6 +62,8 @@ mod camera;
 mod console;
 mod device;
 mod drive;
+#[cfg(feature = "serde")]
+mod encoding;
 pub mod entry;
 mod error;
 pub mod fake;
@@ -68,11 +73,13 @@ mod lcd;
 mod os;
 mod port;
 mod psd;
+mod radio;
 mod random;
 pub mod robios7;
 mod robot;
 mod sensor;
 mod serial;
+mod task;
 mod time;
 mod tv_remote;
 mod unit;
@@ -90,10 +97,12 @@ pub use lcd::{Cursor, Ink, Lcd, LcdPlace, Overflow, Pixel};
 pub use os::{DeviceEntry, MachineType, RobotNumber};
 pub use port::{AnalogValue, Ports};
 pub use psd::{Psd, RawDistance, Signal};
+pub use radio::{MAX_MESSAGE, Message, Radio, RadioSettings, RadioStatus};
 pub use random::Random;
 pub use robot::Robot;
 pub use sensor::{Bumper, Calibration, Compass, Infrared};
 pub use serial::{Baud, Handshake, Serial, SerialAt};
+pub use task::{Forbidden, Permit, Priority, Semaphore, Shared, SharedGuard, Task, TaskMode, TaskSettings, Tasks};
 pub use time::{Ticker, TimeOfDay, Timer, TimersHeld};
 pub use tv_remote::{TvCode, TvCoding, TvMode, TvRemote, TvSettings};
 pub use unit::{Angle, Frequency, Length, Ratio, Speed, TurnRate, Units};

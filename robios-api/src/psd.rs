@@ -6,7 +6,7 @@ use robios_sys::ByteRoom;
 use robios_sys::robios6::{FALSE, PSD_OUT_OF_RANGE, PSDHandle, TRUE};
 
 use crate::device::{Device, PsdAt};
-use crate::robot::{release, robios};
+use crate::robot::{locked, release, robios};
 use crate::unit::Length;
 use crate::{Error, Result, Robot};
 
@@ -81,7 +81,7 @@ impl Robot {
             if handle == 0 {
                 missing.get_or_insert(Error::Unavailable(Device::Psd(at)));
             }
-            self.0.psd.borrow_mut().handles.push(handle);
+            locked(&self.0.common.psd).handles.push(handle);
             Psd { robot: self.clone(), at, handle }
         });
         if let Some(missing) = missing {
@@ -96,11 +96,11 @@ impl Robot {
     /// Starts all sensors in use and waits for their first values.
     #[track_caller]
     fn measure(&self, device: Device) -> Result {
-        let was_measuring = std::mem::replace(&mut self.0.psd.borrow_mut().is_measuring, true);
+        let was_measuring = std::mem::replace(&mut locked(&self.0.common.psd).is_measuring, true);
         if was_measuring {
             let _: i32 = robios!(self, PSDStop());
         }
-        let mask = self.0.psd.borrow().mask();
+        let mask = locked(&self.0.common.psd).mask();
         // What was measuring before ends its cycle first.
         self.poll(device, || robios!(self, PSDStart(mask, TRUE)) == 0)?;
         if was_measuring {
@@ -195,14 +195,14 @@ impl Robot {
 impl Drop for Psd {
     fn drop(&mut self) {
         let is_last = {
-            let mut state = self.robot.0.psd.borrow_mut();
+            let mut state = locked(&self.robot.0.common.psd);
             if let Some(index) = state.handles.iter().position(|handle| *handle == self.handle) {
                 state.handles.swap_remove(index);
             }
             state.handles.is_empty()
         };
         if is_last {
-            self.robot.0.psd.borrow_mut().is_measuring = false;
+            locked(&self.robot.0.common.psd).is_measuring = false;
             release!(&self.robot, PSDRelease());
         }
     }

@@ -1,9 +1,10 @@
 //! The robot that a program runs on: the way to everything that it has, and the one place where the ABI is called.
 
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 use std::ffi::c_void;
 use std::panic::Location;
 use std::rc::Rc;
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use robios_sys::{Host, Robios6Table, Robios7Table, Status, SupportTable};
 
@@ -15,27 +16,41 @@ use crate::port::Ports;
 use crate::psd::PsdState;
 use crate::random::Random;
 use crate::robios7::State as State7;
+use crate::task::TaskState;
 
 /// The robot: every device and service is asked for here.
 ///
-/// A clone is the same robot. It belongs to the thread that runs the program.
+/// A clone is the same robot. It belongs to the task that got it: each [task](Robot::multi_tasking) gets its own.
 #[derive(Clone)]
 pub struct Robot(pub(crate) Rc<Inner>);
 
-/// What all clones of a robot and its devices share.
+/// What all clones of a task's robot and its devices share.
 pub(crate) struct Inner {
-    /// `None` once the program has ended: a device that outlives it (in a thread-local, say) does nothing any more.
+    /// `None` once the task has ended: a device that outlives it (in a thread-local, say) does nothing any more.
     tables: Cell<Option<Tables>>,
-    arguments: Vec<String>,
-    call_site: call_site::Reader,
     is_stopped: Cell<bool>,
-    pub(crate) psd: RefCell<PsdState>,
     pub(crate) robios7: State7,
-    /// The exit code after a failure that has been reported already, as from within a timer's function.
-    pub(crate) failure: Cell<Option<i32>>,
+    pub(crate) common: Arc<Common>,
 }
 
-/// Where the calls go; all valid until the program's `run` returns, see [`Robot::new`].
+/// What all tasks of a program share. No lock of it is held during a call.
+pub(crate) struct Common {
+    arguments: Vec<String>,
+    call_site: call_site::Reader,
+    pub(crate) psd: Mutex<PsdState>,
+    /// How many [`Radio`](crate::Radio)s there are, of either generation.
+    pub(crate) radios: Mutex<usize>,
+    pub(crate) tasks: Mutex<TaskState>,
+    /// The exit code after a failure that has been reported already, as from within a timer's function or a task.
+    pub(crate) failure: OnceLock<i32>,
+}
+
+/// What a lock of [`Common`] protects, also after a panic: every change of it is one step.
+pub(crate) fn locked<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
+    value.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Where the calls go; all valid until the program's `run` returns, see [`Robot::new`], and for all of its tasks.
 #[derive(Clone, Copy)]
 pub(crate) struct Tables {
     pub support: *const SupportTable,
@@ -45,6 +60,12 @@ pub(crate) struct Tables {
     pub robios7: *const Robios7Table,
     pub context: *mut c_void,
 }
+
+// SAFETY: the tables are constant, and the context is only handed back to the host, which takes calls from every task of its
+// robot.
+unsafe impl Send for Tables {}
+// SAFETY: as above.
+unsafe impl Sync for Tables {}
 
 /// Payload of the unwinding that leaves a program after [`Status::STOP`].
 pub(crate) struct Stopped;
@@ -63,20 +84,31 @@ impl Robot {
     ) -> Self {
         // SAFETY: the caller vouches for `host`.
         let host = unsafe { &*host };
-        Self(Rc::new(Inner {
-            tables: Cell::new(Some(Tables {
-                support: host.support,
-                robios: host.robios6,
-                robios7: host.robios7,
-                context,
-            })),
+        let tables = Tables { support: host.support, robios: host.robios6, robios7: host.robios7, context };
+        let common = Common {
             arguments,
             call_site,
+            psd: Mutex::default(),
+            radios: Mutex::default(),
+            tasks: Mutex::default(),
+            failure: OnceLock::new(),
+        };
+        Self::of_task(tables, Arc::new(common))
+    }
+
+    /// The robot as one of its tasks has it. Whoever makes it closes it before the task ends.
+    pub(crate) fn of_task(tables: Tables, common: Arc<Common>) -> Self {
+        Self(Rc::new(Inner {
+            tables: Cell::new(Some(tables)),
             is_stopped: Cell::new(false),
-            psd: RefCell::default(),
             robios7: State7::default(),
-            failure: Cell::new(None),
+            common,
         }))
+    }
+
+    /// What all tasks of its program share.
+    pub(crate) fn common(&self) -> &Arc<Common> {
+        &self.0.common
     }
 
     /// Ends the way to the host: calls of what is left of the program do nothing from here on.
@@ -105,13 +137,13 @@ impl Robot {
     /// program calls while it is left is not where it was.
     pub(crate) fn note_call_site(&self, place: &'static Location<'static>) {
         if !self.0.is_stopped.get() {
-            self.0.call_site.note(place);
+            self.0.common.call_site.note(place);
         }
     }
 
     /// What the program was given on the command line, without the program's own name.
     pub fn arguments(&self) -> &[String] {
-        &self.0.arguments
+        &self.0.common.arguments
     }
 
     /// The display: 128 x 64 pixels, 7 lines of 16 characters.
@@ -147,7 +179,7 @@ impl Robot {
 
 impl std::fmt::Debug for Robot {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Robot").field("arguments", &self.0.arguments).finish_non_exhaustive()
+        f.debug_struct("Robot").field("arguments", &self.0.common.arguments).finish_non_exhaustive()
     }
 }
 

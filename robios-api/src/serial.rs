@@ -27,7 +27,7 @@ pub enum SerialAt {
     Serial3,
 }
 
-/// Rate of a serial interface.
+/// Rate of a serial interface, or of the radio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Baud {
     /// 4,800 baud.
@@ -42,6 +42,23 @@ pub enum Baud {
     B57600,
     /// 115,200 baud.
     B115200,
+}
+
+impl Baud {
+    /// All of them.
+    pub const ALL: [Self; 6] = [Self::B4800, Self::B9600, Self::B19200, Self::B38400, Self::B57600, Self::B115200];
+
+    /// Its number in RoBIOS.
+    pub(crate) const fn rate(self) -> i32 {
+        match self {
+            Self::B4800 => SER4800,
+            Self::B9600 => SER9600,
+            Self::B19200 => SER19200,
+            Self::B38400 => SER38400,
+            Self::B57600 => SER57600,
+            Self::B115200 => SER115200,
+        }
+    }
 }
 
 /// Handshake of a serial interface.
@@ -65,19 +82,11 @@ impl Robot {
             SerialAt::Serial2 => SERIAL2,
             SerialAt::Serial3 => SERIAL3,
         };
-        let baud = match baud {
-            Baud::B4800 => SER4800,
-            Baud::B9600 => SER9600,
-            Baud::B19200 => SER19200,
-            Baud::B38400 => SER38400,
-            Baud::B57600 => SER57600,
-            Baud::B115200 => SER115200,
-        };
         let handshake = match handshake {
             Handshake::None => NONE,
             Handshake::RtsCts => RTSCTS,
         };
-        checked("OSInitRS232", Device::Serial, robios!(self, OSInitRS232(baud, handshake, interface)))?;
+        checked("OSInitRS232", Device::Serial, robios!(self, OSInitRS232(baud.rate(), handshake, interface)))?;
         Ok(Serial { robot: self.clone(), interface })
     }
 }

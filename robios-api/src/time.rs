@@ -1,9 +1,11 @@
 //! The robot's virtual time, in place of `std::time::Instant` and `std::thread::sleep`, which know only the host's.
 
+use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::rc::Rc;
+use std::sync::{Arc, Mutex, TryLockError};
 use std::time::Duration;
 
 use robios_sys::robios6::TimerHandle;
@@ -11,7 +13,7 @@ use robios_sys::{Callback, Status};
 
 use crate::device::Device;
 use crate::error::checked;
-use crate::robot::{release, robios, support};
+use crate::robot::{Common, Tables, locked, release, robios, support};
 use crate::{Error, Result, Robot, entry};
 
 /// RoBIOS calls timers on a grid of 10 ms.
@@ -82,17 +84,11 @@ impl Robot {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if the period is no multiple of 10 ms or 0; [`Error::Unavailable`] if there are too many
-    /// timers already.
+    /// timers already; [`Error::Unsuitable`] with [multi-tasking](Self::multi_tasking): see
+    /// [`Tasks::every`](crate::Tasks::every).
     #[track_caller]
     pub fn every(&self, period: Duration, function: impl FnMut(&Robot) + 'static) -> Result<Timer> {
-        let scale = i32::try_from(period.as_nanos() / TIMER_TICK.as_nanos()).unwrap_or(0);
-        if scale == 0 || period != TIMER_TICK * scale as u32 {
-            return Err(Error::OutOfRange {
-                what: "period of a timer",
-                value: format!("{period:?}"),
-                accepted: "multiples of 10 ms from 10 ms on",
-            });
-        }
+        let scale = scale_of(period)?;
         Timer::attach(
             self,
             Box::new(function),
@@ -151,12 +147,26 @@ impl Ticker {
     }
 }
 
+/// How many ticks a period has.
+fn scale_of(period: Duration) -> Result<i32> {
+    let scale = i32::try_from(period.as_nanos() / TIMER_TICK.as_nanos()).unwrap_or(0);
+    if scale == 0 || period != TIMER_TICK * scale as u32 {
+        return Err(Error::OutOfRange {
+            what: "period of a timer",
+            value: format!("{period:?}"),
+            accepted: "multiples of 10 ms from 10 ms on",
+        });
+    }
+    Ok(scale)
+}
+
 /// A timer of [`Robot::every`]; dropping it ends its calls and frees its function.
 #[must_use = "a timer that is dropped calls nothing"]
 pub struct Timer {
     robot: Robot,
     handle: TimerHandle,
-    job: Option<Rc<Job>>,
+    /// An `Rc<Job>` or an `Arc<SendJob>`.
+    job: Option<Box<dyn Any>>,
     detach: fn(&Robot, TimerHandle) -> bool,
 }
 
@@ -170,11 +180,28 @@ impl Timer {
         attach: impl FnOnce(Callback) -> TimerHandle,
         detach: fn(&Robot, TimerHandle) -> bool,
     ) -> Result<Self> {
+        robot.admit_timer()?;
         let job = Rc::new(Job { robot: robot.clone(), function: RefCell::new(function) });
         let callback = Callback { code: Some(call_job), data: Rc::as_ptr(&job).cast_mut().cast() };
         match attach(callback) {
             0 => Err(Error::Unavailable(Device::Timer)),
-            handle => Ok(Self { robot: robot.clone(), handle, job: Some(job), detach }),
+            handle => Ok(Self { robot: robot.clone(), handle, job: Some(Box::new(job)), detach }),
+        }
+    }
+
+    /// A timer whose function may be called on the thread of any task.
+    #[track_caller]
+    pub(crate) fn of_any_task(robot: &Robot, period: Duration, function: Box<SendFunction>) -> Result<Self> {
+        let scale = scale_of(period)?;
+        let Some(tables) = robot.tables() else { return Err(Error::Unavailable(Device::Timer)) };
+        let job = Arc::new(SendJob { tables, common: Arc::clone(robot.common()), function: Mutex::new(function) });
+        let callback = Callback { code: Some(call_send_job), data: Arc::as_ptr(&job).cast_mut().cast() };
+        match robios!(robot, OSAttachTimer(scale, callback)) {
+            0 => Err(Error::Unavailable(Device::Timer)),
+            handle => {
+                let detach = |robot: &Robot, handle: TimerHandle| release!(robot, OSDetachTimer(handle));
+                Ok(Self { robot: robot.clone(), handle, job: Some(Box::new(job)), detach })
+            }
         }
     }
 }
@@ -213,8 +240,35 @@ struct Job {
     function: RefCell<Box<Function>>,
 }
 
+impl Drop for Job {
+    fn drop(&mut self) {
+        locked(&self.robot.common().tasks).timers -= 1;
+    }
+}
+
 /// What a timer calls with its robot.
 pub(crate) type Function = dyn FnMut(&Robot);
+
+/// What a timer calls on the thread of whatever task runs.
+struct SendJob {
+    tables: Tables,
+    common: Arc<Common>,
+    function: Mutex<Box<SendFunction>>,
+}
+
+/// What a timer calls where there are tasks.
+pub(crate) type SendFunction = dyn FnMut(&Robot) + Send;
+
+impl SendJob {
+    fn run(&self, robot: &Robot) {
+        // As `Job::run`.
+        match self.function.try_lock() {
+            Ok(mut function) => function(robot),
+            Err(TryLockError::Poisoned(function)) => function.into_inner()(robot),
+            Err(TryLockError::WouldBlock) => {}
+        }
+    }
+}
 
 impl Job {
     fn run(&self) {
@@ -238,14 +292,38 @@ unsafe extern "C" fn call_job(data: *mut c_void) -> Status {
         Rc::from_raw(job)
     };
     let robot = job.robot.clone();
-    let outcome = catch_unwind(AssertUnwindSafe(|| {
+    contain(&robot, || {
         job.run();
         drop(job);
-    }));
-    match outcome {
+    })
+}
+
+/// What the host calls at the times of a timer of [`Timer::of_any_task`].
+///
+/// # Safety
+/// `data` is the `SendJob` of a [`Timer`] that has not been detached, on the thread of a task of its robot.
+unsafe extern "C" fn call_send_job(data: *mut c_void) -> Status {
+    let job = data.cast_const().cast::<SendJob>();
+    // SAFETY: as in `call_job`.
+    let job = unsafe {
+        Arc::increment_strong_count(job);
+        Arc::from_raw(job)
+    };
+    let robot = Robot::of_task(job.tables, Arc::clone(&job.common));
+    let status = contain(&robot, || {
+        job.run(&robot);
+        drop(job);
+    });
+    robot.close();
+    status
+}
+
+/// Calls a timer's function; no panic gets past.
+fn contain(robot: &Robot, function: impl FnOnce()) -> Status {
+    match catch_unwind(AssertUnwindSafe(function)) {
         Ok(()) => Status::OK,
         Err(payload) => {
-            entry::leave_callback(&robot, payload);
+            entry::leave_callback(robot, payload);
             Status::STOP
         }
     }

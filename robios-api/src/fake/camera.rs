@@ -10,7 +10,7 @@ use crate::robios7::{Color, ImageSize};
 use crate::unit::Length;
 
 /// What a camera gives for a pixel at a moment.
-type Script<T> = Box<dyn Fn(&Moment, Pixel) -> T>;
+type Script<T> = Box<dyn Fn(&Moment, Pixel) -> T + Send>;
 
 /// What the camera sees.
 #[derive(Default)]
@@ -31,19 +31,19 @@ pub(super) struct Setting {
 
 impl Fake {
     /// Gives it a camera and the colour that it sees in each pixel; images are as large as the program wants them.
-    pub fn camera(mut self, color: impl Fn(&Moment, Pixel) -> Color + 'static) -> Self {
+    pub fn camera(mut self, color: impl Fn(&Moment, Pixel) -> Color + Send + 'static) -> Self {
         self.camera.color = Some(Box::new(color));
         self
     }
 
     /// Says how far away what a pixel shows is; `None` is the sky.
-    pub fn depth(mut self, depth: impl Fn(&Moment, Pixel) -> Option<Length> + 'static) -> Self {
+    pub fn depth(mut self, depth: impl Fn(&Moment, Pixel) -> Option<Length> + Send + 'static) -> Self {
         self.camera.depth = Some(Box::new(depth));
         self
     }
 
     /// Says what a pixel shows.
-    pub fn labels(mut self, labels: impl Fn(&Moment, Pixel) -> Seen + 'static) -> Self {
+    pub fn labels(mut self, labels: impl Fn(&Moment, Pixel) -> Seen + Send + 'static) -> Self {
         self.camera.labels = Some(Box::new(labels));
         self
     }

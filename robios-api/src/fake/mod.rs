@@ -32,28 +32,33 @@
 mod camera;
 mod lcd;
 mod motion;
+mod radio;
 mod robios;
 mod robios7;
 mod robot;
+mod task;
 
-use std::cell::Cell;
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::fmt::{self, Display, Formatter};
 use std::panic::Location;
-use std::rc::Rc;
+use std::sync::Arc;
 use std::time::Duration;
 
 use robios_sys::{Host, Program, Robios6Table, Robios7Table, SupportTable};
 
+use crate::Robot;
+use crate::call_site::{self, LastPlace};
 use crate::device::{BumperAt, InfraredAt, PsdAt};
 use crate::drive::Position;
 use crate::entry::{self, Machine, Outcome};
 use crate::key::Key;
 use crate::lcd::Pixel;
 use crate::psd::Signal;
+use crate::radio::Message;
 use crate::unit::{Angle, Length};
-use crate::{Robot, call_site};
 use robot::FakeRobot;
+
+pub use radio::Sent;
 
 /// An instant of a run, for scripts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,10 +69,7 @@ pub struct Moment {
     pub position: Position,
 }
 
-/// Where the program made its last call, if it tells.
-type LastPlace = Rc<Cell<Option<&'static Location<'static>>>>;
-
-type Script<T> = Box<dyn Fn(&Moment) -> T>;
+type Script<T> = Box<dyn Fn(&Moment) -> T + Send>;
 
 /// What a generation of RoBIOS calls a distance sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,6 +102,9 @@ pub struct Fake {
     bumpers: Vec<(BumperAt, Vec<Duration>)>,
     infrareds: Vec<(InfraredAt, Script<bool>)>,
     keys: Vec<(Duration, Key)>,
+    /// In order of their times in microseconds.
+    messages: Vec<(u64, Message)>,
+    answers: Option<radio::Answers>,
     arguments: Vec<String>,
     limit: Duration,
     seed: u64,
@@ -132,6 +137,8 @@ impl Fake {
             bumpers: Vec::new(),
             infrareds: Vec::new(),
             keys: Vec::new(),
+            messages: Vec::new(),
+            answers: None,
             arguments: Vec::new(),
             limit: Duration::from_secs(60),
             seed: 1,
@@ -141,13 +148,17 @@ impl Fake {
     /// Gives it a distance sensor and what it measures; `None` is nothing within range.
     ///
     /// As the real one it gives whole millimetres; in RoBIOS 6 it measures every 60 ms, in RoBIOS-7 when it is asked.
-    pub fn psd(mut self, at: impl Into<PsdName>, distance: impl Fn(&Moment) -> Option<Length> + 'static) -> Self {
+    pub fn psd(
+        mut self,
+        at: impl Into<PsdName>,
+        distance: impl Fn(&Moment) -> Option<Length> + Send + 'static,
+    ) -> Self {
         self.psds.push((at.into(), Box::new(distance)));
         self
     }
 
     /// Gives a distance sensor its signal; without one, it is 1 where the sensor measures something, else 0.
-    pub fn signal(mut self, at: impl Into<PsdName>, signal: impl Fn(&Moment) -> Signal + 'static) -> Self {
+    pub fn signal(mut self, at: impl Into<PsdName>, signal: impl Fn(&Moment) -> Signal + Send + 'static) -> Self {
         self.signals.push((at.into(), Box::new(signal)));
         self
     }
@@ -162,7 +173,7 @@ impl Fake {
     }
 
     /// Gives it a laser scanner and what it measures in each direction of the robot.
-    pub fn lidar(mut self, distance: impl Fn(&Moment, Angle) -> Option<Length> + 'static) -> Self {
+    pub fn lidar(mut self, distance: impl Fn(&Moment, Angle) -> Option<Length> + Send + 'static) -> Self {
         self.lidar = Some(Box::new(distance));
         self
     }
@@ -181,7 +192,7 @@ impl Fake {
     }
 
     /// Gives it an infrared sensor and when something is near.
-    pub fn infrared(mut self, at: InfraredAt, is_near: impl Fn(&Moment) -> bool + 'static) -> Self {
+    pub fn infrared(mut self, at: InfraredAt, is_near: impl Fn(&Moment) -> bool + Send + 'static) -> Self {
         self.infrareds.push((at, Box::new(is_near)));
         self
     }
@@ -251,7 +262,7 @@ impl Fake {
     fn run_with(
         mut self,
         generation: u32,
-        program: impl FnOnce(LastPlace, *const Host, *mut c_void, c_int, *const *const c_char) -> c_int,
+        program: impl FnOnce(Arc<LastPlace>, *const Host, *mut c_void, c_int, *const *const c_char) -> c_int,
     ) -> Run {
         static SUPPORT: SupportTable = SupportTable::of::<FakeRobot>();
         static ROBIOS: Robios6Table = Robios6Table::of::<FakeRobot>();
@@ -268,6 +279,7 @@ impl Fake {
         let robot = FakeRobot::new(self, generation);
         let context = std::ptr::from_ref(&robot).cast_mut().cast();
         let code = program(robot.last_place.clone(), host, context, arguments.len() as c_int, argv.as_ptr());
+        robot.end_tasks();
         robot.finish(code)
     }
 }
@@ -328,6 +340,7 @@ pub struct Run {
     position: Position,
     lcd: Vec<String>,
     console: String,
+    sent: Vec<Sent>,
     calls: Vec<Call>,
 }
 
@@ -396,6 +409,11 @@ impl Run {
     /// All that was written to the console.
     pub fn console(&self) -> &str {
         &self.console
+    }
+
+    /// All messages that the program has sent by radio, in order.
+    pub fn sent(&self) -> &[Sent] {
+        &self.sent
     }
 
     /// All calls in the order of their ends.

@@ -4,15 +4,18 @@ use std::time::Duration;
 
 use robios_sys::robios6::{
     BayerFrame, COLCAM, Char, ColorFrame, FALSE, INITERROR, MonoFrame, MotorHandle, NOCAM, NOKEY, NORMAL,
-    PSD_OUT_OF_RANGE, PositionType, QuadHandle, SCROLLING, SpeedType, TELE, TRUE, VEHICLE, WIDE, semantics,
+    PSD_OUT_OF_RANGE, PositionType, QuadHandle, RadioIOParameters, RadioStatus, SCROLLING, SpeedType, TELE, TRUE,
+    VEHICLE, WIDE, semantics,
 };
 use robios_sys::{Callback, Out, OutBytes, OutFloats, OutInts, Robios6, Stop};
 
 use super::PsdName;
 use super::motion::Pose;
+use super::radio::MAX_ROBIOS6;
 use super::robot::{FakeRobot, PSD_CYCLE_US, PsdRun, TICKS_PER_METRE, TIMER_TICK_US, Timer, VW};
 use crate::device::{BumperAt, InfraredAt, PsdAt};
 use crate::image::ImageSize;
+use crate::os::RobotNumber;
 
 /// Gives an image; -1 if there is none.
 fn frame<const N: usize>(bytes: Option<Vec<u8>>, buffer: &mut Out<[u8; N]>) -> i32 {
@@ -257,6 +260,115 @@ impl Robios6 for FakeRobot {
             state.timers.retain(|timer| timer.handle != handle);
             i32::from(state.timers.len() < count)
         })
+    }
+
+    fn OSMTInit(&self, mode: u8) -> Result<i32, Stop> {
+        self.start_tasks(mode)
+    }
+
+    fn OSSpawn(&self, name: Option<&[u8]>, code: Option<Callback>, _: i32, pri: i32, uid: i32) -> Result<i32, Stop> {
+        code.map_or(Ok(0), |code| self.spawn_task(name, code, pri, uid))
+    }
+
+    fn OSMTStatus(&self) -> Result<i32, Stop> {
+        self.task_mode()
+    }
+
+    fn OSReady(&self, thread: i32) -> Result<i32, Stop> {
+        self.ready_task(thread)
+    }
+
+    fn OSSuspend(&self, thread: i32) -> Result<i32, Stop> {
+        self.suspend_task("OSSuspend", thread)
+    }
+
+    fn OSReschedule(&self) -> Result<i32, Stop> {
+        self.reschedule()
+    }
+
+    fn OSYield(&self) -> Result<i32, Stop> {
+        self.suspend_task("OSYield", 0)
+    }
+
+    fn OSRun(&self, thread: i32) -> Result<i32, Stop> {
+        self.run_task(thread)
+    }
+
+    fn OSGetUID(&self, thread: i32) -> Result<i32, Stop> {
+        self.task_uid(thread)
+    }
+
+    fn OSKill(&self, thread: i32) -> Result<i32, Stop> {
+        self.kill_task(thread)
+    }
+
+    fn OSSleep(&self, n: i32) -> Result<i32, Stop> {
+        self.sleep_task(n)
+    }
+
+    fn OSForbid(&self) -> Result<i32, Stop> {
+        self.permit_tasks(false)
+    }
+
+    fn OSPermit(&self) -> Result<i32, Stop> {
+        self.permit_tasks(true)
+    }
+
+    fn OSSemInit(&self, sem: Option<&mut i32>, val: i32) -> Result<i32, Stop> {
+        let (Some(number), Some(made)) = (sem, self.make_semaphore(val)?) else { return Ok(-1) };
+        *number = made;
+        Ok(0)
+    }
+
+    fn OSSemP(&self, sem: i32) -> Result<i32, Stop> {
+        self.pass_semaphore(sem)
+    }
+
+    fn OSSemV(&self, sem: i32) -> Result<i32, Stop> {
+        self.leave_semaphore(sem)
+    }
+
+    fn RADIOInit(&self) -> Result<i32, Stop> {
+        self.switch_radio(true)?;
+        Ok(0)
+    }
+
+    fn RADIOTerm(&self) -> Result<i32, Stop> {
+        let was_on = self.switch_radio(false)?;
+        Ok(if was_on { 0 } else { -1 })
+    }
+
+    fn RADIOSend(&self, id: u8, buffer: Option<&[u8]>) -> Result<i32, Stop> {
+        let is_sent = self.radio_send(RobotNumber(id), buffer, MAX_ROBIOS6)?;
+        Ok(i32::from(!is_sent))
+    }
+
+    fn RADIOCheck(&self) -> Result<i32, Stop> {
+        self.radio_waiting()
+    }
+
+    fn RADIORecv(&self, id: &mut Out<u8>, received: &mut Out<i32>, buffer: &mut OutBytes) -> Result<i32, Stop> {
+        let Some(message) = self.radio_receive("RADIORecv")? else { return Ok(-1) };
+        id.set(message.from.0);
+        received.set(message.bytes.len().min(MAX_ROBIOS6) as i32);
+        buffer.set(&message.bytes[..message.bytes.len().min(MAX_ROBIOS6)]);
+        Ok(0)
+    }
+
+    fn RADIOGetIoctl(&self, p: &mut Out<RadioIOParameters>) -> Result<i32, Stop> {
+        p.set(self.radio_settings()?);
+        Ok(0)
+    }
+
+    fn RADIOSetIoctl(&self, p: Option<&RadioIOParameters>) -> Result<i32, Stop> {
+        let Some(settings) = p else { return Ok(-1) };
+        let is_set = self.set_radio(*settings)?;
+        Ok(if is_set { 0 } else { -1 })
+    }
+
+    fn RADIOGetStatus(&self, s: &mut Out<RadioStatus>) -> Result<i32, Stop> {
+        s.set(self.radio_status()?);
+        Ok(0)
     }
 
     fn AUTone(&self, freq_hz: i32, _: i32) -> Result<i32, Stop> {

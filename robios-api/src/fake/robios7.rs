@@ -9,7 +9,7 @@ use super::camera::is_resolution;
 use super::motion::Pose;
 use super::robot::{FakeRobot, State, TICKS_PER_METRE, Timer};
 use super::{Fake, Moment, PsdName};
-use crate::robios7::{Color, ImageSize};
+use crate::robios7::{Color, ImageSize, RobotNumber};
 use crate::unit::{Angle, Length};
 
 /// Timers are on a grid of 1 ms.
@@ -303,6 +303,45 @@ impl Robios7 for FakeRobot {
         self.act(|_| 0)
     }
 
+    fn RADIOInit(&self) -> Result<i32, Stop> {
+        self.switch_radio(true)?;
+        Ok(0)
+    }
+
+    fn RADIOGetID(&self) -> Result<i32, Stop> {
+        self.radio_id()
+    }
+
+    fn RADIOSend(&self, id: i32, buf: Option<&[u8]>) -> Result<i32, Stop> {
+        let Ok(id) = u8::try_from(id) else { return Ok(1) };
+        let is_sent = self.radio_send(RobotNumber(id), buf, crate::robios7::MAX_MESSAGE)?;
+        Ok(i32::from(!is_sent))
+    }
+
+    fn RADIOReceive(&self, id: &mut Out<i32>, buf: &mut OutBytes) -> Result<i32, Stop> {
+        let Some(message) = self.radio_receive("RADIOReceive")? else { return Ok(1) };
+        id.set(message.from.0.into());
+        let len = message.bytes.iter().position(|byte| *byte == 0).unwrap_or(message.bytes.len());
+        let room = buf.capacity().saturating_sub(1);
+        buf.set(&[&message.bytes[..len.min(room)], &[0]].concat());
+        Ok(0)
+    }
+
+    fn RADIOCheck(&self) -> Result<i32, Stop> {
+        self.radio_waiting()
+    }
+
+    fn RADIOStatus(&self, ids: &mut OutInts) -> Result<i32, Stop> {
+        let own = self.radio_id()?;
+        ids.set(&[own]);
+        Ok(1)
+    }
+
+    fn RADIORelease(&self) -> Result<i32, Stop> {
+        let was_on = self.switch_radio(false)?;
+        Ok(i32::from(!was_on))
+    }
+
     fn AUBeep(&self) -> Result<i32, Stop> {
         self.act(|_| 0)
     }
@@ -550,7 +589,7 @@ fn given<T>(what: Option<T>, give: impl FnOnce(T)) -> i32 {
 }
 
 /// What a laser scanner measures in a direction of the robot.
-pub type Scanner = Box<dyn Fn(&Moment, Angle) -> Option<Length>>;
+pub type Scanner = Box<dyn Fn(&Moment, Angle) -> Option<Length> + Send>;
 
 /// Times and places of touches.
 pub type Touches = Vec<(Duration, crate::Pixel)>;

@@ -3,6 +3,7 @@
 use std::any::Any;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::Duration;
 
 use robios_sys::robios6::PSDHandle;
@@ -10,7 +11,10 @@ use robios_sys::{CallContext, CallRecord, Callback, OutBytes, Stop, Support};
 
 use super::lcd::Lcd;
 use super::motion::{FULL_SPEED_MPS, Motion, Pose, TRACK_M};
-use super::{Call, End, Fake, LastPlace, Moment, Run};
+use super::radio::Station;
+use super::task::{Baton, Tasks};
+use super::{Call, End, Fake, Moment, Run};
+use crate::call_site::LastPlace;
 use crate::robios7::Color;
 
 /// Virtual time of a call that does not wait, in microseconds: as of a slow processor, so that loops that poll end.
@@ -25,7 +29,8 @@ pub(super) const VW: i32 = 1;
 /// A robot that follows the script of a [`Fake`].
 pub(super) struct FakeRobot {
     pub fake: Fake,
-    pub last_place: LastPlace,
+    pub last_place: Arc<LastPlace>,
+    pub baton: Baton,
     /// Never borrowed over a callback.
     pub state: RefCell<State>,
 }
@@ -52,6 +57,8 @@ pub(super) struct State {
     pub scan: (i32, i32),
     /// The camera, while it is on.
     pub camera: Option<super::camera::Setting>,
+    pub radio: Station,
+    pub tasks: Tasks,
     /// The digital lines, line 1 in the lowest bit.
     pub lines: i32,
     pub is_compass_ready: bool,
@@ -92,7 +99,7 @@ pub(super) struct Timer {
 }
 
 impl FakeRobot {
-    pub(super) fn new(fake: Fake, generation: u32) -> Self {
+    pub(super) fn new(mut fake: Fake, generation: u32) -> Self {
         let state = State {
             now_us: 0,
             is_over: false,
@@ -111,6 +118,8 @@ impl FakeRobot {
             pixels: BTreeMap::new(),
             scan: (360, 360),
             camera: None,
+            radio: Station::new(&mut fake),
+            tasks: Tasks::new(),
             lines: 0,
             is_compass_ready: false,
             timers: Vec::new(),
@@ -124,7 +133,7 @@ impl FakeRobot {
             clock_offset_us: 0,
             calls: Vec::new(),
         };
-        Self { fake, last_place: LastPlace::default(), state: RefCell::new(state) }
+        Self { fake, last_place: Arc::default(), baton: Baton::default(), state: RefCell::new(state) }
     }
 
     /// What the program did, after it has returned its exit code.
@@ -145,6 +154,7 @@ impl FakeRobot {
             position: state.motion.pose(state.now_us).position(),
             lcd: state.lcd.lines(),
             console: state.console,
+            sent: state.radio.into_sent(),
             calls: state.calls,
         }
     }
@@ -159,16 +169,25 @@ impl FakeRobot {
     /// Waits until a time; `None` waits for ever.
     pub(super) fn wait(&self, name: &str, until_us: Option<u64>) -> Result<(), Stop> {
         if self.state.borrow().is_in_callback {
-            let state = &mut *self.state.borrow_mut();
-            state.is_over = true;
-            state.failure = Some(format!("{name} waits inside of a timer's function"));
-            return Err(Stop);
+            return Err(self.state.borrow_mut().blocked(name));
         }
         self.advance(until_us.unwrap_or(u64::MAX))
     }
 
-    /// Lets virtual time pass; calls the timers that are due.
-    pub(super) fn advance(&self, until_us: u64) -> Result<(), Stop> {
+    /// Lets virtual time pass, for the other tasks too where they take turns.
+    pub(super) fn advance(&self, mut until_us: u64) -> Result<(), Stop> {
+        loop {
+            until_us = until_us.saturating_add(self.pass(self.slice(until_us))?);
+            self.turn()?;
+            if self.state.borrow().now_us >= until_us {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Lets virtual time pass; calls the timers that are due, and tells how long what they call takes.
+    pub(super) fn pass(&self, until_us: u64) -> Result<u64, Stop> {
+        let mut pushed_us = 0;
         let limit_us = self.fake.limit.as_micros() as u64;
         let mut until_us = until_us.min(limit_us);
         loop {
@@ -185,12 +204,13 @@ impl FakeRobot {
                 return Err(stop);
             }
             // What the timer's function calls pushes the end of the call that it interrupts.
+            pushed_us += state.now_us - before_us;
             until_us = (until_us + state.now_us - before_us).min(limit_us);
         }
         let state = &mut *self.state.borrow_mut();
         state.now_us = state.now_us.max(until_us);
         state.is_over |= state.now_us >= limit_us;
-        if state.is_over { Err(Stop) } else { Ok(()) }
+        if state.is_over { Err(Stop) } else { Ok(pushed_us) }
     }
 
     /// Index of the sensor that a handle of one bit means.
@@ -252,6 +272,13 @@ impl FakeRobot {
 }
 
 impl State {
+    /// What a call comes to that would wait inside of a timer's function.
+    pub(super) fn blocked(&mut self, name: &str) -> Stop {
+        self.is_over = true;
+        self.failure = Some(format!("{name} waits inside of a timer's function"));
+        Stop
+    }
+
     pub(super) fn moment(&self, time_us: u64) -> Moment {
         Moment { time: Duration::from_micros(time_us), position: self.motion.pose(time_us).position() }
     }
@@ -264,7 +291,7 @@ impl State {
 
     /// The first timer that is due, with the clock put to its time; none while they are held or one is running.
     pub(super) fn due_timer(&mut self, until_us: u64) -> Result<Option<Callback>, Stop> {
-        if self.is_over {
+        if self.is_over || self.tasks.is_leaving() {
             return Err(Stop);
         }
         if self.is_in_callback || self.are_timers_held {

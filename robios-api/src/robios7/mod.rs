@@ -30,8 +30,6 @@
 //! #     program::check();
 //! # }
 //! ```
-//!
-//! The radio is not offered yet.
 
 mod actuator;
 mod audio;
@@ -43,6 +41,7 @@ mod key;
 mod lcd;
 mod os;
 mod port;
+mod radio;
 mod robot;
 mod serial;
 mod simulation;
@@ -56,12 +55,15 @@ pub use drive::{Drive, Stall};
 pub use image::Images;
 pub use lcd::{Color, Fill, Font, FontSize, FontStyle, Lcd, LcdMode, LcdPlace};
 pub use port::{Direction, Ports, Voltage};
+pub use radio::{MAX_MESSAGE, Radio};
 pub use robot::Robot;
 pub use serial::{Baud, Serial};
 pub use simulation::{ObjectNumber, Simulation, TruePose};
 pub use tv_remote::TvRemote;
 
+pub use crate::RobotNumber;
 pub use crate::image::{ColorImage, DepthImage, GrayImage, ImageSize, LabelImage, Seen};
+pub use crate::radio::Message;
 
 pub(crate) use robot::State;
 

@@ -1,0 +1,122 @@
+/* A convoy. Robot 1 drives an eight; each other one follows the robot with the number before its own on its very trail. Everybody
+   broadcasts its pose ten times a second, and ends when the one ahead has been silent for a while.
+   Arguments: where it starts, in mm and degrees, so that all mean the same by a pose. */
+#include <math.h>
+#include <stdlib.h>
+#include "eyebot.h"
+
+#define RADIUS    0.8    /* m, of each half of the eight */
+#define SPEED     0.2    /* m/s */
+#define GAP       0.35   /* m, to the one ahead, along its trail */
+#define AHEAD     0.12   /* m, to the place of the trail that it steers for */
+#define GAIN      1.5    /* 1/s: metres too far behind to m/s */
+#define FASTEST   0.35   /* m/s */
+#define PERIOD    10     /* 1/100 s */
+#define SILENCE   200    /* 1/100 s without a word: the one ahead has ended */
+#define POINTS    1024   /* a power of 2 */
+#define LENGTH    4      /* of a message: x and y in mm, two bytes each, the lower one first */
+
+static VWHandle vw;
+static double trail_x[POINTS], trail_y[POINTS];  /* of the one ahead, from first to end */
+static unsigned first, end;
+
+static void broadcast_pose(void)
+{
+  PositionType at;
+  int x, y;
+  BYTE message[LENGTH];
+
+  VWGetPosition(vw, &at);
+  x = (int)lround(1000 * at.x);
+  y = (int)lround(1000 * at.y);
+  message[0] = x;
+  message[1] = x >> 8;
+  message[2] = y;
+  message[3] = y >> 8;
+  RADIOSend(BROADCAST, LENGTH, message);
+}
+
+static void lead(void)
+{
+  int half, left;
+
+  for (half = 0; half < 4; half++) {
+    left = half % 2 == 0;
+    VWDriveCurve(vw, 2 * M_PI * RADIUS, left ? 2 * M_PI : -2 * M_PI, SPEED);
+    while (!VWDriveDone(vw)) {
+      broadcast_pose();
+      OSWait(PERIOD);
+    }
+  }
+}
+
+/* Adds what it hears of robot `leader` to the trail; whether there was something. */
+static int listen(int leader)
+{
+  BYTE sender, message[MAXMSGLEN];
+  int length, heard = FALSE;
+
+  while (RADIOCheck() > 0)
+    if (RADIORecv(&sender, &length, message) == 0 && sender == leader && length == LENGTH) {
+      trail_x[end % POINTS] = (short)(message[0] | message[1] << 8) / 1000.0;
+      trail_y[end % POINTS] = (short)(message[2] | message[3] << 8) / 1000.0;
+      end++;
+      heard = TRUE;
+    }
+  return heard;
+}
+
+/* Steers for the trail, the faster the more of it lies ahead. */
+static void steer(void)
+{
+  PositionType at;
+  double x, y, distance, way, speed, angle;
+  unsigned i;
+
+  VWGetPosition(vw, &at);
+  for (;; first++) {
+    if (first == end)
+      return;
+    x = trail_x[first % POINTS] - at.x;
+    y = trail_y[first % POINTS] - at.y;
+    distance = hypot(x, y);
+    if (distance > AHEAD)
+      break;
+  }
+  way = distance;
+  for (i = first + 1; i < end; i++)
+    way += hypot(trail_x[i % POINTS] - trail_x[(i - 1) % POINTS], trail_y[i % POINTS] - trail_y[(i - 1) % POINTS]);
+  speed = fmin(fmax(GAIN * (way - GAP), 0), FASTEST);
+  angle = remainder(atan2(y, x) - at.phi, 2 * M_PI);
+  VWSetSpeed(vw, speed, speed * 2 * sin(angle) / distance);  /* an arc through the place */
+}
+
+static void follow(int leader)
+{
+  int last = OSGetCount() + 1000;
+
+  while (OSGetCount() < last + SILENCE) {
+    if (listen(leader))
+      last = OSGetCount();
+    steer();
+    broadcast_pose();
+    OSWait(PERIOD);
+  }
+}
+
+int main(int argc, char *argv[])
+{
+  int me = OSMachineID();
+
+  vw = VWInit(VW_DRIVE, 1);
+  if (!vw || argc < 4 || RADIOInit() != 0)
+    return OSError("convoy", argc, TRUE);
+  VWSetPosition(vw, atof(argv[1]) / 1000, atof(argv[2]) / 1000, atof(argv[3]) * M_PI / 180);
+  if (me == 1)
+    lead();
+  else
+    follow(me - 1);
+  VWSetSpeed(vw, 0, 0);
+  RADIOTerm();
+  return 0;
+}

@@ -1,0 +1,139 @@
+//! A convoy: robot 1 drives an eight; each other one follows the robot with the number before its own on its very trail.
+//!
+//! Everybody broadcasts its pose ten times a second, and ends when the one ahead has been silent for a while. Arguments: where it
+//! starts, in mm and degrees, so that all mean the same by a pose. `convoy-c` is the same in C and drives with it.
+
+use std::collections::VecDeque;
+use std::error::Error;
+
+use robios_api::prelude::*;
+use robios_api::{Position, Radio, RobotNumber};
+
+robios_api::program!(main);
+
+const LEADER: RobotNumber = RobotNumber(1);
+/// Of each half of the eight.
+const RADIUS: Length = Length::metres(0.8);
+/// To the one ahead, along its trail.
+const GAP: Length = Length::metres(0.35);
+/// To the place of the trail that it steers for.
+const AHEAD: Length = Length::metres(0.12);
+const PERIOD: Duration = Duration::from_millis(100);
+/// Without a word for so long: the one ahead has ended.
+const SILENCE: Duration = Duration::from_secs(2);
+
+fn main(robot: &Robot) -> Result<(), Box<dyn Error>> {
+    let [x, y, phi] = robot.arguments() else {
+        return Err("where it starts: x and y in mm, heading in degrees".into());
+    };
+    let drive = robot.drive()?;
+    drive.set_position(Position {
+        x: x.parse::<f64>()?.millimetres(),
+        y: y.parse::<f64>()?.millimetres(),
+        phi: phi.parse::<f64>()?.degrees(),
+    })?;
+    let radio = robot.radio()?;
+    match robot.id() {
+        LEADER => lead(robot, &drive, &radio)?,
+        RobotNumber(me) => follow(robot, &drive, &radio, RobotNumber(me - 1))?,
+    }
+    Ok(drive.stop()?)
+}
+
+fn lead(robot: &Robot, drive: &Drive, radio: &Radio) -> Result {
+    for turn in [1.0, -1.0, 1.0, -1.0] {
+        let circle = 360.degrees();
+        let way = RADIUS * circle.as_radians();
+        drive.curve(way, turn * circle, 0.2.metres_per_second())?;
+        while !drive.is_done() {
+            broadcast_pose(drive, radio)?;
+            robot.sleep(PERIOD);
+        }
+    }
+    Ok(())
+}
+
+fn follow(robot: &Robot, drive: &Drive, radio: &Radio, leader: RobotNumber) -> Result {
+    let mut trail = Trail::default();
+    let mut last = robot.now() + 10.seconds();
+    while robot.now() < last + SILENCE {
+        while let Some(message) = radio.try_receive()? {
+            if let (true, Some(place)) = (message.from == leader, place_of(&message.bytes)) {
+                trail.0.push_back(place);
+                last = robot.now();
+            }
+        }
+        if let Some((speed, rate)) = trail.steer(drive.position()) {
+            drive.set_speed(speed, rate)?;
+        }
+        broadcast_pose(drive, radio)?;
+        robot.sleep(PERIOD);
+    }
+    Ok(())
+}
+
+/// A message: x and y in mm, two bytes each, the lower one first.
+fn broadcast_pose(drive: &Drive, radio: &Radio) -> Result {
+    let at = drive.position();
+    let [x, y] = [at.x, at.y].map(|length| (length.as_millimetres().round() as i16).to_le_bytes());
+    radio.broadcast(&[x, y].concat())
+}
+
+fn place_of(message: &[u8]) -> Option<Position> {
+    let &[a, b, c, d] = message else { return None };
+    let [x, y] = [[a, b], [c, d]].map(|bytes| f64::from(i16::from_le_bytes(bytes)).millimetres());
+    Some(Position { x, y, ..Position::default() })
+}
+
+/// Where the one ahead has been, as far as this one has not.
+#[derive(Default)]
+struct Trail(VecDeque<Position>);
+
+impl Trail {
+    /// Speeds that lead along the trail, the faster the more of it lies ahead.
+    fn steer(&mut self, at: Position) -> Option<(Speed, TurnRate)> {
+        while self.0.front()?.distance_to(at) <= AHEAD {
+            self.0.pop_front();
+        }
+        let target = *self.0.front()?;
+        let distance = target.distance_to(at);
+        let places = self.0.iter();
+        let way = places.clone().zip(places.skip(1)).fold(distance, |way, (from, to)| way + from.distance_to(*to));
+        let speed = (1.5 * (way - GAP).as_metres()).clamp(0.0, 0.35);
+        let angle = Angle::towards(target.x - at.x, target.y - at.y) - at.phi;
+        // An arc through the place.
+        let rate = speed * 2.0 * angle.sin() / distance.as_metres();
+        Some((speed.metres_per_second(), rate.radians_per_second()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robios_api::fake::{Fake, Run};
+
+    /// The fake robot has the number 1.
+    #[test]
+    fn the_leader_comes_back_and_tells_where_it_is() {
+        let run =
+            Fake::new().argument("500").argument("0").argument("0").until(200.seconds()).run(main).expect_finished();
+        assert!(run.position().distance_to(Default::default()) < 1.millimetres());
+        let way = |run: &Run| run.sent().iter().filter_map(|sent| place_of(&sent.bytes)).collect::<Vec<_>>();
+        let farthest = way(&run).iter().map(|at| at.y).fold(0.metres(), Length::max);
+        assert!((farthest - 2.0 * RADIUS).abs() < 5.millimetres());
+        assert_eq!(way(&run)[0].x, 500.millimetres());
+    }
+
+    #[test]
+    fn a_trail_is_followed_with_a_gap() {
+        let place = |x: f64| Position { x: x.metres(), ..Position::default() };
+        let mut trail = Trail((1..=10).map(|index| place(0.1 * f64::from(index))).collect());
+        let (speed, rate) = trail.steer(place(0.0)).expect("a trail");
+        assert_eq!((speed, rate), (0.35.metres_per_second(), 0.radians_per_second()));
+        let (speed, _) = trail.steer(place(0.7)).expect("a trail");
+        assert_eq!(speed, 0.metres_per_second(), "near enough");
+        let (_, rate) = trail.steer(Position { y: 0.05.metres(), ..place(0.0) }).expect("a trail");
+        assert!(rate < 0.radians_per_second(), "back to it, to the right");
+        assert!(Trail::default().steer(place(0.0)).is_none());
+    }
+}

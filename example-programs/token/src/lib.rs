@@ -1,0 +1,155 @@
+//! A token goes round a ring of robots over a radio that loses messages: stop-and-wait.
+//!
+//! Who has the token sends it to the next one until that acknowledges it. A token has the number of its hop, so that a repeated one
+//! is known as such. Arguments: how many robots, how many rounds. `token-c` is the same in C and speaks with it.
+
+use std::error::Error;
+
+use robios_api::prelude::*;
+use robios_api::{Radio, RobotNumber};
+
+robios_api::program!(main);
+
+/// Without an answer for so long, a token is sent again.
+const TIMEOUT: Duration = Duration::from_millis(60);
+/// At the end: the acknowledgement for the one before may have been lost.
+const LINGER: Duration = Duration::from_secs(3);
+
+/// What is said, with the number of the hop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Message {
+    Token(u32),
+    Ack(u32),
+}
+
+impl Message {
+    fn to_bytes(self) -> [u8; 5] {
+        let (kind, [a, b, c, d]) = match self {
+            Self::Token(hop) => (b'T', hop.to_le_bytes()),
+            Self::Ack(hop) => (b'A', hop.to_le_bytes()),
+        };
+        [kind, a, b, c, d]
+    }
+
+    fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        match *bytes {
+            [b'T', a, b, c, d] => Some(Self::Token(u32::from_le_bytes([a, b, c, d]))),
+            [b'A', a, b, c, d] => Some(Self::Ack(u32::from_le_bytes([a, b, c, d]))),
+            _ => None,
+        }
+    }
+}
+
+/// A place in the ring.
+struct Station {
+    radio: Radio,
+    previous: RobotNumber,
+    next: RobotNumber,
+    repeats: u32,
+}
+
+impl Station {
+    fn take(&self, hop: u32) -> Result {
+        loop {
+            match Message::from_bytes(&self.radio.receive()?.bytes) {
+                // Also an old one: its acknowledgement was lost.
+                Some(Message::Token(number)) if number <= hop => {
+                    self.acknowledge(number)?;
+                    if number == hop {
+                        return Ok(());
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn pass(&mut self, hop: u32) -> Result {
+        loop {
+            self.radio.send(self.next, &Message::Token(hop).to_bytes())?;
+            while let Some(message) = self.radio.receive_within(TIMEOUT)? {
+                match Message::from_bytes(&message.bytes) {
+                    Some(Message::Ack(number)) if number == hop => return Ok(()),
+                    Some(Message::Token(number)) => self.acknowledge(number)?,
+                    _ => {}
+                }
+            }
+            self.repeats += 1;
+        }
+    }
+
+    fn acknowledge(&self, hop: u32) -> Result {
+        self.radio.send(self.previous, &Message::Ack(hop).to_bytes())
+    }
+}
+
+fn main(robot: &Robot) -> Result<(), Box<dyn Error>> {
+    let number = |index: usize, default: u32| robot.arguments().get(index).map_or(Ok(default), |it| it.parse::<u32>());
+    let (robots, rounds) = (number(0, 2)?, number(1, 10)?);
+    let me = u32::from(robot.id().0);
+    let address = |number: u32| u8::try_from(number).map(RobotNumber);
+    let mut station = Station {
+        radio: robot.radio()?,
+        previous: address((me + robots - 2) % robots + 1)?,
+        next: address(me % robots + 1)?,
+        repeats: 0,
+    };
+    for round in 0..rounds {
+        if me == 1 {
+            station.pass(round * robots + 1)?;
+            station.take((round + 1) * robots)?;
+        } else {
+            station.take(round * robots + me - 1)?;
+            station.pass(round * robots + me)?;
+        }
+    }
+    writeln!(robot.console(), "{rounds} rounds, {} repeats", station.repeats);
+
+    while let Some(message) = station.radio.receive_within(LINGER)? {
+        if let Some(Message::Token(number)) = Message::from_bytes(&message.bytes) {
+            station.acknowledge(number)?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robios_api::fake::Fake;
+
+    #[test]
+    fn messages_are_what_they_were() {
+        for message in [Message::Token(0), Message::Token(0x0102_0304), Message::Ack(u32::MAX)] {
+            assert_eq!(Message::from_bytes(&message.to_bytes()), Some(message));
+        }
+        assert_eq!(Message::from_bytes(b"Tab"), None);
+        assert_eq!(Message::from_bytes(b"X1234"), None);
+    }
+
+    /// The other robot of two: it loses messages, acknowledges the others, and returns the token.
+    #[test]
+    fn a_token_is_sent_until_it_is_acknowledged() {
+        let mut count = 0;
+        let fake = Fake::new().argument("2").argument("5").answer(move |sent| {
+            count += 1;
+            match Message::from_bytes(&sent.bytes)? {
+                Message::Token(hop) if count % 3 != 0 => {
+                    let bytes = Message::Ack(hop).to_bytes().to_vec();
+                    Some((30.millis(), robios_api::Message { from: sent.to, bytes }))
+                }
+                _ => None,
+            }
+        });
+        let fake = (1..=5).fold(fake, |fake, round: u32| {
+            fake.message((2 * u64::from(round)).seconds(), RobotNumber(2), Message::Token(2 * round).to_bytes())
+        });
+        let run = fake.run(main).expect_finished();
+        let tokens = run.sent().iter().filter(|sent| sent.bytes[0] == b'T').count();
+        assert_eq!(run.console(), format!("5 rounds, {} repeats\n", tokens - 5));
+        assert!(tokens > 5, "some were lost");
+        let acks = run.sent().iter().filter_map(|sent| Message::from_bytes(&sent.bytes));
+        let acks: Vec<Message> = acks.filter(|message| matches!(message, Message::Ack(_))).collect();
+        assert_eq!(acks, [2, 4, 6, 8, 10].map(Message::Ack));
+    }
+}

@@ -1,0 +1,46 @@
+//! Values as messages: the format `postcard`.
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::radio::Message;
+use crate::{Error, Result};
+
+/// The bytes of a value.
+pub(crate) fn encoded<T: Serialize>(value: &T) -> Result<Vec<u8>> {
+    postcard::to_stdvec(value).map_err(unsuitable)
+}
+
+/// The bytes of a value, of which none is 0.
+pub(crate) fn encoded_without_zero<T: Serialize>(value: &T) -> Result<Vec<u8>> {
+    let mut bytes = postcard::to_stdvec_cobs(value).map_err(unsuitable)?;
+    // Its last byte is the 0 that ends every text.
+    bytes.pop();
+    Ok(bytes)
+}
+
+/// The value of [`encoded`] bytes.
+pub(crate) fn decoded<T: DeserializeOwned>(message: &Message) -> Result<T> {
+    whole(&message.bytes).ok_or_else(|| garbled(message))
+}
+
+/// The value of [`encoded_without_zero`] bytes.
+pub(crate) fn decoded_without_zero<T: DeserializeOwned>(message: &Message) -> Result<T> {
+    let mut bytes = message.bytes.clone();
+    bytes.push(0);
+    let len = cobs::decode_in_place(&mut bytes).ok();
+    len.and_then(|len| whole(&bytes[..len])).ok_or_else(|| garbled(message))
+}
+
+/// The value of bytes to the last of them.
+fn whole<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
+    postcard::take_from_bytes(bytes).ok().filter(|(_, rest)| rest.is_empty()).map(|(value, _)| value)
+}
+
+fn unsuitable(error: postcard::Error) -> Error {
+    Error::OutOfRange { what: "value of a message", value: error.to_string(), accepted: "what `postcard` encodes" }
+}
+
+fn garbled(message: &Message) -> Error {
+    Error::Garbled { from: message.from, bytes: message.bytes.clone(), expected: "value of the expected type" }
+}

@@ -1,0 +1,299 @@
+//! The radio: messages between robots.
+//!
+//! What the channel does to messages is the scene's: they may be late, lost, or arrive with bits inverted.
+
+use std::time::Duration;
+
+use robios_sys::robios6::{BROADCAST, MAXMSGLEN, RadioIOParameters, RadioStatus as RawStatus};
+use robios_sys::{ByteRoom, ByteSlice};
+
+use crate::device::Device;
+#[cfg(feature = "serde")]
+use crate::encoding;
+use crate::error::checked;
+use crate::os::RobotNumber;
+use crate::robot::{locked, release, robios};
+use crate::serial::Baud;
+use crate::{Error, Result, Robot};
+
+/// Most bytes of a message: `MAXMSGLEN`.
+pub const MAX_MESSAGE: usize = MAXMSGLEN as usize;
+
+/// How often a call that waits for a message no longer than a time looks for one.
+pub(crate) const LOOK: Duration = Duration::from_millis(1);
+
+/// The radio, which is on; dropping the last one switches it off.
+#[derive(Debug)]
+pub struct Radio {
+    robot: Robot,
+}
+
+/// What the radio is set to before it is switched on; `None` leaves it as it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RadioSettings {
+    /// Speed of sending and receiving: who listens at another one hears nothing. The scene's if it was never set.
+    pub speed: Option<Baud>,
+    /// The radio's address. The robot's number if it was never set.
+    pub id: Option<RobotNumber>,
+}
+
+/// A message that was received.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// The address of its sender.
+    pub from: RobotNumber,
+    /// What it says; the channel may have inverted bits.
+    pub bytes: Vec<u8>,
+}
+
+/// State of the radio.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RadioStatus {
+    /// The radio's address.
+    pub id: RobotNumber,
+    /// How many messages were sent.
+    pub sent: u32,
+    /// How many were received.
+    pub received: u32,
+    /// How many wait to be received.
+    pub waiting: u32,
+}
+
+impl RobotNumber {
+    /// The address of all robots.
+    pub const ALL: Self = Self(BROADCAST as u8);
+}
+
+impl Message {
+    /// What it says, as text.
+    ///
+    /// # Errors
+    /// [`Error::Garbled`] if it is not UTF-8.
+    pub fn text(&self) -> Result<&str> {
+        let garbled = |_error| Error::Garbled { from: self.from, bytes: self.bytes.clone(), expected: "text" };
+        std::str::from_utf8(&self.bytes).map_err(garbled)
+    }
+}
+
+impl Robot {
+    /// Switches the radio on.
+    ///
+    /// ```
+    /// # use robios_api::prelude::*;
+    /// # use robios_api::RobotNumber;
+    /// fn ask(robot: &Robot) -> Result {
+    ///     let radio = robot.radio()?;
+    ///     radio.send(RobotNumber(2), b"where are you?")?;
+    ///     match radio.receive_within(1.seconds())? {
+    ///         Some(answer) => writeln!(robot.lcd(), "{}: {}", answer.from, answer.text()?),
+    ///         None => writeln!(robot.lcd(), "no answer"),
+    ///     }
+    ///     Ok(())
+    /// }
+    /// # let fake = robios_api::fake::Fake::new().message(200.millis(), RobotNumber(2), *b"here");
+    /// # let run = fake.run(ask).expect_finished();
+    /// # assert_eq!(run.lcd_line(0), "2: here");
+    /// # assert_eq!(run.sent()[0].bytes, b"where are you?");
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if RoBIOS refuses it.
+    #[track_caller]
+    pub fn radio(&self) -> Result<Radio> {
+        self.radio_with(RadioSettings::default())
+    }
+
+    /// Switches the radio on, with these settings.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if RoBIOS refuses it, as other settings while the radio is on.
+    #[track_caller]
+    pub fn radio_with(&self, settings: RadioSettings) -> Result<Radio> {
+        if settings != RadioSettings::default() {
+            let mut all = self.radio_parameters()?;
+            all.speed = settings.speed.map_or(all.speed, Baud::rate);
+            all.id = settings.id.map_or(all.id, |id| id.0.into());
+            checked("RADIOSetIoctl", Device::Radio, robios!(self, RADIOSetIoctl(&all)))?;
+        }
+        if *locked(&self.common().radios) == 0 {
+            checked("RADIOInit", Device::Radio, robios!(self, RADIOInit()))?;
+        }
+        *locked(&self.common().radios) += 1;
+        Ok(Radio { robot: self.clone() })
+    }
+
+    #[track_caller]
+    fn radio_parameters(&self) -> Result<RadioIOParameters> {
+        let mut all = RadioIOParameters::default();
+        checked("RADIOGetIoctl", Device::Radio, robios!(self, RADIOGetIoctl(&mut all)))?;
+        Ok(all)
+    }
+}
+
+impl Radio {
+    /// Sends a message to one robot; does not wait. That it was sent does not say that it arrives.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for more than [`MAX_MESSAGE`] bytes; [`Error::Refused`] with 1 while what was sent before fills the
+    /// radio's buffer.
+    #[track_caller]
+    pub fn send(&self, to: RobotNumber, bytes: &[u8]) -> Result {
+        if bytes.len() > MAX_MESSAGE {
+            return Err(Error::OutOfRange {
+                what: "length of a message in bytes",
+                value: bytes.len().to_string(),
+                accepted: "up to 35",
+            });
+        }
+        checked("RADIOSend", Device::Radio, robios!(&self.robot, RADIOSend(to.0, ByteSlice::from(bytes))))
+    }
+
+    /// Sends a message to all robots; does not wait.
+    ///
+    /// # Errors
+    /// As of [`send`](Self::send).
+    #[track_caller]
+    pub fn broadcast(&self, bytes: &[u8]) -> Result {
+        self.send(RobotNumber::ALL, bytes)
+    }
+
+    /// Waits for a message.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if RoBIOS refuses it.
+    #[track_caller]
+    pub fn receive(&self) -> Result<Message> {
+        let (mut from, mut len, mut room) = (0, 0, [0; MAX_MESSAGE]);
+        let code = robios!(&self.robot, RADIORecv(&mut from, &mut len, ByteRoom::from(&mut room[..])));
+        checked("RADIORecv", Device::Radio, code)?;
+        let len = usize::try_from(len).unwrap_or(0).min(MAX_MESSAGE);
+        Ok(Message { from: RobotNumber(from), bytes: room[..len].to_vec() })
+    }
+
+    /// The next message, if one waits.
+    ///
+    /// # Errors
+    /// As of [`receive`](Self::receive).
+    #[track_caller]
+    pub fn try_receive(&self) -> Result<Option<Message>> {
+        if self.waiting() == 0 { Ok(None) } else { self.receive().map(Some) }
+    }
+
+    /// Waits for a message, no longer than a time; `None` if none has come. Looks every millisecond.
+    ///
+    /// # Errors
+    /// As of [`receive`](Self::receive).
+    #[track_caller]
+    pub fn receive_within(&self, span: Duration) -> Result<Option<Message>> {
+        let end = self.robot.now() + span;
+        loop {
+            let message = self.try_receive()?;
+            if message.is_some() || self.robot.now() >= end {
+                return Ok(message);
+            }
+            self.robot.sleep(LOOK);
+        }
+    }
+
+    /// How many messages wait to be received.
+    #[track_caller]
+    pub fn waiting(&self) -> usize {
+        let count: i32 = robios!(&self.robot, RADIOCheck());
+        usize::try_from(count).unwrap_or(0)
+    }
+
+    /// State of the radio.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if RoBIOS refuses it.
+    #[track_caller]
+    pub fn status(&self) -> Result<RadioStatus> {
+        let mut raw = RawStatus::default();
+        checked("RADIOGetStatus", Device::Radio, robios!(&self.robot, RADIOGetStatus(&mut raw)))?;
+        let [sent, received, waiting] = [raw.sent, raw.received, raw.waiting].map(|count| count.max(0) as u32);
+        Ok(RadioStatus { id: RobotNumber(raw.id.clamp(0, 255) as u8), sent, received, waiting })
+    }
+
+    /// What it is set to.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if RoBIOS refuses it.
+    #[track_caller]
+    pub fn settings(&self) -> Result<RadioSettings> {
+        let all = self.robot.radio_parameters()?;
+        let speed = Baud::ALL.into_iter().find(|speed| speed.rate() == all.speed);
+        Ok(RadioSettings { speed, id: u8::try_from(all.id).ok().map(RobotNumber) })
+    }
+}
+
+/// Messages of types: encoded by `postcard`, without a checksum. With the feature `serde`.
+#[cfg(feature = "serde")]
+impl Radio {
+    /// Sends a value to one robot; does not wait.
+    ///
+    /// ```
+    /// # use robios_api::prelude::*;
+    /// # use robios_api::RobotNumber;
+    /// #[derive(serde::Serialize, serde::Deserialize)]
+    /// struct Pose {
+    ///     x_mm: i16,
+    ///     y_mm: i16,
+    /// }
+    ///
+    /// fn tell(robot: &Robot) -> Result {
+    ///     let radio = robot.radio()?;
+    ///     radio.send_as(RobotNumber::ALL, &Pose { x_mm: 300, y_mm: -20 })?;
+    ///     match radio.receive_as::<Pose>() {
+    ///         Ok((from, pose)) => writeln!(robot.lcd(), "{from} at {} {}", pose.x_mm, pose.y_mm),
+    ///         Err(Error::Garbled { from, .. }) => writeln!(robot.lcd(), "{from}?"),
+    ///         Err(error) => return Err(error),
+    ///     }
+    ///     Ok(())
+    /// }
+    /// # let fake = || robios_api::fake::Fake::new();
+    /// # let run = fake().message(200.millis(), RobotNumber(3), [3, 4]).run(tell).expect_finished();
+    /// # assert_eq!(run.lcd_line(0), "3 at -2 2");
+    /// # let run = fake().message(200.millis(), RobotNumber(3), [3]).run(tell).expect_finished();
+    /// # assert_eq!(run.lcd_line(0), "3?");
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] if it takes more than [`MAX_MESSAGE`] bytes, or cannot be encoded; else as of
+    /// [`send`](Self::send).
+    #[track_caller]
+    pub fn send_as<T: serde::Serialize>(&self, to: RobotNumber, value: &T) -> Result {
+        self.send(to, &encoding::encoded(value)?)
+    }
+
+    /// Waits for a value, and gives it with the address of its sender.
+    ///
+    /// # Errors
+    /// [`Error::Garbled`] for a message that is no such value to its last byte, as one whose bits were inverted may be (another may
+    /// be a wrong value: whoever has to know adds a checksum); else as of [`receive`](Self::receive).
+    #[track_caller]
+    pub fn receive_as<T: serde::de::DeserializeOwned>(&self) -> Result<(RobotNumber, T)> {
+        let message = self.receive()?;
+        Ok((message.from, self.decode(&message)?))
+    }
+
+    /// The value that a message says.
+    ///
+    /// # Errors
+    /// [`Error::Garbled`], as of [`receive_as`](Self::receive_as).
+    pub fn decode<T: serde::de::DeserializeOwned>(&self, message: &Message) -> Result<T> {
+        encoding::decoded(message)
+    }
+}
+
+impl Drop for Radio {
+    fn drop(&mut self) {
+        let is_last = {
+            let mut radios = locked(&self.robot.common().radios);
+            *radios -= 1;
+            *radios == 0
+        };
+        if is_last {
+            release!(&self.robot, RADIOTerm());
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! The radio: texts between robots.
+
+use std::time::Duration;
+
+use robios_sys::robios7::MAX_RADIO_IDS;
+use robios_sys::{ByteRoom, ByteSlice};
+
+use super::Robot;
+use crate::device::Device;
+#[cfg(feature = "serde")]
+use crate::encoding;
+use crate::error::checked;
+use crate::os::RobotNumber;
+use crate::radio::{LOOK, Message};
+use crate::robot::{locked, release, robios7};
+use crate::{Error, Result};
+
+/// Most bytes of a message; our choice.
+pub const MAX_MESSAGE: usize = 1023;
+
+/// The radio, which is on; dropping the last one switches it off.
+#[derive(Debug)]
+pub struct Radio {
+    robot: Robot,
+}
+
+impl Robot {
+    /// Switches the radio on.
+    ///
+    /// ```
+    /// # use robios_api::robios7::prelude::*;
+    /// # use robios_api::RobotNumber;
+    /// fn greet(robot: &Robot) -> Result {
+    ///     let radio = robot.radio()?;
+    ///     radio.broadcast(b"who is there?")?;
+    ///     while let Some(answer) = radio.receive_within(1.seconds())? {
+    ///         writeln!(robot.lcd(), "{}: {}", answer.from, answer.text()?);
+    ///     }
+    ///     Ok(())
+    /// }
+    /// # let fake = robios_api::fake::Fake::new().message(200.millis(), RobotNumber(2), *b"me");
+    /// # let run = fake.message(300.millis(), RobotNumber(3), *b"me too").run_robios7(greet).expect_finished();
+    /// # assert_eq!((run.lcd_line(0), run.lcd_line(1)), ("2: me", "3: me too"));
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if RoBIOS refuses it.
+    #[track_caller]
+    pub fn radio(&self) -> Result<Radio> {
+        let common = self.0.common();
+        if *locked(&common.radios) == 0 {
+            checked("RADIOInit", Device::Radio, robios7!(self, RADIOInit()))?;
+        }
+        *locked(&common.radios) += 1;
+        Ok(Radio { robot: self.clone() })
+    }
+}
+
+impl Radio {
+    /// Sends bytes, as texts of UTF-8 are, to one robot; does not wait. That they were sent does not say that they arrive.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for more than [`MAX_MESSAGE`] bytes, or a 0 among them, which ends a message; [`Error::Refused`]
+    /// while what was sent before fills the radio's buffer.
+    #[track_caller]
+    pub fn send(&self, to: RobotNumber, bytes: &[u8]) -> Result {
+        if bytes.len() > MAX_MESSAGE {
+            return Err(Error::OutOfRange {
+                what: "length of a message in bytes",
+                value: bytes.len().to_string(),
+                accepted: "up to 1023",
+            });
+        }
+        if bytes.contains(&0) {
+            return Err(Error::OutOfRange {
+                what: "byte of a message",
+                value: "0".to_owned(),
+                accepted: "1 to 255; `send_as` sends anything",
+            });
+        }
+        checked("RADIOSend", Device::Radio, robios7!(self.robot, RADIOSend(to.0.into(), ByteSlice::from(bytes))))
+    }
+
+    /// Sends bytes to all robots; does not wait.
+    ///
+    /// # Errors
+    /// As of [`send`](Self::send).
+    #[track_caller]
+    pub fn broadcast(&self, bytes: &[u8]) -> Result {
+        self.send(RobotNumber::ALL, bytes)
+    }
+
+    /// Waits for a message.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if RoBIOS refuses it.
+    #[track_caller]
+    pub fn receive(&self) -> Result<Message> {
+        let (mut from, mut room) = (0, [0; MAX_MESSAGE + 1]);
+        let code = robios7!(self.robot, RADIOReceive(&mut from, ByteRoom::from(&mut room[..])));
+        checked("RADIOReceive", Device::Radio, code)?;
+        let len = room.iter().position(|byte| *byte == 0).unwrap_or(MAX_MESSAGE);
+        Ok(Message { from: RobotNumber(from.clamp(0, 255) as u8), bytes: room[..len].to_vec() })
+    }
+
+    /// The next message, if one waits.
+    ///
+    /// # Errors
+    /// As of [`receive`](Self::receive).
+    #[track_caller]
+    pub fn try_receive(&self) -> Result<Option<Message>> {
+        if self.waiting() == 0 { Ok(None) } else { self.receive().map(Some) }
+    }
+
+    /// Waits for a message, no longer than a time; `None` if none has come. Looks every millisecond.
+    ///
+    /// # Errors
+    /// As of [`receive`](Self::receive).
+    #[track_caller]
+    pub fn receive_within(&self, span: Duration) -> Result<Option<Message>> {
+        let end = self.robot.now() + span;
+        loop {
+            let message = self.try_receive()?;
+            if message.is_some() || self.robot.now() >= end {
+                return Ok(message);
+            }
+            self.robot.sleep(LOOK);
+        }
+    }
+
+    /// How many messages wait to be received.
+    #[track_caller]
+    pub fn waiting(&self) -> usize {
+        let count: i32 = robios7!(self.robot, RADIOCheck());
+        usize::try_from(count).unwrap_or(0)
+    }
+
+    /// The robot's address.
+    #[track_caller]
+    pub fn id(&self) -> RobotNumber {
+        let id: i32 = robios7!(self.robot, RADIOGetID());
+        RobotNumber(id.clamp(0, 255) as u8)
+    }
+
+    /// The addresses of all robots whose radio is on, this one's among them.
+    #[track_caller]
+    pub fn robots(&self) -> Vec<RobotNumber> {
+        let mut ids = [0; MAX_RADIO_IDS];
+        let count: i32 = robios7!(self.robot, RADIOStatus((&mut ids[..]).into()));
+        let count = usize::try_from(count).unwrap_or(0).min(MAX_RADIO_IDS);
+        ids[..count].iter().map(|id| RobotNumber((*id).clamp(0, 255) as u8)).collect()
+    }
+}
+
+/// Messages of types: encoded by `postcard` and `cobs`, without a 0 and without a checksum. With the feature `serde`.
+#[cfg(feature = "serde")]
+impl Radio {
+    /// Sends a value to one robot; does not wait.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] if it takes more than [`MAX_MESSAGE`] bytes, or cannot be encoded; else as of
+    /// [`send`](Self::send).
+    #[track_caller]
+    pub fn send_as<T: serde::Serialize>(&self, to: RobotNumber, value: &T) -> Result {
+        self.send(to, &encoding::encoded_without_zero(value)?)
+    }
+
+    /// Waits for a value, and gives it with the address of its sender.
+    ///
+    /// # Errors
+    /// [`Error::Garbled`] for a message that is no such value to its last byte, as one whose bits were inverted may be (another may
+    /// be a wrong value: whoever has to know adds a checksum); else as of [`receive`](Self::receive).
+    #[track_caller]
+    pub fn receive_as<T: serde::de::DeserializeOwned>(&self) -> Result<(RobotNumber, T)> {
+        let message = self.receive()?;
+        Ok((message.from, self.decode(&message)?))
+    }
+
+    /// The value that a message says.
+    ///
+    /// # Errors
+    /// [`Error::Garbled`], as of [`receive_as`](Self::receive_as).
+    pub fn decode<T: serde::de::DeserializeOwned>(&self, message: &Message) -> Result<T> {
+        encoding::decoded_without_zero(message)
+    }
+}
+
+impl Drop for Radio {
+    fn drop(&mut self) {
+        let is_last = {
+            let mut radios = locked(&self.robot.0.common().radios);
+            *radios -= 1;
+            *radios == 0
+        };
+        if is_last {
+            release!(&self.robot.0, robios7, RADIORelease());
+        }
+    }
+}

@@ -1,0 +1,419 @@
+//! Multi-tasking: several tasks of one program, of which one runs at a time.
+//!
+//! No rule of the schedule is needed for memory to be safe: a task's function and what it shares with others are `Send`, each task
+//! has a [`Robot`] of its own, which no other gets hold of, and what is shared is locked.
+
+mod semaphore;
+mod shared;
+
+pub use semaphore::{Permit, Semaphore};
+pub use shared::{Shared, SharedGuard};
+
+use std::ffi::c_void;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use robios_sys::robios6::{COOP, PREEMPT};
+use robios_sys::{ByteSlice, Callback, Status};
+
+use crate::device::Device;
+use crate::entry::{self, Outcome};
+use crate::error::checked;
+use crate::robot::{Common, Tables, locked, release, robios};
+use crate::time::Timer;
+use crate::{Error, Result, Robot};
+
+/// When tasks change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TaskMode {
+    /// `COOP`: when the one that runs gives way or waits for another.
+    Cooperative,
+    /// `PREEMPT`: from [`Tasks::permit`] on also when a time slice of 10 ms is over, or one of higher priority becomes ready.
+    Preemptive,
+}
+
+/// Priority of a task: of those that are ready the highest run. `main` has a lower one than all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[allow(missing_docs, reason = "the names are the numbers")]
+pub enum Priority {
+    P1 = 1,
+    P2,
+    P3,
+    P4,
+    P5,
+    P6,
+    P7,
+    P8,
+}
+
+/// What a task is created with.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TaskSettings {
+    /// Its name in messages.
+    pub name: String,
+    /// Its priority.
+    pub priority: Priority,
+    /// Its stack; it gets more than that.
+    pub stack_bytes: u32,
+    /// Its number, for [`Tasks::uid`]; may be anything.
+    pub uid: i32,
+}
+
+/// Multi-tasking as the task sees it that has this robot.
+#[derive(Clone, Copy, Debug)]
+pub struct Tasks<'a>(&'a Robot);
+
+/// A task that was created; valid until the program ends. It can be handed to other tasks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[must_use = "a task runs once it is made ready"]
+pub struct Task(robios_sys::robios6::Task);
+
+/// Pre-emption is off while it lives, see [`Tasks::forbid`].
+#[derive(Debug)]
+#[must_use = "pre-emption is off only while it lives"]
+pub struct Forbidden<'a> {
+    robot: &'a Robot,
+    was_permitted: bool,
+}
+
+/// What a program's tasks know of each other.
+#[derive(Default)]
+pub(crate) struct TaskState {
+    is_on: bool,
+    is_permitted: bool,
+    /// How many timers there are whose functions belong to the thread of `main`.
+    pub timers: usize,
+    /// Functions of tasks that have not begun.
+    waiting: Vec<Arc<Job>>,
+}
+
+impl TaskSettings {
+    /// A task of this name and priority, with a stack of 256 KiB and the number 0.
+    pub fn new(name: impl Into<String>, priority: Priority) -> Self {
+        Self { name: name.into(), priority, stack_bytes: 256 * 1024, uid: 0 }
+    }
+}
+
+impl Robot {
+    /// Starts multi-tasking: from now on the function that calls is a task, of a lower priority than all others.
+    ///
+    /// A program has one kind of multi-tasking, from there to its end. It ends when `main` does. A task that panics or returns an
+    /// error ends the program.
+    ///
+    /// ```
+    /// # use robios_api::prelude::*;
+    /// use robios_api::{Priority, TaskMode};
+    ///
+    /// fn main(robot: &Robot) -> Result {
+    ///     let tasks = robot.multi_tasking(TaskMode::Preemptive)?;
+    ///     let nearest = tasks.shared(None)?;
+    ///     let sensed = tasks.semaphore(0)?;
+    ///
+    ///     let (seen, done) = (nearest.clone(), sensed.clone());
+    ///     let sense = tasks.spawn("sense", Priority::P2, move |robot| -> Result {
+    ///         let front = robot.psd(PsdAt::Front)?;
+    ///         loop {
+    ///             *seen.lock(robot) = front.distance();
+    ///             done.signal(robot);
+    ///             robot.tasks().sleep(60.millis())?;
+    ///         }
+    ///     })?;
+    ///     sense.ready(robot)?;
+    ///     tasks.permit()?;
+    ///
+    ///     let drive = robot.drive()?;
+    ///     drive.set_speed(0.2.metres_per_second(), 0.radians_per_second())?;
+    ///     loop {
+    ///         sensed.wait(robot);
+    ///         if nearest.lock(robot).is_some_and(|distance| distance < 0.2.metres()) {
+    ///             return drive.stop();
+    ///         }
+    ///     }
+    /// }
+    /// # let fake = robios_api::fake::Fake::new().psd(PsdAt::Front, |now| Some(1.metres() - now.position.x));
+    /// # let run = fake.run(main).expect_finished();
+    /// # assert!((run.position().x - 0.8.metres()).abs() < 30.millimetres());
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if multi-tasking is on already; [`Error::Unsuitable`] while there are timers of
+    /// [`every`](Self::every): see [`Tasks::every`].
+    #[track_caller]
+    pub fn multi_tasking(&self, mode: TaskMode) -> Result<Tasks<'_>> {
+        if locked(&self.common().tasks).timers > 0 {
+            return Err(Error::Unsuitable { what: "a timer of `Robot::every` with tasks", instead: "`Tasks::every`" });
+        }
+        let code = match mode {
+            TaskMode::Cooperative => COOP,
+            TaskMode::Preemptive => PREEMPT,
+        };
+        checked("OSMTInit", Device::Tasks, robios!(self, OSMTInit(code as u8)))?;
+        locked(&self.common().tasks).is_on = true;
+        Ok(Tasks(self))
+    }
+
+    /// Multi-tasking, for a task that has not started it.
+    pub fn tasks(&self) -> Tasks<'_> {
+        Tasks(self)
+    }
+
+    /// Drops the functions of tasks that will not begin any more.
+    pub(crate) fn forget_tasks(&self) {
+        let waiting = std::mem::take(&mut locked(&self.common().tasks).waiting);
+        drop(waiting);
+    }
+
+    /// Counts a timer whose function belongs to this thread.
+    pub(crate) fn admit_timer(&self) -> Result {
+        let tasks = &mut *locked(&self.common().tasks);
+        if tasks.is_on {
+            return Err(Error::Unsuitable { what: "`Robot::every` with tasks", instead: "`Tasks::every`" });
+        }
+        tasks.timers += 1;
+        Ok(())
+    }
+}
+
+impl<'a> Tasks<'a> {
+    /// The mode; `None` before it was started.
+    #[track_caller]
+    pub fn mode(self) -> Option<TaskMode> {
+        match robios!(self.0, OSMTStatus()) {
+            COOP => Some(TaskMode::Cooperative),
+            PREEMPT => Some(TaskMode::Preemptive),
+            _ => None,
+        }
+    }
+
+    /// Creates a task, which is not ready yet: see [`Task::ready`].
+    ///
+    /// Its function gets a robot of its own, of which it asks the devices that it uses. It may return nothing or a `Result`, as
+    /// `main` may.
+    ///
+    /// # Errors
+    /// [`Error::Unavailable`] if there are too many tasks, or none can be.
+    #[track_caller]
+    pub fn spawn<O: Outcome>(
+        self,
+        name: &str,
+        priority: Priority,
+        function: impl FnOnce(&Robot) -> O + Send + 'static,
+    ) -> Result<Task> {
+        self.spawn_with(TaskSettings::new(name, priority), function)
+    }
+
+    /// As [`spawn`](Self::spawn), with all settings.
+    ///
+    /// # Errors
+    /// As of [`spawn`](Self::spawn).
+    #[track_caller]
+    pub fn spawn_with<O: Outcome>(
+        self,
+        settings: TaskSettings,
+        function: impl FnOnce(&Robot) -> O + Send + 'static,
+    ) -> Result<Task> {
+        let Some(tables) = self.0.tables() else { return Err(Error::Unavailable(Device::Tasks)) };
+        let job = Arc::new(Job {
+            tables,
+            common: Arc::clone(self.0.common()),
+            function: Mutex::new(Some(Box::new(move |robot| function(robot).failure()))),
+        });
+        let callback = Callback { code: Some(begin), data: Arc::as_ptr(&job).cast_mut().cast() };
+        locked(&self.0.common().tasks).waiting.push(Arc::clone(&job));
+        let name = ByteSlice::from(settings.name.as_str());
+        let stack = i32::try_from(settings.stack_bytes).unwrap_or(i32::MAX);
+        match robios!(self.0, OSSpawn(name, callback, stack, settings.priority as i32, settings.uid)) {
+            0 => {
+                job.forget();
+                Err(Error::Unavailable(Device::Tasks))
+            }
+            task => Ok(Task(task)),
+        }
+    }
+
+    /// Makes a semaphore that so many may pass at first.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if RoBIOS refuses it.
+    #[track_caller]
+    pub fn semaphore(self, permits: u32) -> Result<Semaphore> {
+        Semaphore::new(self.0, permits)
+    }
+
+    /// Makes a value that tasks share: who has it locked is alone with it.
+    ///
+    /// # Errors
+    /// As of [`semaphore`](Self::semaphore), of which it needs one.
+    #[track_caller]
+    pub fn shared<T>(self, value: T) -> Result<Shared<T>> {
+        Shared::new(self.0, value)
+    }
+
+    /// The number that this task was created with; 0 for `main`.
+    #[track_caller]
+    pub fn uid(self) -> i32 {
+        robios!(self.0, OSGetUID(0))
+    }
+
+    /// Lets the next ready task of the highest priority run; this one stays ready.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] without multi-tasking.
+    #[track_caller]
+    pub fn reschedule(self) -> Result {
+        checked("OSReschedule", Device::Tasks, robios!(self.0, OSReschedule()))
+    }
+
+    /// Suspends this task until another makes it ready.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] without multi-tasking.
+    #[track_caller]
+    pub fn suspend_self(self) -> Result {
+        checked("OSYield", Device::Tasks, robios!(self.0, OSYield()))
+    }
+
+    /// Lets the others run for a time, in whole hundredths of a second, rounded up.
+    ///
+    /// [`Robot::sleep`] keeps the processor meanwhile, as a loop that does nothing would.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if RoBIOS refuses it.
+    #[track_caller]
+    pub fn sleep(self, span: Duration) -> Result {
+        let hundredths = i32::try_from(span.as_nanos().div_ceil(10_000_000)).unwrap_or(i32::MAX);
+        checked("OSSleep", Device::Tasks, robios!(self.0, OSSleep(hundredths)))
+    }
+
+    /// Switches pre-emption on; it is off at first.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] without multi-tasking.
+    #[track_caller]
+    pub fn permit(self) -> Result {
+        checked("OSPermit", Device::Tasks, robios!(self.0, OSPermit()))?;
+        locked(&self.0.common().tasks).is_permitted = true;
+        Ok(())
+    }
+
+    /// Switches pre-emption off until the guard is dropped, which leaves it as it was before.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] without multi-tasking.
+    #[track_caller]
+    pub fn forbid(self) -> Result<Forbidden<'a>> {
+        checked("OSForbid", Device::Tasks, robios!(self.0, OSForbid()))?;
+        let was_permitted = std::mem::replace(&mut locked(&self.0.common().tasks).is_permitted, false);
+        Ok(Forbidden { robot: self.0, was_permitted })
+    }
+
+    /// Calls a function at regular times, as [`Robot::every`] does, where there are tasks.
+    ///
+    /// It runs inside whatever call the program makes at that time, on the thread of whatever task that is: so it must be `Send`, and
+    /// it asks its robot for the devices that it uses. It may make tasks ready and signal semaphores, but must not wait.
+    ///
+    /// # Errors
+    /// As of [`Robot::every`].
+    #[track_caller]
+    pub fn every(self, period: Duration, function: impl FnMut(&Robot) + Send + 'static) -> Result<Timer> {
+        Timer::of_any_task(self.0, period, Box::new(function))
+    }
+}
+
+impl Task {
+    /// Makes it ready to run.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if it has ended.
+    #[track_caller]
+    pub fn ready(self, robot: &Robot) -> Result {
+        checked("OSReady", Device::Tasks, robios!(robot, OSReady(self.0)))
+    }
+
+    /// Suspends it until it is made ready again.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if it has ended.
+    #[track_caller]
+    pub fn suspend(self, robot: &Robot) -> Result {
+        checked("OSSuspend", Device::Tasks, robios!(robot, OSSuspend(self.0)))
+    }
+
+    /// Makes it ready and lets the next ready task of the highest priority run.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if it has ended.
+    #[track_caller]
+    pub fn run(self, robot: &Robot) -> Result {
+        checked("OSRun", Device::Tasks, robios!(robot, OSRun(self.0)))
+    }
+
+    /// Ends it: it goes no further than the call that it is in, and what it has is dropped.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if it has ended.
+    #[track_caller]
+    pub fn kill(self, robot: &Robot) -> Result {
+        checked("OSKill", Device::Tasks, robios!(robot, OSKill(self.0)))
+    }
+
+    /// The number that it was created with.
+    #[track_caller]
+    pub fn uid(self, robot: &Robot) -> i32 {
+        robios!(robot, OSGetUID(self.0))
+    }
+}
+
+impl Drop for Forbidden<'_> {
+    fn drop(&mut self) {
+        if self.was_permitted {
+            locked(&self.robot.common().tasks).is_permitted = true;
+            release!(self.robot, OSPermit());
+        }
+    }
+}
+
+/// The function of a task, until it begins.
+struct Job {
+    tables: Tables,
+    common: Arc<Common>,
+    function: Mutex<Option<Box<Function>>>,
+}
+
+/// A task's function; gives the text of its failure, if it fails.
+type Function = dyn FnOnce(&Robot) -> Option<String> + Send;
+
+impl Job {
+    fn begin(&self) -> Status {
+        let Some(function) = locked(&self.function).take() else { return Status::OK };
+        self.forget();
+        let robot = Robot::of_task(self.tables, Arc::clone(&self.common));
+        let status = entry::run_task(&robot, || function(&robot));
+        robot.close();
+        status
+    }
+
+    /// Takes it from those that have not begun.
+    fn forget(&self) {
+        let mut tasks = locked(&self.common.tasks);
+        let place = tasks.waiting.iter().position(|job| std::ptr::eq(&**job, self));
+        let job = place.map(|place| tasks.waiting.swap_remove(place));
+        // What the function holds may ask for the lock when it is dropped.
+        drop(tasks);
+        drop(job);
+    }
+}
+
+/// What the host calls when the task's turn comes first.
+///
+/// # Safety
+/// `data` is a [`Job`] that has not begun, and its program's `main` has not been left.
+unsafe extern "C" fn begin(data: *mut c_void) -> Status {
+    let job = data.cast_const().cast::<Job>();
+    // SAFETY: those that have not begun hold one count of the job; a second one keeps it alive to the end of the task.
+    let job = unsafe {
+        Arc::increment_strong_count(job);
+        Arc::from_raw(job)
+    };
+    job.begin()
+}

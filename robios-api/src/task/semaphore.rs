@@ -1,0 +1,66 @@
+//! Semaphores.
+
+use crate::device::Device;
+use crate::error::checked;
+use crate::robot::{release, robios};
+use crate::{Result, Robot};
+
+/// A semaphore; a clone is the same one. It can be handed to other tasks.
+#[derive(Clone, Debug)]
+pub struct Semaphore {
+    number: robios_sys::robios6::Semaphore,
+}
+
+/// A semaphore was passed; dropping it lets one more pass.
+#[derive(Debug)]
+#[must_use = "the semaphore is passed only while it lives"]
+pub struct Permit<'a> {
+    robot: &'a Robot,
+    number: robios_sys::robios6::Semaphore,
+}
+
+impl Semaphore {
+    #[track_caller]
+    pub(super) fn new(robot: &Robot, permits: u32) -> Result<Self> {
+        let permits = i32::try_from(permits).unwrap_or(i32::MAX);
+        let mut number = 0;
+        checked("OSSemInit", Device::Semaphore, robios!(robot, OSSemInit(&mut number, permits)))?;
+        Ok(Self { number })
+    }
+
+    /// Passes it, or waits until one may.
+    ///
+    /// # Panics
+    /// If it was made in another run.
+    #[track_caller]
+    pub fn wait(&self, robot: &Robot) {
+        let code: i32 = robios!(robot, OSSemP(self.number));
+        assert!(code == 0, "the semaphore was made in another run");
+    }
+
+    /// Lets one more pass: the task that has waited longest, if there is one. Does not wait.
+    ///
+    /// # Panics
+    /// If it was made in another run.
+    #[track_caller]
+    pub fn signal(&self, robot: &Robot) {
+        let code: i32 = robios!(robot, OSSemV(self.number));
+        assert!(code == 0, "the semaphore was made in another run");
+    }
+
+    /// Passes it as [`wait`](Self::wait) does, until what is returned is dropped.
+    ///
+    /// # Panics
+    /// As [`wait`](Self::wait).
+    #[track_caller]
+    pub fn acquire<'a>(&self, robot: &'a Robot) -> Permit<'a> {
+        self.wait(robot);
+        Permit { robot, number: self.number }
+    }
+}
+
+impl Drop for Permit<'_> {
+    fn drop(&mut self) {
+        release!(self.robot, OSSemV(self.number));
+    }
+}
