@@ -1,4 +1,4 @@
-/* A convoy. Robot 1 drives an eight; each other one follows the robot with the number before its own on its very trail. Everybody
+/* A convoy. Robot 1 drives an eight and half a circle; each other one follows the robot with the number before its own on its very trail. Everybody
    broadcasts its pose ten times a second, and ends when the one ahead has been silent for a while.
    Arguments: where it starts, in mm and degrees, so that all mean the same by a pose. */
 #include <math.h>
@@ -38,11 +38,11 @@ static void broadcast_pose(void)
 
 static void lead(void)
 {
-  int half, left;
+  static const double angles[] = { 2 * M_PI, -2 * M_PI, M_PI };
+  int i;
 
-  for (half = 0; half < 4; half++) {
-    left = half % 2 == 0;
-    VWDriveCurve(vw, 2 * M_PI * RADIUS, left ? 2 * M_PI : -2 * M_PI, SPEED);
+  for (i = 0; i < 3; i++) {
+    VWDriveCurve(vw, fabs(angles[i]) * RADIUS, angles[i], SPEED);
     while (!VWDriveDone(vw)) {
       broadcast_pose();
       OSWait(PERIOD);

@@ -1,4 +1,4 @@
-//! A convoy: robot 1 drives an eight; each other one follows the robot with the number before its own on its very trail.
+//! A convoy: robot 1 drives an eight and half a circle; each other one follows the robot with the number before its own on its very trail.
 //!
 //! Everybody broadcasts its pose ten times a second, and ends when the one ahead has been silent for a while. Arguments: where it
 //! starts, in mm and degrees, so that all mean the same by a pose. `convoy-c` is the same in C and drives with it.
@@ -41,10 +41,9 @@ fn main(robot: &Robot) -> Result<(), Box<dyn Error>> {
 }
 
 fn lead(robot: &Robot, drive: &Drive, radio: &Radio) -> Result {
-    for turn in [1.0, -1.0, 1.0, -1.0] {
-        let circle = 360.degrees();
-        let way = RADIUS * circle.as_radians();
-        drive.curve(way, turn * circle, 0.2.metres_per_second())?;
+    for angle in [360.degrees(), -360.degrees(), 180.degrees()] {
+        let way = RADIUS * angle.abs().as_radians();
+        drive.curve(way, angle, 0.2.metres_per_second())?;
         while !drive.is_done() {
             broadcast_pose(drive, radio)?;
             robot.sleep(PERIOD);
@@ -110,18 +109,18 @@ impl Trail {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robios_api::fake::{Fake, Run};
+    use robios_api::fake::Fake;
 
     /// The fake robot has the number 1.
     #[test]
-    fn the_leader_comes_back_and_tells_where_it_is() {
+    fn the_leader_tells_where_it_is() {
         let run =
             Fake::new().argument("500").argument("0").argument("0").until(200.seconds()).run(main).expect_finished();
-        assert!(run.position().distance_to(Default::default()) < 1.millimetres());
-        let way = |run: &Run| run.sent().iter().filter_map(|sent| place_of(&sent.bytes)).collect::<Vec<_>>();
-        let farthest = way(&run).iter().map(|at| at.y).fold(0.metres(), Length::max);
-        assert!((farthest - 2.0 * RADIUS).abs() < 5.millimetres());
-        assert_eq!(way(&run)[0].x, 500.millimetres());
+        assert!((run.position().y - 2.0 * RADIUS).abs() < 1.millimetres());
+        let way: Vec<Position> = run.sent().iter().filter_map(|sent| place_of(&sent.bytes)).collect();
+        let lowest = way.iter().map(|at| at.y).fold(0.metres(), Length::min);
+        assert!((lowest + 2.0 * RADIUS).abs() < 5.millimetres());
+        assert_eq!(way[0].x, 500.millimetres());
     }
 
     #[test]

@@ -113,6 +113,9 @@ impl Tasks {
     }
 
     fn make_ready(&mut self, task: usize) {
+        if self.list[task].status == Status::Ended {
+            return;
+        }
         self.readied += 1;
         self.list[task].status = Status::Ready;
         self.list[task].place = self.readied;
@@ -169,14 +172,10 @@ impl State {
     fn is_preempted(&mut self) -> bool {
         let now_us = self.now_us;
         self.tasks.wake(now_us);
-        let Some(next) = self.tasks.next() else { return false };
         let current = self.tasks.current;
-        let is_higher = self.tasks.list[next].priority > self.tasks.list[current].priority;
         if now_us >= self.tasks.slice_end_us {
             self.tasks.switch_to(current, now_us);
-            if !is_higher {
-                self.tasks.make_ready(current);
-            }
+            self.tasks.make_ready(current);
         }
         self.tasks.next() != Some(current)
     }

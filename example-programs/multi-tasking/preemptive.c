@@ -1,0 +1,60 @@
+/* The classic example of multi-tasking, pre-emptive: the master spawns three tasks. Two of the same priority take turns every 10 ms;
+   the third has a higher one and gets its turn as soon as it has slept. The master, which has the lowest, goes on when no
+   other is ready. */
+#include <stdio.h>
+#include "eyebot.h"
+
+#define TASKS  3
+#define STEPS  6
+
+static struct sem console;
+static int running = TASKS;
+
+static void say(const char *what, int step)
+{
+  OSSemP(&console);
+  printf("%s %d: %s %d\n", "task", OSGetUID(0), what, step);
+  OSSemV(&console);
+}
+
+static void work(void)
+{
+  int step;
+
+  for (step = 1; step <= STEPS; step++) {
+    say("step", step);
+    OSWait(1);  /* is busy: others of its priority get their turn, the master does not */
+  }
+  running--;
+}
+
+static void watch(void)
+{
+  int step;
+
+  for (step = 1; step <= STEPS / 2; step++) {
+    say("looks", step);
+    OSSleep(4);  /* lets the others run */
+  }
+  running--;
+}
+
+int main(void)
+{
+  struct tcb *task[TASKS];
+  int i, idle = 0;
+
+  OSMTInit(PREEMPT);
+  OSSemInit(&console, 1);
+  task[0] = OSSpawn("worker 1", work, SMALL_STACKSIZE, 3, 1);
+  task[1] = OSSpawn("worker 2", work, SMALL_STACKSIZE, 3, 2);
+  task[2] = OSSpawn("watcher", watch, SMALL_STACKSIZE, 5, 3);
+  for (i = 0; i < TASKS; i++)
+    OSReady(task[i]);
+  printf("master: ready\n");
+  OSPermit();  /* from here on tasks change by themselves */
+  for (; running > 0; idle++)
+    OSWait(1);
+  printf("master: done, %s\n", idle > 0 ? "was idle" : "was never idle");
+  return 0;
+}

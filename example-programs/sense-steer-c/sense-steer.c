@@ -1,0 +1,91 @@
+/* A control task beside a sensing task: one measures on and on, the other one steers by what was measured, and waits at a semaphore
+   for it meanwhile. The robot drives about for a minute and keeps clear of everything. */
+#include <stdio.h>
+#include "eyebot.h"
+
+#define SENSORS  5
+#define SECONDS  60
+#define PERIOD   6      /* 1/100 s: a cycle of the sensors */
+#define SPEED    0.3    /* m/s */
+#define RATE     2.0    /* rad/s */
+#define NEAR_MM  220    /* there it turns on the spot */
+#define FAR_MM   600
+
+static struct sem measured;  /* passed once for each measurement */
+static struct sem access;    /* of what was measured */
+static int distance[SENSORS];
+static int measurements, commands;
+
+static PSDHandle psd[SENSORS];
+static VWHandle vw;
+
+static void sense(void)
+{
+  int i, mm[SENSORS];
+
+  for (;;) {
+    for (i = 0; i < SENSORS; i++)
+      mm[i] = PSDGet(psd[i]);
+    OSSemP(&access);
+    for (i = 0; i < SENSORS; i++)
+      distance[i] = mm[i] < FAR_MM ? mm[i] : FAR_MM;
+    measurements++;
+    OSSemV(&access);
+    OSSemV(&measured);
+    OSSleep(PERIOD);
+  }
+}
+
+static int least(int a, int b) { return a < b ? a : b; }
+
+static void steer(void)
+{
+  int ahead, left, right, side = 1;
+
+  for (;;) {
+    OSSemP(&measured);
+    OSSemP(&access);
+    left = least(distance[0], distance[1]);
+    right = least(distance[3], distance[4]);
+    ahead = least(distance[2], least(distance[1], distance[3]));
+    OSSemV(&access);
+    if (ahead < NEAR_MM) {
+      VWSetSpeed(vw, 0, side * RATE);
+    } else {
+      side = left < right ? -1 : 1;  /* where there is more room, until the way is free */
+      VWSetSpeed(vw, SPEED * least(ahead, left + right) / FAR_MM, RATE * (left - right) / FAR_MM);
+    }
+    commands++;
+  }
+}
+
+int main(void)
+{
+  static const DeviceSemantics places[SENSORS] = {  /* from left to right */
+    PSD_LEFTDIAG, PSD_FRONTLEFT, PSD_FRONT, PSD_FRONTRIGHT, PSD_RIGHTDIAG
+  };
+  struct tcb *sensing, *control;
+  PSDHandle all = 0;
+  int i;
+
+  vw = VWInit(VW_DRIVE, 1);
+  for (i = 0; i < SENSORS; i++)
+    all |= psd[i] = PSDInit(places[i]);
+  PSDStart(all, TRUE);
+  OSWait(PERIOD + 1);  /* the first values */
+
+  OSMTInit(PREEMPT);
+  OSSemInit(&measured, 0);
+  OSSemInit(&access, 1);
+  sensing = OSSpawn("sense", sense, SMALL_STACKSIZE, 4, 1);
+  control = OSSpawn("steer", steer, SMALL_STACKSIZE, 5, 2);
+  OSReady(sensing);
+  OSReady(control);
+  OSPermit();
+
+  OSSleep(SECONDS * 100);
+  OSForbid();
+  VWSetSpeed(vw, 0, 0);
+  printf("%d measurements, %d commands\n", measurements, commands);
+  return 0;
+}

@@ -1,0 +1,70 @@
+//! Three robots make one map of a maze of three lanes, over a radio that loses and garbles messages.
+//!
+//! Each drives along the lane of its number, from the lowest up, and looks in every cell for walls at both sides. What it finds it
+//! tells the others, each for itself, until it is acknowledged (stop-and-wait). A checksum tells what was garbled, which is as good as
+//! lost. In the end all have the same map.
+
+mod link;
+
+use robios_api::RobotNumber;
+use robios_api::prelude::*;
+
+use link::{Link, Walls};
+
+robios_api::program!(main);
+
+/// How many lanes, and robots.
+const LANES: u8 = 3;
+const COLUMNS: u8 = 8;
+const CELL: Length = Length::millimetres(360.0);
+/// A wall at the side is nearer than this to a sensor at the robot's side, 80 mm off its centre; a robot in the next lane is not.
+const NEAR: Length = Length::millimetres(140.0);
+
+/// What is known, lane by lane.
+type Map = [[Option<Walls>; COLUMNS as usize]; LANES as usize];
+
+fn main(robot: &Robot) -> Result {
+    let drive = robot.drive()?;
+    let [left, right] = robot.psds([PsdAt::Left, PsdAt::Right])?;
+    let is_near = |psd: &Psd| psd.distance().is_some_and(|distance| distance < NEAR);
+    let me = robot.id();
+    let lane = me.0 - 1;
+    let mut link = Link::new(robot.radio()?, (1..=LANES).map(RobotNumber).filter(|other| *other != me));
+    let mut map = Map::default();
+
+    for column in 0..COLUMNS {
+        // The sensors measure every 60 ms.
+        link.serve(robot, 100.millis(), &mut map)?;
+        let walls = Walls { left: is_near(&left), right: is_near(&right) };
+        map[usize::from(lane)][usize::from(column)] = Some(walls);
+        link.tell_all(lane, column, walls);
+        if column + 1 < COLUMNS {
+            drive.straight(CELL, 0.2.metres_per_second())?;
+            while !drive.is_done() {
+                link.serve(robot, 50.millis(), &mut map)?;
+            }
+        }
+    }
+    while link.is_telling() || map.as_flattened().contains(&None) {
+        link.serve(robot, 50.millis(), &mut map)?;
+    }
+    for (lane, cells) in map.iter().enumerate() {
+        writeln!(robot.console(), "lane {lane} {}", shown(cells));
+    }
+    // The others may still wait for an acknowledgement that was lost.
+    link.serve_until_silent(robot, 3.seconds(), &mut map)?;
+    writeln!(robot.console(), "{} repeats, {} garbled", link.repeats(), link.garbled());
+    Ok(())
+}
+
+/// A lane as text: `=` walls at both sides, `'` at the left, `.` at the right, `-` none.
+fn shown(cells: &[Option<Walls>]) -> String {
+    let mark = |cell: &Option<Walls>| match cell {
+        Some(Walls { left: true, right: true }) => '=',
+        Some(Walls { left: true, right: false }) => '\'',
+        Some(Walls { left: false, right: true }) => '.',
+        Some(Walls { left: false, right: false }) => '-',
+        None => '?',
+    };
+    cells.iter().map(mark).collect()
+}
