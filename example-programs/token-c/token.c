@@ -12,6 +12,7 @@
 #define LINGER   300   /* 1/100 s at the end: the other's last acknowledgement may be lost */
 
 static int me, previous, next;
+static unsigned taken;  /* the last hop that ended here */
 static int repeats;
 
 static void send(int to, char kind, unsigned hop)
@@ -22,62 +23,58 @@ static void send(int to, char kind, unsigned hop)
     OSWait(1);  /* the buffer is full */
 }
 
-static char receive(unsigned *hop)
+/* Waits for a message and takes the token if it is one; the hop that it acknowledges, else 0. */
+static unsigned receive(void)
 {
   BYTE sender, message[MAXMSGLEN];
+  unsigned hop;
   int length = 0;
 
   if (RADIORecv(&sender, &length, message) != 0 || length != LENGTH)
     return 0;
-  *hop = message[1] | message[2] << 8 | message[3] << 16 | (unsigned)message[4] << 24;
-  return message[0];
+  hop = message[1] | message[2] << 8 | message[3] << 16 | (unsigned)message[4] << 24;
+  if (message[0] == ACK)
+    return hop;
+  send(previous, ACK, hop);  /* also for an old one: its acknowledgement was lost */
+  if (hop > taken)
+    taken = hop;
+  return 0;
 }
 
-/* Waits for a message, no longer than a time; 0 if none has come. */
-static char receive_until(int end, unsigned *hop)
+/* Whether there is a message before a time. */
+static int is_message(int end)
 {
   while (!RADIOCheck()) {
     if (OSGetCount() >= end)
-      return 0;
+      return FALSE;
     OSWait(1);
   }
-  return receive(hop);
+  return TRUE;
 }
 
 static void take(unsigned hop)
 {
-  unsigned number;
-  char kind;
-
-  do {
-    kind = receive(&number);
-    if (kind == TOKEN && number <= hop)
-      send(previous, ACK, number);  /* also an old one: its acknowledgement was lost */
-  } while (kind != TOKEN || number != hop);
+  while (taken < hop)
+    receive();
 }
 
 static void pass(unsigned hop)
 {
-  unsigned number;
-  char kind;
   int end;
 
   for (;; repeats++) {
     send(next, TOKEN, hop);
     end = OSGetCount() + TIMEOUT;
-    while ((kind = receive_until(end, &number)) != 0) {
-      if (kind == ACK && number == hop)
+    while (is_message(end))
+      if (receive() == hop || taken > hop)  /* it may have come round before its acknowledgement */
         return;
-      if (kind == TOKEN)
-        send(previous, ACK, number);
-    }
   }
 }
 
 int main(int argc, char *argv[])
 {
   unsigned robots = argc > 1 ? atoi(argv[1]) : 2, rounds = argc > 2 ? atoi(argv[2]) : 10;
-  unsigned round, number;
+  unsigned round;
 
   me = OSMachineID();
   next = me % robots + 1;
@@ -94,8 +91,8 @@ int main(int argc, char *argv[])
   }
   printf("%u rounds, %d repeats\n", rounds, repeats);
 
-  while (receive_until(OSGetCount() + LINGER, &number) == TOKEN)
-    send(previous, ACK, number);
+  while (is_message(OSGetCount() + LINGER))
+    receive();
   RADIOTerm();
   return 0;
 }

@@ -45,41 +45,45 @@ struct Station {
     radio: Radio,
     previous: RobotNumber,
     next: RobotNumber,
+    /// The last hop that ended here.
+    taken: u32,
     repeats: u32,
 }
 
 impl Station {
-    fn take(&self, hop: u32) -> Result {
-        loop {
-            match Message::from_bytes(&self.radio.receive()?.bytes) {
-                // Also an old one: its acknowledgement was lost.
-                Some(Message::Token(number)) if number <= hop => {
-                    self.acknowledge(number)?;
-                    if number == hop {
-                        return Ok(());
-                    }
-                }
-                _ => {}
-            }
+    fn take(&mut self, hop: u32) -> Result {
+        while self.taken < hop {
+            let message = self.radio.receive()?;
+            self.hear(&message.bytes)?;
         }
+        Ok(())
     }
 
     fn pass(&mut self, hop: u32) -> Result {
         loop {
             self.radio.send(self.next, &Message::Token(hop).to_bytes())?;
             while let Some(message) = self.radio.receive_within(TIMEOUT)? {
-                match Message::from_bytes(&message.bytes) {
-                    Some(Message::Ack(number)) if number == hop => return Ok(()),
-                    Some(Message::Token(number)) => self.acknowledge(number)?,
-                    _ => {}
+                // It may have come round before its acknowledgement.
+                if self.hear(&message.bytes)? == Some(hop) || self.taken > hop {
+                    return Ok(());
                 }
             }
             self.repeats += 1;
         }
     }
 
-    fn acknowledge(&self, hop: u32) -> Result {
-        self.radio.send(self.previous, &Message::Ack(hop).to_bytes())
+    /// Takes the token if the message is one; the hop that it acknowledges if not.
+    fn hear(&mut self, message: &[u8]) -> Result<Option<u32>> {
+        match Message::from_bytes(message) {
+            Some(Message::Token(hop)) => {
+                // Also for an old one: its acknowledgement was lost.
+                self.radio.send(self.previous, &Message::Ack(hop).to_bytes())?;
+                self.taken = self.taken.max(hop);
+                Ok(None)
+            }
+            Some(Message::Ack(hop)) => Ok(Some(hop)),
+            None => Ok(None),
+        }
     }
 }
 
@@ -92,6 +96,7 @@ fn main(robot: &Robot) -> Result<(), Box<dyn Error>> {
         radio: robot.radio()?,
         previous: address((me + robots - 2) % robots + 1)?,
         next: address(me % robots + 1)?,
+        taken: 0,
         repeats: 0,
     };
     for round in 0..rounds {
@@ -106,9 +111,7 @@ fn main(robot: &Robot) -> Result<(), Box<dyn Error>> {
     writeln!(robot.console(), "{rounds} rounds, {} repeats", station.repeats);
 
     while let Some(message) = station.radio.receive_within(LINGER)? {
-        if let Some(Message::Token(number)) = Message::from_bytes(&message.bytes) {
-            station.acknowledge(number)?;
-        }
+        station.hear(&message.bytes)?;
     }
     Ok(())
 }
@@ -142,7 +145,11 @@ mod tests {
             }
         });
         let fake = (1..=5).fold(fake, |fake, round: u32| {
-            fake.message((2 * u64::from(round)).seconds(), RobotNumber(2), Message::Token(2 * round).to_bytes())
+            fake.message(
+                Duration::from_secs(2 * u64::from(round)),
+                RobotNumber(2),
+                Message::Token(2 * round).to_bytes(),
+            )
         });
         let run = fake.run(main).expect_finished();
         let tokens = run.sent().iter().filter(|sent| sent.bytes[0] == b'T').count();

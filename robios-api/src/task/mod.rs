@@ -104,7 +104,7 @@ impl Robot {
     /// # use robios_api::prelude::*;
     /// use robios_api::{Priority, TaskMode};
     ///
-    /// fn main(robot: &Robot) -> Result {
+    /// fn approach(robot: &Robot) -> Result {
     ///     let tasks = robot.multi_tasking(TaskMode::Preemptive)?;
     ///     let nearest = tasks.shared(None)?;
     ///     let sensed = tasks.semaphore(0)?;
@@ -131,7 +131,7 @@ impl Robot {
     ///     }
     /// }
     /// # let fake = robios_api::fake::Fake::new().psd(PsdAt::Front, |now| Some(1.metres() - now.position.x));
-    /// # let run = fake.run(main).expect_finished();
+    /// # let run = fake.run(approach).expect_finished();
     /// # assert!((run.position().x - 0.8.metres()).abs() < 30.millimetres());
     /// ```
     ///
