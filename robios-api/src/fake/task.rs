@@ -290,7 +290,9 @@ impl FakeRobot {
             let robot = Shared(self);
             // SAFETY: the robot lives until `end_tasks` has seen the end of the thread.
             let life = move || unsafe { (*{ robot }.0).live(task) };
-            state.tasks.threads.push(std::thread::spawn(life));
+            let name = state.tasks.list[task].name.replace('\0', "");
+            let thread = std::thread::Builder::new().name(name).spawn(life).expect("the system has room for a thread");
+            state.tasks.threads.push(thread);
         }
     }
 

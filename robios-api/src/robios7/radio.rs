@@ -145,8 +145,9 @@ impl Radio {
     /// The addresses of all robots whose radio is on, this one's among them.
     #[track_caller]
     pub fn robots(&self) -> Vec<RobotNumber> {
-        let mut ids = [0; MAX_RADIO_IDS];
-        let count: i32 = robios7!(self.robot, RADIOStatus((&mut ids[..]).into()));
+        let mut ids = [0_i32; MAX_RADIO_IDS];
+        let room = ByteRoom { data: ids.as_mut_ptr().cast(), len: ids.len() };
+        let count: i32 = robios7!(self.robot, RADIOStatus(room));
         let count = usize::try_from(count).unwrap_or(0).min(MAX_RADIO_IDS);
         ids[..count].iter().map(|id| RobotNumber((*id).clamp(0, 255) as u8)).collect()
     }
