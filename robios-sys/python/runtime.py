@@ -466,13 +466,14 @@ def ANALOGTransfer():
 
 
 def RADIOReceive(size=1024):
-    """Waits for a message: address of its sender, and text."""
+    """Waits for a message: address of its sender, and text; 0 and no text if the radio is off. Bytes that are no UTF-8, as damaged
+    ones may be, show as the replacement character."""
     sender, data, _result = _call(_RADIOReceive, None, size)
     return sender, _text(data)
 
 
 def RADIOStatus():
-    """Addresses of the robots on the radio."""
+    """Addresses of the robots whose radios are on, the own one included; none if that is off."""
     return _call(_RADIOStatus, 256)[0]
 
 

@@ -761,3 +761,149 @@ fn a_flood_of_messages_stays_in_bounds() {
     assert_eq!(ran.code, Some(0), "{ran:#?}");
     assert!(ran.stdout.contains(" sent"), "{ran:#?}");
 }
+
+#[test]
+fn each_task_of_a_robot_can_wait_for_messages() {
+    // 22 bytes at 1200 baud take 183334 us.
+    let sender = "
+        #include \"eyebot.h\"
+        int main(void) { RADIOInit(); OSWait(100); RADIOSend(2, \"fifteen letters\"); OSWait(1000); return 0; }";
+    let receiver = r#"
+        #include "eyebot.h"
+        #include <pthread.h>
+        #include <stdio.h>
+        static void *listen(void *p)
+        {
+            char text[100];
+            int id;
+            RADIOReceive(&id, text, sizeof text);
+            printf("%s at %d\n", text, OSGetCount());
+            return p;
+        }
+        int main(void)
+        {
+            pthread_t task;
+            RADIOInit();
+            pthread_create(&task, NULL, listen, NULL);
+            OSWait(7000);
+            pthread_join(task, NULL);
+            return 0;
+        }"#;
+    let scratch = row(&["sender.c", "receiver.c"], "[radio]\nbaud = 1200\n");
+    scratch.write("sender.c", sender);
+    scratch.write("receiver.c", receiver);
+    for exec in ["thread", "process"] {
+        let (_, trace) = traced(&scratch, &["--exec", exec, "--api", "7"], 0);
+        let sent = &messages(&trace)[&(1, 1)];
+        let received = trace.iter().find(|event| event["event"] == "radio_received").expect("a message");
+        assert_eq!(micros(&received["t_s"]), sent.at + 183_334);
+        assert_eq!(said(&trace, 2), [format!("fifteen letters at {}", (sent.at + 183_334) / 1000)]);
+    }
+}
+
+#[test]
+fn of_messages_that_meet_in_the_air_none_is_heard() {
+    let sender = |ms: u32| {
+        format!(
+            "#include \"eyebot.h\"\nint main(void) {{ RADIOInit(); OSWait({ms}); RADIOSend(3, \"123\"); OSWait(200); return 0; }}"
+        )
+    };
+    let listener = "#include \"eyebot.h\"\nint main(void) { RADIOInit(); OSWait(300); return 0; }";
+    // 10 bytes at 9600 baud take 10.4 ms.
+    for (medium, first, second, expected) in [
+        ("aloha", 100, 100, vec!["collision"; 2]),
+        ("aloha", 100, 110, vec!["collision"; 2]),
+        ("aloha", 100, 111, vec![]),
+        ("token_ring", 100, 100, vec![]),
+        ("free", 100, 100, vec![]),
+    ] {
+        let scratch =
+            row(&["first.c", "second.c", "listener.c"], &format!("[radio]\nmedium = \"{medium}\"\nbaud = 9600\n"));
+        scratch.write("first.c", &sender(first));
+        scratch.write("second.c", &sender(second));
+        scratch.write("listener.c", listener);
+        let (_, trace) = traced(&scratch, &["--api", "7"], 0);
+        assert_eq!(causes(&trace), expected, "{medium} {first} {second}");
+        let heard = trace.iter().filter(|event| event["event"] == "radio_arrived").count();
+        assert_eq!(heard, 2 - expected.len(), "{medium} {first} {second}");
+    }
+}
+
+/// Four robots that send at random, on another medium, with errors; `order` is that in which the scene lists them.
+fn crowd(medium: &str, order: [usize; 4]) -> Scratch {
+    let scratch = Scratch::new();
+    scratch.write("room.wld", "floor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n");
+    scratch.write("six.c", RANDOM_6);
+    scratch.write("seven.c", RANDOM_7);
+    let mut text = format!(
+        "[scene]\nnoise = \"harsh\"\n[world]\nfile = \"room.wld\"\n[radio]\nmedium = \"{medium}\"\nlatency_ms = 3\n\
+         range_mm = 2000\n"
+    );
+    for id in order {
+        let program = ["six.c", "six.c", "seven.c", "seven.c"][id - 1];
+        let x = 800 * id;
+        text += &format!("[[robot]]\nid = {id}\ntype = \"S4\"\nprogram = \"{program}\"\nx_mm = {x}\ny_mm = 500\n");
+    }
+    scratch.write("scene.scene.toml", &text);
+    scratch
+}
+
+#[test]
+fn other_media_give_one_digest_however_they_are_run_and_listed() {
+    for medium in ["free", "aloha", "token_ring"] {
+        let listed = crowd(medium, [1, 2, 3, 4]);
+        let (digest, trace) = traced(&listed, &["--until", "5"], 0);
+        let all = messages(&trace);
+        assert!(all.len() > 100, "{medium}: {}", all.len());
+        assert!(
+            all.values().all(|sent| !sent.fates.is_empty()),
+            "{medium}: {:?}",
+            all.iter().find(|(_, sent)| sent.fates.is_empty())
+        );
+        for (from, sent) in &all {
+            let fates = sent.fates.values().filter(|(_, _, loss)| loss.is_none());
+            for (time, arrived, _) in fates {
+                assert!(sent.at < *arrived && arrived <= time, "{medium} {from:?} {sent:?}");
+                assert!(medium == "free" || time - arrived <= 50_000, "{medium} {from:?} {sent:?}");
+            }
+        }
+        let arrived = trace.iter().filter(|event| event["event"] == "radio_arrived").count();
+        let seen = |cause: &str| causes(&trace).iter().any(|it| it == cause);
+        assert!(arrived > 100 && seen("packet") && seen("range"), "{medium}: {arrived}");
+        assert_eq!(seen("collision"), medium == "aloha");
+        let other = crowd(medium, [3, 1, 4, 2]);
+        for args in [&["--threads", "1"][..], &["--threads", "2"], &["--exec", "process"]] {
+            for scratch in [&listed, &other] {
+                assert_eq!(traced(scratch, &[args, &["--until", "5"]].concat(), 0).0, digest, "{medium} {args:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn programs_in_python_talk_with_programs_in_c() {
+    if !Command::new("python3").arg("--version").output().is_ok_and(|output| output.status.success()) {
+        println!("skipped: there is no `python3`");
+        return;
+    }
+    let python = "
+from eye import *
+print(RADIOSend(2, 'off'), RADIOReceive(), RADIOCheck(), RADIOStatus())
+print(RADIOInit(), RADIOInit(), RADIOGetID())
+OSWait(100)
+print(RADIOStatus(), RADIOSend(2, 'hello'), RADIOSend(2, b'bytes'), RADIOSend(2, 'x' * 1024))
+OSWait(200)
+print(RADIOCheck(), RADIOReceive(), RADIOReceive(3))
+print(RADIORelease(), RADIORelease())
+";
+    let scratch = row(&["talk.py", "echo.c"], "");
+    scratch.write("talk.py", python);
+    scratch.write("echo.c", &format!("{IS}{ECHO_7}"));
+    let (_, trace) = traced(&scratch, &[], 1);
+    assert_eq!(
+        said(&trace, 1),
+        ["1 (0, '') 0 []", "0 1 1", "[1, 2] 0 0 1", "2 (2, 'hello') (2, 'by')", "0 1"],
+        "{:?}",
+        said(&trace, 1)
+    );
+}
