@@ -1,5 +1,7 @@
 //! Helpers for the black-box tests: the real binary, a fresh folder, what a run printed and wrote.
 
+pub mod radio;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;

@@ -1,113 +1,8 @@
-//! The radio: what programs are answered, when messages come, and what becomes of each.
+//! The radio: what programs are answered, who waits for whom, and how it ends.
 
-use std::collections::BTreeMap;
 use std::process::Command;
 
-use serde_json::Value;
-use tests::{Ran, Scratch};
-
-/// A room of 4 m by 4 m with a wall in its middle half, and robots of these programs at these places in mm, in `scene.scene.toml`.
-fn scene(robots: &[(&str, i32, i32)], tables: &str) -> Scratch {
-    let scratch = Scratch::new();
-    scratch.write(
-        "room.wld",
-        "floor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n2000 1000 2000 3000\n",
-    );
-    let mut text = format!("[world]\nfile = \"room.wld\"\n{tables}\n");
-    for (program, x, y) in robots {
-        text += &format!("[[robot]]\ntype = \"S4\"\nprogram = \"{program}\"\nx_mm = {x}\ny_mm = {y}\n");
-    }
-    scratch.write("scene.scene.toml", &text);
-    scratch
-}
-
-/// The same with the robots in a row, 300 mm apart.
-fn row(programs: &[&str], tables: &str) -> Scratch {
-    let robots: Vec<_> =
-        programs.iter().enumerate().map(|(index, program)| (*program, 300 + 300 * index as i32, 500)).collect();
-    scene(&robots, tables)
-}
-
-/// The digest of a run and its trace.
-fn traced(scratch: &Scratch, args: &[&str], code: i32) -> (Value, Vec<Value>) {
-    let report = scratch.report("scene.scene.toml", &[args, &["--trace", "t.jsonl"]].concat(), code);
-    (report["digest"].clone(), scratch.trace("t.jsonl"))
-}
-
-/// What robot `id` printed, a line each.
-fn said(trace: &[Value], id: u64) -> Vec<&str> {
-    let is_said = |event: &&Value| event["event"] == "stdout" && event["robot"] == id;
-    trace.iter().filter(is_said).map(|event| event["text"].as_str().expect("text")).collect()
-}
-
-fn micros(seconds: &Value) -> i64 {
-    (seconds.as_f64().unwrap_or_else(|| panic!("{seconds} is a time")) * 1e6).round() as i64
-}
-
-fn integer(event: &Value, key: &str) -> i64 {
-    event[key].as_i64().unwrap_or_else(|| panic!("`{key}` in {event}"))
-}
-
-/// A message that was sent, and what the trace says of it; times in microseconds.
-#[derive(Debug)]
-struct Sent {
-    at: i64,
-    to: Option<i64>,
-    begins: Option<i64>,
-    data: Value,
-    /// For each receiver when its fate was known, when it arrived, and why not, if it did not.
-    fates: BTreeMap<i64, (i64, i64, Option<String>)>,
-}
-
-/// Robot and number of a message.
-type Name = (i64, i64);
-
-/// All messages of a trace.
-fn messages(trace: &[Value]) -> BTreeMap<Name, Sent> {
-    let mut sent = BTreeMap::new();
-    for event in trace.iter().filter(|event| event["event"] == "radio_sent") {
-        let name = (integer(event, "robot"), integer(event, "message"));
-        let begins = (!event["begins_s"].is_null()).then(|| micros(&event["begins_s"]));
-        let (at, data) = (micros(&event["t_s"]), event["data"].clone());
-        let before = sent.insert(name, Sent { at, to: event["to"].as_i64(), begins, data, fates: BTreeMap::new() });
-        assert!(before.is_none(), "{event}");
-    }
-    for event in trace {
-        let loss = match event["event"].as_str() {
-            Some("radio_arrived") => None,
-            Some("radio_lost") => Some(event["cause"].as_str().expect("a cause").to_owned()),
-            _ => continue,
-        };
-        let name = (integer(event, "from"), integer(event, "message"));
-        let sent: &mut Sent = sent.get_mut(&name).unwrap_or_else(|| panic!("never sent: {event}"));
-        let fate = (micros(&event["t_s"]), micros(&event["arrived_s"]), loss);
-        let before = sent.fates.insert(integer(event, "robot"), fate);
-        assert!(before.is_none(), "a second fate: {event}");
-    }
-    sent
-}
-
-/// The causes of the messages that were lost, in order of sender, number and receiver.
-fn causes(trace: &[Value]) -> Vec<String> {
-    let messages = messages(trace);
-    messages.values().flat_map(|sent| sent.fates.values()).filter_map(|(_, _, loss)| loss.clone()).collect()
-}
-
-/// The reasons that the report gives, in the order of the robots.
-fn reasons(scratch: &Scratch) -> Vec<String> {
-    let report: Value = serde_json::from_str(&scratch.read("report.json")).expect("a report is JSON");
-    let robots = report["robots"].as_array().expect("robots");
-    robots.iter().map(|robot| robot["reason"].as_str().unwrap_or_default().to_owned()).collect()
-}
-
-/// Lines that a C program needs to check answers: `IS(call, answer)`.
-const IS: &str = r#"
-#include "eyebot.h"
-#include <stdio.h>
-#include <string.h>
-#define IS(call, answer) do { long is = (long)(call); \
-    if (is != (long)(answer)) printf("line %d: %s is %ld\n", __LINE__, #call, is); } while (0)
-"#;
+use tests::radio::{ECHO_7, IS, RECEIVER, SENDER, causes, messages, micros, reasons, row, said, traced};
 
 const CODES_6: &str = r#"
 static RadioIOParameters with(int interface, int speed, int id, int remote, int images, int debug)
@@ -278,18 +173,6 @@ int main(void)
 }
 "#;
 
-const ECHO_7: &str = r#"
-int main(void)
-{
-    int id;
-    static char text[1024];
-    IS(RADIOInit(), 0);
-    while (RADIOReceive(&id, text, sizeof text) == 0)
-        IS(RADIOSend(id, text), 0);
-    return 0;
-}
-"#;
-
 #[test]
 fn robios_7_answers_as_documented() {
     let scratch = row(&["codes.c", "echo.c", "echo.c"], "");
@@ -300,212 +183,6 @@ fn robios_7_answers_as_documented() {
         assert_eq!([said(&trace, 1), said(&trace, 2), said(&trace, 3)], [vec!["done"], vec![], vec![]]);
         let reason = &reasons(&scratch)[1];
         assert!(reason.contains("(all programs that have not ended wait for messages from each other)"), "{reason}");
-    }
-}
-
-/// Sends at random, and takes what comes; robots 1 and 2 also wait for it.
-const RANDOM_6: &str = r#"
-#include "eyebot.h"
-#include <stdlib.h>
-int main(void)
-{
-    BYTE from, buffer[MAXMSGLEN];
-    int i, j, n;
-    srand(OSMachineID());
-    RADIOInit();
-    for (;;) {
-        switch (rand() % 4) {
-        case 0:
-            OSWait(rand() % 8);
-            break;
-        case 1:
-            for (i = rand() % 4; i > 0; i--) {
-                n = rand() % (MAXMSGLEN + 1);
-                for (j = 0; j < n; j++)
-                    buffer[j] = rand();
-                RADIOSend(rand() % 2 ? BROADCAST : 1 + rand() % 4, n, buffer);
-            }
-            break;
-        case 2:
-            while (RADIOCheck() > 0)
-                RADIORecv(&from, &n, buffer);
-            break;
-        case 3:
-            if (OSMachineID() <= 2 && rand() % 4 == 0)
-                RADIORecv(&from, &n, buffer);
-        }
-    }
-}
-"#;
-
-const RANDOM_7: &str = r#"
-#include "eyebot.h"
-#include <stdlib.h>
-int main(void)
-{
-    int i, j, n, id;
-    char text[200];
-    srand(RADIOGetID());
-    RADIOInit();
-    for (;;) {
-        OSWait(rand() % 40);
-        for (i = rand() % 4; i > 0; i--) {
-            n = rand() % 200;
-            for (j = 0; j < n; j++)
-                text[j] = 1 + rand() % 255;
-            text[j] = 0;
-            RADIOSend(rand() % 5, text);
-        }
-        if (rand() % 3 == 0)
-            while (RADIOCheck() > 0)
-                RADIOReceive(&id, text, sizeof text);
-    }
-}
-"#;
-
-/// Checks a trace of four robots whose radios are on from the start, on a free medium: when messages begin, arrive and can be
-/// seen, that each has a fate at each receiver, and that they are taken in order.
-fn check_traffic(trace: &[Value], slot: i64, baud: i64, latency: i64) -> usize {
-    let all = messages(trace);
-    let end = micros(&trace.last().expect("events")["t_s"]);
-    let mut free = BTreeMap::new();
-    for ((from, number), sent) in &all {
-        let begins = sent.at.max(free.get(from).copied().unwrap_or_default());
-        assert_eq!(sent.begins, Some(begins), "{from} {number} {sent:?}");
-        let bits = 10 * (sent.data.as_array().expect("bytes").len() as i64 + 7);
-        let ends = begins + (bits * 1_000_000 + baud - 1) / baud;
-        free.insert(*from, ends);
-        let receivers: Vec<i64> = match sent.to {
-            None => (1..=4).filter(|robot| robot != from).collect(),
-            Some(to) => vec![to],
-        };
-        assert_eq!(sent.fates.keys().copied().collect::<Vec<_>>(), receivers, "{from} {number} {sent:?}");
-        let arrives = ends + latency;
-        let visible = arrives.max((sent.at / slot + 1) * slot);
-        for (time, arrived, loss) in sent.fates.values() {
-            assert_eq!((*arrived, *time), (arrives, visible.min(end)), "{from} {number} {sent:?}");
-            match loss.as_deref() {
-                Some("end") => assert!(visible >= end, "{from} {number} {sent:?}"),
-                Some("nobody") => assert_eq!(sent.to, Some(*from)),
-                None | Some("packet" | "overflow") => {}
-                Some(other) => panic!("{other}: {from} {number} {sent:?}"),
-            }
-        }
-    }
-    let mut last = BTreeMap::new();
-    let mut received = 0;
-    for event in trace.iter().filter(|event| event["event"] == "radio_received") {
-        let (robot, from, number) = (integer(event, "robot"), integer(event, "from"), integer(event, "message"));
-        let (visible, arrived, loss) = &all[&(from, number)].fates[&robot];
-        let taken = micros(&event["t_s"]);
-        assert!(*visible <= taken && loss.is_none(), "{event}");
-        // What came before the last message that was taken cannot have been visible then.
-        let key = (*arrived, from, number);
-        if let Some((before, when)) = last.insert(robot, (key, taken)) {
-            assert!(before < key || *visible > when, "{event} after {before:?}");
-        }
-        received += 1;
-    }
-    received
-}
-
-#[test]
-fn messages_come_when_they_should_and_the_same_everywhere() {
-    for (slot, baud, latency) in [(1, 115_200, 0), (7, 38_400, 2_500), (50, 115_200, 0), (200, 9_600, 100_000)] {
-        let tables = format!(
-            "[scene]\nnoise = {{ radio = {{ packet_loss = 0.1 }} }}\n\
-             [radio]\nbaud = {baud}\nlatency_ms = {}\n",
-            f64::from(latency) / 1e3
-        );
-        let scratch = row(&["six.c", "six.c", "seven.c", "seven.c"], &tables);
-        scratch.write("six.c", RANDOM_6);
-        scratch.write("seven.c", RANDOM_7);
-        let (slot_ms, until) = (format!("{slot}"), if slot == 1 { "3" } else { "8" });
-        let args = |rest: &[&'static str]| [&["--until", until, "--slot", &slot_ms], rest].concat();
-        let (digest, trace) = traced(&scratch, &args(&[]), 0);
-        let received = check_traffic(&trace, 1000 * slot, baud.into(), latency.into());
-        assert!(received > 100, "{slot} ms: {received} messages");
-        for rest in [&["--threads", "1"][..], &["--threads", "2"], &["--exec", "process"]] {
-            assert_eq!(traced(&scratch, &args(rest), 0).0, digest, "{slot} ms {rest:?}");
-        }
-    }
-}
-
-#[test]
-fn the_order_in_which_robots_are_listed_changes_nothing() {
-    let robots = [("six.c", 300, 500), ("seven.c", 1700, 2000), ("six.c", 2300, 2000), ("seven.c", 3500, 3500)];
-    for medium in ["free", "aloha", "token_ring"] {
-        let run = |places: [usize; 4], threads: &str| {
-            let robot = |place: usize| {
-                let ((program, x, y), id) = (robots[place], place + 1);
-                format!("[[robot]]\ntype = \"S4\"\nprogram = \"{program}\"\nid = {id}\nx_mm = {x}\ny_mm = {y}\n")
-            };
-            let tables = format!(
-                "[scene]\nseed = 4\nnoise = {{ radio = {{ bit_error_rate = 1e-4, packet_loss = 0.05 }} }}\n\
-                 [radio]\nmedium = \"{medium}\"\nlatency_ms = 1\nrange_mm = 4000\nline_of_sight = true\n{}",
-                places.map(robot).concat()
-            );
-            let scratch = scene(&[], &tables);
-            scratch.write("six.c", RANDOM_6);
-            scratch.write("seven.c", RANDOM_7);
-            let (digest, trace) = traced(&scratch, &["--until", "4", "--threads", threads], 0);
-            let is_of_radio = |event: &Value| event["event"].as_str().is_some_and(|event| event.starts_with("radio"));
-            (digest, trace.into_iter().filter(is_of_radio).collect::<Vec<_>>())
-        };
-        let (digest, events) = run([0, 1, 2, 3], "1");
-        for event in ["radio_sent", "radio_arrived", "radio_lost", "radio_received"] {
-            assert!(events.iter().filter(|it| it["event"] == event).count() > 20, "{medium}: {event}");
-        }
-        for (places, threads) in [([3, 2, 1, 0], "1"), ([2, 0, 3, 1], "2")] {
-            let (other_digest, other_events) = run(places, threads);
-            let differs = events.iter().zip(&other_events).find(|(one, other)| one != other);
-            assert!(differs.is_none() && events.len() == other_events.len(), "{medium} {places:?}: {differs:?}");
-            assert_eq!(digest, other_digest, "{medium} {places:?}");
-        }
-    }
-}
-
-/// Sends a message of 35 bytes as soon as it is on, and stays.
-const SENDER: &str = r#"
-#include "eyebot.h"
-int main(void)
-{
-    BYTE bytes[MAXMSGLEN] = "from the sender";
-    OSWait(1);
-    RADIOInit();
-    RADIOSend(BROADCAST, MAXMSGLEN, bytes);
-    OSWait(200);
-    return 0;
-}
-"#;
-
-const RECEIVER: &str = r#"
-#include "eyebot.h"
-#include <stdio.h>
-int main(void)
-{
-    BYTE from, bytes[MAXMSGLEN];
-    int n;
-    RADIOInit();
-    RADIORecv(&from, &n, bytes);
-    printf("%d bytes from %d: %s\n", n, from, bytes);
-    return 0;
-}
-"#;
-
-#[test]
-fn a_robot_that_waits_is_woken_within_a_slot_when_its_message_is_visible() {
-    // 42 bytes at 1200 baud take 350 ms.
-    let scratch = row(&["sender.c", "receiver.c"], "[radio]\nbaud = 1200\n");
-    scratch.write("sender.c", SENDER);
-    scratch.write("receiver.c", RECEIVER);
-    for slot in ["50", "80", "300"] {
-        let (_, trace) = traced(&scratch, &["--slot", slot], 0);
-        assert_eq!(said(&trace, 2), ["35 bytes from 1: from the sender"]);
-        let sent = &messages(&trace)[&(1, 1)];
-        let received = trace.iter().find(|event| event["event"] == "radio_received").expect("a message");
-        assert_eq!(sent.begins, Some(sent.at));
-        assert_eq!(micros(&received["t_s"]), sent.at + 350_000, "{slot}");
     }
 }
 
@@ -576,28 +253,6 @@ fn buffers_have_room_for_1024_bytes() {
     let overflows = all.len() - 32;
     assert_eq!(causes(&trace), vec!["overflow"; overflows]);
     assert_eq!(said(&trace, 2), ["32 wait", "1024 bytes"]);
-}
-
-#[test]
-fn range_and_walls_are_those_at_the_time_of_sending() {
-    // Robot 1 at the left; 2 behind the wall, 3 behind it and far away, 4 beside the wall.
-    let robots = [("sender.c", 1000, 2000), ("wait.c", 2500, 2000), ("wait.c", 3900, 2000), ("wait.c", 2500, 300)];
-    let wait = "#include \"eyebot.h\"\nint main(void) { RADIOInit(); OSWait(100); return 0; }";
-    for (radio, expected) in [
-        ("", [None; 3]),
-        ("line_of_sight = true", [Some("sight"), Some("sight"), None]),
-        ("range_mm = 2500", [None, Some("range"), None]),
-        ("range_mm = 2500\nline_of_sight = true", [Some("sight"), Some("range"), None]),
-        ("range_mm = 1499", [Some("range"); 3]),
-        ("range_mm = 1500", [None, Some("range"), Some("range")]),
-    ] {
-        let scratch = scene(&robots, &format!("[radio]\n{radio}\n"));
-        scratch.write("sender.c", SENDER);
-        scratch.write("wait.c", wait);
-        let (_, trace) = traced(&scratch, &[], 0);
-        let fates: Vec<_> = messages(&trace)[&(1, 1)].fates.values().map(|(_, _, loss)| loss.clone()).collect();
-        assert_eq!(fates.iter().map(Option::as_deref).collect::<Vec<_>>(), expected, "{radio}");
-    }
 }
 
 #[test]
@@ -686,56 +341,6 @@ fn what_is_on_its_way_when_the_run_ends_is_in_the_trace() {
 }
 
 #[test]
-fn garbled_messages_arrive_garbled_and_lost_ones_do_not() {
-    let sender = "
-        #include \"eyebot.h\"
-        int main(void)
-        {
-            BYTE bytes[32] = {0};
-            int i;
-            RADIOInit();
-            OSWait(10);
-            for (i = 0; i < 500; i++) { RADIOSend(2, 32, bytes); OSWait(2); }
-            return 0;
-        }";
-    let receiver = r#"
-        #include "eyebot.h"
-        #include <stdio.h>
-        int main(void)
-        {
-            BYTE bytes[MAXMSGLEN];
-            int i, n, got = 0, wrong = 0;
-            RADIOInit();
-            while (OSGetCount() < 1200) {
-                while (RADIOCheck() > 0) {
-                    RADIORecv(0, &n, bytes);
-                    got++;
-                    for (i = 0; i < 8 * n; i++) wrong += bytes[i / 8] >> i % 8 & 1;
-                }
-                OSWait(1);
-            }
-            printf("%d %d\n", got, wrong);
-            return 0;
-        }"#;
-    let tables = "[scene]\nnoise = { radio = { bit_error_rate = 0.01, packet_loss = 0.2 } }\n";
-    let scratch = row(&["sender.c", "receiver.c"], tables);
-    scratch.write("sender.c", sender);
-    scratch.write("receiver.c", receiver);
-    let (_, trace) = traced(&scratch, &[], 0);
-    let arrived: Vec<&Value> = trace.iter().filter(|event| event["event"] == "radio_arrived").collect();
-    let wrong: i64 = arrived.iter().map(|event| integer(event, "bit_errors")).sum();
-    assert_eq!(said(&trace, 2), [format!("{} {wrong}", arrived.len())]);
-    assert_eq!(causes(&trace).len() + arrived.len(), 500);
-    // Means of 400 and 1024, standard deviations of 9 and 32.
-    assert!((350..450).contains(&arrived.len()) && (850..1200).contains(&wrong), "{} {wrong}", arrived.len());
-    let received = trace.iter().filter(|event| event["event"] == "radio_received");
-    for (event, arrived) in received.zip(&arrived) {
-        let bytes = event["data"].as_array().expect("bytes").iter().map(|byte| byte.as_u64().expect("a byte"));
-        assert_eq!(bytes.map(u64::count_ones).sum::<u32>() as i64, integer(arrived, "bit_errors"));
-    }
-}
-
-#[test]
 fn a_flood_of_messages_stays_in_bounds() {
     // Empty ones take no room but that of their headers.
     let flood = r#"
@@ -754,12 +359,16 @@ fn a_flood_of_messages_stays_in_bounds() {
     let scratch = row(&["flood.c", "deaf.c"], "");
     scratch.write("flood.c", flood);
     scratch.write("deaf.c", deaf);
-    let mut command = Command::new("sh");
-    // 64 MiB of address space more than a run of these programs takes would do; a list without bound takes more than a GiB.
-    command.args(["-c", "ulimit -v 4000000; exec \"$0\" run scene.scene.toml"]).arg(tests::eyesim_path());
-    let ran = Ran::from(command.current_dir(scratch.path()).output().expect("a shell"));
-    assert_eq!(ran.code, Some(0), "{ran:#?}");
-    assert!(ran.stdout.contains(" sent"), "{ran:#?}");
+    let (_, trace) = traced(&scratch, &[], 0);
+    // 70 bits at 115200 baud take 608 us, 100000 calls of 500 us and the start 50.05 s: 82,320 are sent in that time, and 1024
+    // wait. So many wait at the receiver, too.
+    let sent = messages(&trace).len();
+    assert!((83_200..83_500).contains(&sent), "{sent}");
+    assert_eq!(said(&trace, 1), [format!("{sent} sent")]);
+    let arrived = trace.iter().filter(|event| event["event"] == "radio_arrived").count();
+    let causes = causes(&trace);
+    let lost = |cause: &str| causes.iter().filter(|it| *it == cause).count();
+    assert_eq!((arrived, lost("overflow") + lost("unsent") + arrived), (1024, sent));
 }
 
 #[test]
@@ -798,85 +407,6 @@ fn each_task_of_a_robot_can_wait_for_messages() {
         let received = trace.iter().find(|event| event["event"] == "radio_received").expect("a message");
         assert_eq!(micros(&received["t_s"]), sent.at + 183_334);
         assert_eq!(said(&trace, 2), [format!("fifteen letters at {}", (sent.at + 183_334) / 1000)]);
-    }
-}
-
-#[test]
-fn of_messages_that_meet_in_the_air_none_is_heard() {
-    let sender = |ms: u32| {
-        format!(
-            "#include \"eyebot.h\"\nint main(void) {{ RADIOInit(); OSWait({ms}); RADIOSend(3, \"123\"); OSWait(200); return 0; }}"
-        )
-    };
-    let listener = "#include \"eyebot.h\"\nint main(void) { RADIOInit(); OSWait(300); return 0; }";
-    // 10 bytes at 9600 baud take 10.4 ms.
-    for (medium, first, second, expected) in [
-        ("aloha", 100, 100, vec!["collision"; 2]),
-        ("aloha", 100, 110, vec!["collision"; 2]),
-        ("aloha", 100, 111, vec![]),
-        ("token_ring", 100, 100, vec![]),
-        ("free", 100, 100, vec![]),
-    ] {
-        let scratch =
-            row(&["first.c", "second.c", "listener.c"], &format!("[radio]\nmedium = \"{medium}\"\nbaud = 9600\n"));
-        scratch.write("first.c", &sender(first));
-        scratch.write("second.c", &sender(second));
-        scratch.write("listener.c", listener);
-        let (_, trace) = traced(&scratch, &["--api", "7"], 0);
-        assert_eq!(causes(&trace), expected, "{medium} {first} {second}");
-        let heard = trace.iter().filter(|event| event["event"] == "radio_arrived").count();
-        assert_eq!(heard, 2 - expected.len(), "{medium} {first} {second}");
-    }
-}
-
-/// Four robots that send at random, on another medium, with errors; `order` is that in which the scene lists them.
-fn crowd(medium: &str, order: [usize; 4]) -> Scratch {
-    let scratch = Scratch::new();
-    scratch.write("room.wld", "floor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n");
-    scratch.write("six.c", RANDOM_6);
-    scratch.write("seven.c", RANDOM_7);
-    let mut text = format!(
-        "[scene]\nnoise = \"harsh\"\n[world]\nfile = \"room.wld\"\n[radio]\nmedium = \"{medium}\"\nlatency_ms = 3\n\
-         range_mm = 2000\n"
-    );
-    for id in order {
-        let program = ["six.c", "six.c", "seven.c", "seven.c"][id - 1];
-        let x = 800 * id;
-        text += &format!("[[robot]]\nid = {id}\ntype = \"S4\"\nprogram = \"{program}\"\nx_mm = {x}\ny_mm = 500\n");
-    }
-    scratch.write("scene.scene.toml", &text);
-    scratch
-}
-
-#[test]
-fn other_media_give_one_digest_however_they_are_run_and_listed() {
-    for medium in ["free", "aloha", "token_ring"] {
-        let listed = crowd(medium, [1, 2, 3, 4]);
-        let (digest, trace) = traced(&listed, &["--until", "5"], 0);
-        let all = messages(&trace);
-        assert!(all.len() > 100, "{medium}: {}", all.len());
-        assert!(
-            all.values().all(|sent| !sent.fates.is_empty()),
-            "{medium}: {:?}",
-            all.iter().find(|(_, sent)| sent.fates.is_empty())
-        );
-        for (from, sent) in &all {
-            let fates = sent.fates.values().filter(|(_, _, loss)| loss.is_none());
-            for (time, arrived, _) in fates {
-                assert!(sent.at < *arrived && arrived <= time, "{medium} {from:?} {sent:?}");
-                assert!(medium == "free" || time - arrived <= 50_000, "{medium} {from:?} {sent:?}");
-            }
-        }
-        let arrived = trace.iter().filter(|event| event["event"] == "radio_arrived").count();
-        let seen = |cause: &str| causes(&trace).iter().any(|it| it == cause);
-        assert!(arrived > 100 && seen("packet") && seen("range"), "{medium}: {arrived}");
-        assert_eq!(seen("collision"), medium == "aloha");
-        let other = crowd(medium, [3, 1, 4, 2]);
-        for args in [&["--threads", "1"][..], &["--threads", "2"], &["--exec", "process"]] {
-            for scratch in [&listed, &other] {
-                assert_eq!(traced(scratch, &[args, &["--until", "5"]].concat(), 0).0, digest, "{medium} {args:?}");
-            }
-        }
     }
 }
 

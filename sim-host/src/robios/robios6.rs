@@ -315,7 +315,7 @@ impl Robios6 for Caller {
 
     // Radio.
     act! {
-        fn RADIOInit() -> i32 = |robot, world| radio6::init(robot, world);
+        fn RADIOInit() -> i32 = radio6::init;
         fn RADIOTerm() -> i32 = |robot, _| radio6::release(robot);
         fn RADIOSend(id: u8, buffer: Option<&[u8]>) -> i32 = |robot, world| radio6::send(robot, world, id, buffer);
         fn RADIOCheck() -> i32 = |robot, _| radio::check(robot, Call::RADIOCheck);

@@ -280,7 +280,7 @@ impl Robios7 for Caller {
 
     // RADIO.
     act! {
-        fn RADIOInit() -> i32 = |robot, world| radio7::init(robot, world);
+        fn RADIOInit() -> i32 = radio7::init;
         fn RADIOGetID() -> i32 = |robot, _| os7::machine_id(robot);
         fn RADIOSend(id: i32, buf: Text<'_>) -> i32 = |robot, world| radio7::send(robot, world, id, buf);
         fn RADIOCheck() -> i32 = |robot, _| radio::check(robot, Call::RADIOCheck);

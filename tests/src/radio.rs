@@ -1,0 +1,173 @@
+//! Helpers for the tests of the radio: a scene, and what its trace says of each message.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use crate::Scratch;
+
+/// A room of 4 m by 4 m with a wall in its middle half, and robots of these programs at these places in mm, in `scene.scene.toml`.
+pub fn scene(robots: &[(&str, i32, i32)], tables: &str) -> Scratch {
+    let scratch = Scratch::new();
+    scratch.write(
+        "room.wld",
+        "floor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n2000 1000 2000 3000\n",
+    );
+    let mut text = format!("[world]\nfile = \"room.wld\"\n{tables}\n");
+    for (program, x, y) in robots {
+        text += &format!("[[robot]]\ntype = \"S4\"\nprogram = \"{program}\"\nx_mm = {x}\ny_mm = {y}\n");
+    }
+    scratch.write("scene.scene.toml", &text);
+    scratch
+}
+
+/// The same with the robots in a row, 300 mm apart.
+pub fn row(programs: &[&str], tables: &str) -> Scratch {
+    let robots: Vec<_> =
+        programs.iter().enumerate().map(|(index, program)| (*program, 300 + 300 * index as i32, 500)).collect();
+    scene(&robots, tables)
+}
+
+/// The digest of a run and its trace.
+pub fn traced(scratch: &Scratch, args: &[&str], code: i32) -> (Value, Vec<Value>) {
+    let report = scratch.report("scene.scene.toml", &[args, &["--trace", "t.jsonl"]].concat(), code);
+    (report["digest"].clone(), scratch.trace("t.jsonl"))
+}
+
+/// What robot `id` printed, a line each.
+///
+/// # Panics
+/// When the trace is malformed.
+pub fn said(trace: &[Value], id: u64) -> Vec<&str> {
+    let is_said = |event: &&Value| event["event"] == "stdout" && event["robot"] == id;
+    trace.iter().filter(is_said).map(|event| event["text"].as_str().expect("text")).collect()
+}
+
+/// A time in microseconds.
+///
+/// # Panics
+/// When it is none.
+pub fn micros(seconds: &Value) -> i64 {
+    (seconds.as_f64().unwrap_or_else(|| panic!("{seconds} is a time")) * 1e6).round() as i64
+}
+
+/// A field of an event.
+///
+/// # Panics
+/// When it is no integer.
+pub fn integer(event: &Value, key: &str) -> i64 {
+    event[key].as_i64().unwrap_or_else(|| panic!("`{key}` in {event}"))
+}
+
+/// A message that was sent, and what the trace says of it; times in microseconds.
+#[derive(Debug)]
+pub struct Sent {
+    /// When.
+    pub at: i64,
+    /// The address; none for everybody.
+    pub to: Option<i64>,
+    /// When its transmission begins, where the sender knows.
+    pub begins: Option<i64>,
+    /// Its bytes.
+    pub data: Value,
+    /// For each receiver when its fate was known, when it arrived, and why not, if it did not.
+    pub fates: BTreeMap<i64, (i64, i64, Option<String>)>,
+}
+
+/// Robot and number of a message.
+pub type Name = (i64, i64);
+
+/// All messages of a trace.
+///
+/// # Panics
+/// When a fate is told twice, or of a message that was never sent.
+pub fn messages(trace: &[Value]) -> BTreeMap<Name, Sent> {
+    let mut sent = BTreeMap::new();
+    for event in trace.iter().filter(|event| event["event"] == "radio_sent") {
+        let name = (integer(event, "robot"), integer(event, "message"));
+        let begins = (!event["begins_s"].is_null()).then(|| micros(&event["begins_s"]));
+        let (at, data) = (micros(&event["t_s"]), event["data"].clone());
+        let before = sent.insert(name, Sent { at, to: event["to"].as_i64(), begins, data, fates: BTreeMap::new() });
+        assert!(before.is_none(), "{event}");
+    }
+    for event in trace {
+        let loss = match event["event"].as_str() {
+            Some("radio_arrived") => None,
+            Some("radio_lost") => Some(event["cause"].as_str().expect("a cause").to_owned()),
+            _ => continue,
+        };
+        let name = (integer(event, "from"), integer(event, "message"));
+        let sent: &mut Sent = sent.get_mut(&name).unwrap_or_else(|| panic!("never sent: {event}"));
+        let fate = (micros(&event["t_s"]), micros(&event["arrived_s"]), loss);
+        let before = sent.fates.insert(integer(event, "robot"), fate);
+        assert!(before.is_none(), "a second fate: {event}");
+    }
+    sent
+}
+
+/// The causes of the messages that were lost, in order of sender, number and receiver.
+pub fn causes(trace: &[Value]) -> Vec<String> {
+    let messages = messages(trace);
+    messages.values().flat_map(|sent| sent.fates.values()).filter_map(|(_, _, loss)| loss.clone()).collect()
+}
+
+/// The reasons that the report gives, in the order of the robots.
+///
+/// # Panics
+/// When there is no report.
+pub fn reasons(scratch: &Scratch) -> Vec<String> {
+    let report: Value = serde_json::from_str(&scratch.read("report.json")).expect("a report is JSON");
+    let robots = report["robots"].as_array().expect("robots");
+    robots.iter().map(|robot| robot["reason"].as_str().unwrap_or_default().to_owned()).collect()
+}
+
+/// Lines that a C program needs to check answers: `IS(call, answer)`.
+pub const IS: &str = r#"
+#include "eyebot.h"
+#include <stdio.h>
+#include <string.h>
+#define IS(call, answer) do { long is = (long)(call); \
+    if (is != (long)(answer)) printf("line %d: %s is %ld\n", __LINE__, #call, is); } while (0)
+"#;
+
+/// Sends every text back to where it comes from.
+pub const ECHO_7: &str = r#"
+int main(void)
+{
+    int id;
+    static char text[1024];
+    IS(RADIOInit(), 0);
+    while (RADIOReceive(&id, text, sizeof text) == 0)
+        IS(RADIOSend(id, text), 0);
+    return 0;
+}
+"#;
+
+/// Sends a message of 35 bytes as soon as it is on, and stays.
+pub const SENDER: &str = r#"
+#include "eyebot.h"
+int main(void)
+{
+    BYTE bytes[MAXMSGLEN] = "from the sender";
+    OSWait(1);
+    RADIOInit();
+    RADIOSend(BROADCAST, MAXMSGLEN, bytes);
+    OSWait(200);
+    return 0;
+}
+"#;
+
+/// Prints the first message that comes.
+pub const RECEIVER: &str = r#"
+#include "eyebot.h"
+#include <stdio.h>
+int main(void)
+{
+    BYTE from, bytes[MAXMSGLEN];
+    int n;
+    RADIOInit();
+    RADIORecv(&from, &n, bytes);
+    printf("%d bytes from %d: %s\n", n, from, bytes);
+    return 0;
+}
+"#;
