@@ -96,6 +96,16 @@ impl<E: Into<Box<dyn StdError>>> Outcome for Result<(), E> {
     }
 }
 
+/// What a function without end returns.
+impl Outcome for Never {
+    fn failure(self) -> Option<String> {
+        self
+    }
+}
+
+/// `!`, which stable Rust names in no other way.
+type Never = <fn() -> ! as sealed::Function>::Output;
+
 /// A robot of one generation of RoBIOS: what a program's function gets.
 pub trait Machine: sealed::Sealed + Sized {
     /// The generation, 6 or 7.
@@ -127,6 +137,15 @@ mod sealed {
     pub trait Sealed {}
     impl Sealed for crate::Robot {}
     impl Sealed for crate::robios7::Robot {}
+
+    /// A function, by which its result is named.
+    pub trait Function {
+        /// Its result.
+        type Output;
+    }
+    impl<T> Function for fn() -> T {
+        type Output = T;
+    }
 }
 
 /// The description of a program that [`program!`](crate::program) exports; `main` tells its generation.

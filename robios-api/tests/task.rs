@@ -245,7 +245,7 @@ fn pre_emption_can_be_put_off() {
         let note = move |what: &'static str| noting.lock().expect("nobody panics").push(what);
         let (waits, to_note) = (wake.clone(), note.clone());
         let task = tasks.spawn("waits", Priority::P8, move |robot: &Robot| {
-            for _ in 0..100 {
+            loop {
                 waits.wait(robot);
                 to_note("task");
             }
