@@ -37,6 +37,9 @@ fn main() {
     if is_wanted("crowd/waiting") {
         waiting(is_smoke_test);
     }
+    if is_wanted("crowd/radio") {
+        radio(is_smoke_test);
+    }
 }
 
 /// What a run took.
@@ -118,6 +121,41 @@ fn waiting(is_smoke_test: bool) {
     let slots = many.simulated / 0.05;
     let each = (many.real - few.real) / slots / (WAITING - 1) as f64;
     println!("crowd/waiting  {:>9.1} ns a slot for a robot that waits", each * 1e9);
+}
+
+/// A hundred robots that tell all others eight bytes in each slot, and the same number of calls without a radio.
+fn radio(is_smoke_test: bool) {
+    const ROBOTS: usize = 100;
+    let scratch = Scratch::new();
+    let (seconds, repeats) = if is_smoke_test { (0.5, 1) } else { (20.0, REPEATS) };
+    // Each slot has 1 RADIOSend, 99 RADIOReceive of 100 us and 100 RADIOCheck of 5 us, then the wait for the next one.
+    scratch.write(
+        "talk.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n    char text[16];\n    int id;\n    RADIOInit();\n    for (;;) {\n        \
+         RADIOSend(0, \"position\");\n        while (RADIOCheck() > 0) RADIOReceive(&id, text, sizeof text);\n        \
+         OSWait(50 - OSGetCount() % 50);\n    }\n}\n",
+    );
+    scratch.write(
+        "mute.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n    int i, n = 0;\n    for (;;) {\n        \
+         for (i = 0; i < 200; i++) n += OSMachineID();\n        OSWait(50 - OSGetCount() % 50);\n    }\n}\n",
+    );
+    let of = |program: &str| {
+        write_crowd(&scratch, ROBOTS, program);
+        fastest(&scratch, seconds, repeats)
+    };
+    let (talk, mute) = (of("talk.c"), of("mute.c"));
+    if is_smoke_test {
+        println!("crowd/radio    runs");
+        return;
+    }
+    let messages = talk.simulated / 0.05 * (ROBOTS * (ROBOTS - 1)) as f64;
+    println!(
+        "crowd/radio    {:>9.0} messages/s heard {:>9.1} times real time, {:.1} without the radio",
+        messages / talk.real,
+        talk.simulated / talk.real,
+        mute.simulated / mute.real
+    );
 }
 
 fn fastest(scratch: &Scratch, seconds: f64, repeats: usize) -> Run {

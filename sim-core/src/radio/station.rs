@@ -192,14 +192,20 @@ impl Station {
     /// Puts what is visible at `now` into the buffer; what became of each, in order.
     pub fn settle(&mut self, now: Time) -> Vec<Delivery> {
         let mut settled = Vec::new();
+        if self.next_visible() > now {
+            return settled;
+        }
+        let room_of = |payload: &[u8]| payload.len().max(1);
+        let mut used: usize = self.inbox.iter().map(|message| room_of(&message.payload)).sum();
         while self.next_visible() <= now
             && let Some(mut delivery) = self.coming.pop_front()
         {
             if let Ok(arrived) = &delivery.outcome {
-                let used: usize = self.inbox.iter().map(|message| message.payload.len().max(1)).sum();
-                if used + arrived.payload.len().max(1) > BUFFER {
+                let room = room_of(&arrived.payload);
+                if used + room > BUFFER {
                     delivery.outcome = Err(Loss::Overflow);
                 } else {
+                    used += room;
                     let message = Message {
                         from: delivery.from,
                         address: delivery.address,

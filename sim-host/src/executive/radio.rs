@@ -39,7 +39,8 @@ impl Traffic {
     pub fn exchange(&mut self, slot_end: Time, channel: &mut Channel, concerned: &mut Vec<RobotId>) {
         if !self.sendings.is_empty() || channel.due() <= slot_end {
             self.decided = channel.exchange(slot_end, std::mem::take(&mut self.sendings));
-            concerned.extend(self.decided.iter().map(|delivery| delivery.to));
+            // Those of one robot that become visible together stand together.
+            concerned.extend(self.decided.chunk_by(|one, other| one.to == other.to).map(|chunk| chunk[0].to));
             self.left = channel.take_left();
             concerned.extend(self.left.iter().map(|(robot, _)| *robot));
         }
@@ -59,11 +60,14 @@ impl Traffic {
                 robots[place].devices.radio.has_left(sequence);
             }
         }
+        let mut last = None;
         for delivery in self.decided.drain(..) {
             let Delivery { to, visible, .. } = delivery;
             if let Ok(place) = robots.binary_search_by_key(&to, |robot| robot.id) {
                 radio::deliver(&mut robots[place], delivery);
-                self.visible.push(Reverse((visible, to)));
+                if last.replace((visible, to)) != Some((visible, to)) {
+                    self.visible.push(Reverse((visible, to)));
+                }
             }
         }
         for robot in robots {
