@@ -11,6 +11,8 @@ pub struct Broken {
     pub is_overdue: bool,
     /// Number of the last RoBIOS call, `u16::MAX` before the first.
     pub last_call: u16,
+    /// The task that broke, where it is one of several.
+    pub task: Option<u32>,
     /// The place in words, where the program itself has told it.
     pub place: String,
     /// Program counter at the break, then what look like return addresses, innermost first.
@@ -40,13 +42,20 @@ impl Broken {
         };
         let mut addresses = vec![fault.pc];
         addresses.extend(stack_words);
-        Self { what, is_overdue: fault.signal == OVERDUE_SIGNAL, last_call, place: String::new(), addresses }
+        Self {
+            what,
+            is_overdue: fault.signal == OVERDUE_SIGNAL,
+            last_call,
+            task: None,
+            place: String::new(),
+            addresses,
+        }
     }
 
     /// The same, told of the task that broke.
     #[must_use]
     pub(super) fn in_task(mut self, task: u32) -> Self {
-        self.what += &format!(" in task {task}");
+        self.task = Some(task);
         self
     }
 }

@@ -258,12 +258,15 @@ impl Run {
         if let (false, Some(program)) = (self.is_stopping(), self.program(id)) {
             let caller = Caller::new(Arc::clone(&self), id);
             let result = program.run(&caller);
+            if result.is_ok() && !self.is_stopping() {
+                self.robot(id).hint_at_living_tasks();
+            }
             // The other tasks return through calls that `caller` answers.
             self.end_tasks(id);
             let ending = match result {
                 Err(broken) if !program.child().is_some_and(|child| child.is_ending()) => {
                     let task = self.robot(id).tasks.first_to_leave();
-                    let broken = if let Some(task) = task { broken.in_task(task) } else { broken };
+                    let broken = self.with_task(id, if let Some(task) = task { broken.in_task(task) } else { broken });
                     let ending = Ending::broken(&broken);
                     self.lost.lock().push((id, broken));
                     ending
@@ -284,6 +287,14 @@ impl Run {
             program.end(Instant::now() + LEAVE);
         }
         None
+    }
+
+    /// The same, told with the name of the task that broke.
+    fn with_task(&self, id: RobotId, mut broken: Broken) -> Broken {
+        if let Some(task) = broken.task.take() {
+            broken.what += &format!(" in {}", self.robot(id).tasks.name(task));
+        }
+        broken
     }
 
     /// Starts the flow of task `task` of robot `id`, which runs `code` when its turn comes.
@@ -355,6 +366,7 @@ impl Run {
             self.bell.wait(LOOK);
             for (id, broken) in self.executor.broken() {
                 if all_broken.iter().all(|(known, _)| *known != id) {
+                    let broken = self.with_task(id, broken);
                     self.robot(id).ending.get_or_insert(Ending::broken(&broken));
                     all_broken.push((id, broken));
                     self.conductor.lock().end_with(End::Broken);

@@ -157,7 +157,7 @@ pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: Senders) -
             let made = program.place_of(&semaphore.made_at).map(|place| format!(" (made at {place})"));
             let last = semaphore.last.as_ref().map(|(by, site)| {
                 let place = program.place_of(site).map(|place| format!(" ({place})")).unwrap_or_default();
-                format!(", last passed by {}{place},", tasks.name(*by))
+                format!(", last passed by {by}{place},")
             });
             made.unwrap_or_default() + &last.unwrap_or_default()
         });

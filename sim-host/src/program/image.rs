@@ -201,6 +201,14 @@ impl ProgramImage {
         innermost
     }
 
+    /// The line of a call, given its return address less one; none where that lies in the shim: a function whose last deed is
+    /// the call has left already, and whoever called it is returned to.
+    pub fn call_line(&self, offset: usize) -> Option<SourceLine> {
+        let is_of_shim =
+            |file: &Path| file.is_absolute() && file.parent().is_some_and(|folder| folder.ends_with("shim"));
+        self.source_line(offset).filter(|line| !is_of_shim(&line.file))
+    }
+
     /// The line of the first place in a call stack that lies in the program's own sources, so not in its shim or in the
     /// library of its language; if none does, of the first that is known.
     ///

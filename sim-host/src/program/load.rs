@@ -224,7 +224,8 @@ impl LoadedProgram {
         let CallSite { address, file, file_len, line } = *site;
         if file.is_null() {
             // A return address lies behind the call.
-            return self.source_line(address.addr().checked_sub(1)?).map(|line| line.to_string());
+            let offset = self.offset(address.addr().checked_sub(1)?)?;
+            return self.image.call_line(offset).map(|line| line.to_string());
         }
         // SAFETY: the contract of a program's call site: a name of that many bytes in the program's constants.
         let file = unsafe { std::slice::from_raw_parts(file, file_len) };

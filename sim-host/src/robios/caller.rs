@@ -347,7 +347,10 @@ impl Caller {
     pub(super) fn within<R>(&self, call: Call, body: impl FnOnce(&Self) -> Result<R, Stop>) -> Result<R, Stop> {
         let executor = self.run.executor();
         if !executor.enter(self.id, call) {
-            return Err(self.fail(self.robot(), format!("stack overflow in `{}`", call.name())));
+            let robot = self.robot();
+            let task = robot.tasks.scheduler().map(|_| robot.tasks.name(robot.tasks.current().number));
+            let task = task.map(|task| format!(" of {task}")).unwrap_or_default();
+            return Err(self.fail(robot, format!("stack overflow in `{}`{task}", call.name())));
         }
         let result = if self.run.is_stopping() { Err(Stop) } else { body(self) };
         executor.leave(self.id);

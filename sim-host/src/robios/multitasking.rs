@@ -10,9 +10,10 @@ use sim_core::time::Time;
 use super::caller::{self, Caller, Poll};
 use super::robot::{Ending, Robot, Waiting, Waits};
 use super::task::scheduler::{Policy, Scheduler};
-use super::task::semaphore::Passing;
-use super::task::{MAIN, MAX_TASKS, Origin};
+use super::task::semaphore::{Passing, Semaphore};
+use super::task::{MAIN, MAX_TASKS, Origin, Task};
 use super::text;
+use crate::executive::program::Site;
 use crate::executive::run::Run;
 
 /// The largest stack that a task may ask for, in bytes; each gets twice as much.
@@ -124,7 +125,7 @@ impl Caller {
             if number == robot.tasks.current().number {
                 return caller.end_task(robot).map(|()| 0);
             }
-            if robot.tasks.find(number.cast_signed()).is_some_and(super::task::Task::is_unwinding) {
+            if robot.tasks.find(number.cast_signed()).is_some_and(Task::is_unwinding) {
                 return Ok(0);
             }
             let now = robot.now;
@@ -172,10 +173,16 @@ impl Caller {
     pub(super) fn pass_semaphore(&self, semaphore: i32) -> Result<i32, Stop> {
         let site = self.run().call_site(self.id());
         let number = u32::try_from(semaphore).unwrap_or(0);
-        self.wait(Call::OSSemP, |robot, _| match robot.tasks.pass_semaphore(number, &site) {
-            Passing::Passed => Poll::Ready(0),
-            Passing::Closed => Poll::Until { at: Time::NEVER, waits_for: Waits::Semaphore(number) },
-            Passing::Unknown => Poll::Ready(no_semaphore(robot, Call::OSSemP)),
+        self.wait(Call::OSSemP, |robot, _| {
+            // A timer's function is no task: it cannot wait in a queue.
+            let is_task = !robot.timers.in_callback;
+            let tasks = &mut robot.tasks;
+            let passing = if is_task { tasks.pass_semaphore(number, &site) } else { tasks.semaphores.try_pass(number) };
+            match passing {
+                Passing::Passed => Poll::Ready(0),
+                Passing::Closed => Poll::Until { at: Time::NEVER, waits_for: Waits::Semaphore(number) },
+                Passing::Unknown => Poll::Ready(no_semaphore(robot, Call::OSSemP)),
+            }
         })
     }
 
@@ -297,12 +304,7 @@ fn no_semaphore(robot: &mut Robot, call: Call) -> i32 {
     robot.refused(call, -1, |_| "it got no semaphore that `OSSemInit` has made".to_owned())
 }
 
-fn make_semaphore(
-    robot: &mut Robot,
-    semaphore: Option<&mut i32>,
-    count: i32,
-    site: crate::executive::program::Site,
-) -> i32 {
+fn make_semaphore(robot: &mut Robot, semaphore: Option<&mut i32>, count: i32, site: Site) -> i32 {
     let Some(place) = semaphore else {
         return robot.refused(Call::OSSemInit, -1, |_| "the semaphore is a null pointer".to_owned());
     };
@@ -310,7 +312,7 @@ fn make_semaphore(
         return robot.refused(Call::OSSemInit, -1, |_| format!("{count} tasks cannot pass: the count is 0 or more"));
     }
     let before = u32::try_from(*place).unwrap_or(0);
-    if robot.tasks.semaphores.get(before).is_some_and(super::task::semaphore::Semaphore::is_waited_at) {
+    if robot.tasks.semaphores.get(before).is_some_and(Semaphore::is_waited_at) {
         robot.hint(&format!("`OSSemInit` makes semaphore {before} anew: the tasks that wait at it never pass"));
     }
     match robot.tasks.semaphores.make(count, site) {
@@ -323,7 +325,7 @@ fn make_semaphore(
 }
 
 /// Adds the task that `OSSpawn` asks for; its number.
-fn create(robot: &mut Robot, spawn: &Spawn<'_>, site: crate::executive::program::Site) -> Option<u32> {
+fn create(robot: &mut Robot, spawn: &Spawn<'_>, site: Site) -> Option<u32> {
     let Spawn { stack_bytes, priority, uid, .. } = *spawn;
     let reason = if robot.tasks.scheduler().is_none() {
         Some(NOT_STARTED.to_owned())

@@ -157,6 +157,15 @@ impl Robot {
         }
     }
 
+    /// Tells the user when `main` has ended before other tasks of RoBIOS 6, which end with it.
+    pub fn hint_at_living_tasks(&mut self) {
+        let is_by_main = !self.tasks.is_leaving() && matches!(self.ending, None | Some(Ending::Exited { .. }));
+        if is_by_main && self.tasks.scheduler().is_some() && self.tasks.has_others() {
+            let others = self.tasks.others_in_words();
+            self.hint(&format!("the program ended with `main`, before {others}: `OSSuspend(0)` lets `main` wait"));
+        }
+    }
+
     /// Stops its motors, at the end of its program.
     pub fn halt(&mut self, world: &World) {
         let touching = world.touching(&mut self.motion, self.now);

@@ -285,7 +285,14 @@ impl Child {
 
     fn broken(&self, what: &str) -> Broken {
         let last_call = self.last_call.load(Ordering::Relaxed);
-        Broken { what: what.to_owned(), is_overdue: false, last_call, place: String::new(), addresses: Vec::new() }
+        Broken {
+            what: what.to_owned(),
+            is_overdue: false,
+            last_call,
+            task: None,
+            place: String::new(),
+            addresses: Vec::new(),
+        }
     }
 
     fn end_in_words(&self, status: ExitStatus) -> Broken {

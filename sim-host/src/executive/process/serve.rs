@@ -114,7 +114,7 @@ impl RemoteProgram {
         }
         // A return address lies behind the call.
         let offset = self.offset(usize::try_from(*address).ok()?.checked_sub(1)?)?;
-        self.prepared.image()?.source_line(offset).map(|line| line.to_string())
+        self.prepared.image()?.call_line(offset).map(|line| line.to_string())
     }
 
     fn offset(&self, address: usize) -> Option<usize> {

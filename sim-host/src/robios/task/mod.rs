@@ -5,6 +5,8 @@
 //! who runs. All of this is a function of virtual time and of what the tasks call; how control goes from one to the other is the
 //! executor's.
 
+#[cfg(test)]
+mod oracle;
 pub mod scheduler;
 pub mod semaphore;
 
@@ -495,13 +497,19 @@ impl Tasks {
         self.list.binary_search_by_key(&number, |task| task.number).ok()
     }
 
+    /// Those besides `main` that have not ended, as the user knows them.
+    pub fn others_in_words(&self) -> String {
+        let others = self.list.iter().filter(|task| task.number != MAIN).map(|task| self.name(task.number));
+        others.collect::<Vec<_>>().join(", ")
+    }
+
     /// The task as the user knows it: `` task `left` ``, with its number where several are called so.
     pub fn name(&self, number: u32) -> String {
         let name_of = |task: &Task| task.origin.name.clone();
         let name = self.index(number).map(|index| name_of(&self.list[index])).unwrap_or_default();
         let is_shared = self.list.iter().any(|task| task.number != number && task.origin.name == name);
         match (number, name.as_str()) {
-            (MAIN, "") => "`main`".to_owned(),
+            (MAIN, "") if self.scheduler.is_some() => "`main`".to_owned(),
             (_, "") => format!("task {number}"),
             _ if is_shared => format!("task `{name}` ({number})"),
             _ => format!("task `{name}`"),
@@ -549,15 +557,13 @@ impl Tasks {
     /// Lets the first task that waits at semaphore `number` pass, or one more later; false if there is none, or it is full.
     pub fn release_semaphore(&mut self, number: u32) -> bool {
         let Some(first) = self.semaphores.release(number) else { return false };
-        if let Some(index) = first.and_then(|first| self.index(first)) {
-            let task = &mut self.list[index];
-            (task.has_semaphore, task.wake) = (true, Time::ZERO);
-            if let (Some(waiting), number) = (&task.waiting, number) {
-                self.semaphores.note_passing(number, task.number, waiting.site.clone());
-            }
-            if let Some(scheduler) = &mut self.scheduler {
-                scheduler.run(self.list[index].number);
-            }
+        let Some(index) = first.and_then(|first| self.index(first)) else { return true };
+        let task = &mut self.list[index];
+        (task.has_semaphore, task.wake) = (true, Time::ZERO);
+        let (task, site) = (task.number, task.waiting.as_ref().map(|waiting| waiting.site.clone()));
+        self.semaphores.note_passing(number, self.name(task), site.unwrap_or_default());
+        if let Some(scheduler) = &mut self.scheduler {
+            scheduler.run(task);
         }
         true
     }
@@ -568,9 +574,10 @@ impl Tasks {
         if std::mem::take(&mut task.has_semaphore) {
             return Passing::Passed;
         }
-        let passing = self.semaphores.pass(number, task.number);
+        let task = task.number;
+        let passing = self.semaphores.pass(number, task);
         if passing == Passing::Passed {
-            self.semaphores.note_passing(number, task.number, site.clone());
+            self.semaphores.note_passing(number, self.name(task), site.clone());
         }
         passing
     }

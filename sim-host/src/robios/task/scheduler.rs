@@ -190,6 +190,11 @@ impl Scheduler {
 
     /// Virtual time has come to `to`, and no call is in progress.
     pub fn advance(&mut self, to: Time) {
+        // A call has used up the slice: only now, at its end, others get their turn.
+        if self.now >= self.slice_end {
+            self.end_slice();
+        }
+        self.settle();
         loop {
             match self.next() {
                 Next::At(time) if time <= to => self.pass(time),
@@ -249,12 +254,10 @@ impl Scheduler {
             self.rotate(ticks);
             self.slice_end += Time(TICK.0 * ticks);
         }
-        self.rise(to);
+        self.reach(to);
         if to >= self.slice_end {
-            self.rotate(1);
-            self.slice_end = slice_end(to);
+            self.end_slice();
         }
-        self.now = self.now.max(to);
         self.settle();
     }
 
@@ -262,10 +265,14 @@ impl Scheduler {
     fn pass_at_once(&mut self, to: Time) {
         self.reach(to);
         if to >= self.slice_end {
-            self.rotate(1);
-            self.slice_end = slice_end(to);
+            self.end_slice();
         }
         self.settle();
+    }
+
+    fn end_slice(&mut self) {
+        self.rotate(1);
+        self.slice_end = slice_end(self.now);
     }
 
     /// Those whose sleep ends until `to` are ready, in order of their wakes.

@@ -19,8 +19,8 @@ pub struct Semaphore {
     waiting: VecDeque<u32>,
     /// Where it was made.
     pub made_at: Site,
-    /// Which task passed it last, and where.
-    pub last: Option<(u32, Site)>,
+    /// Who passed it last, as the user knows the task, and where.
+    pub last: Option<(String, Site)>,
 }
 
 /// What comes of passing a semaphore.
@@ -53,17 +53,26 @@ impl Semaphores {
         self.list.get_mut((number as usize).checked_sub(1)?)
     }
 
+    /// Passes a semaphore, if it is open.
+    pub fn try_pass(&mut self, number: u32) -> Passing {
+        let Some(semaphore) = self.get_mut(number) else { return Passing::Unknown };
+        if semaphore.count == 0 {
+            return Passing::Closed;
+        }
+        semaphore.count -= 1;
+        Passing::Passed
+    }
+
     /// `task` passes a semaphore, or is put at the end of its queue unless it is in it already.
     pub fn pass(&mut self, number: u32, task: u32) -> Passing {
-        let Some(semaphore) = self.get_mut(number) else { return Passing::Unknown };
-        if semaphore.count > 0 {
-            semaphore.count -= 1;
-            return Passing::Passed;
-        }
-        if !semaphore.waiting.contains(&task) {
+        let passing = self.try_pass(number);
+        if passing == Passing::Closed
+            && let Some(semaphore) = self.get_mut(number)
+            && !semaphore.waiting.contains(&task)
+        {
             semaphore.waiting.push_back(task);
         }
-        Passing::Closed
+        passing
     }
 
     /// Lets one more pass: the task that has waited longest, which is given, or a later one. None if there is no such semaphore or its count
@@ -85,7 +94,7 @@ impl Semaphores {
     }
 
     /// `task` has passed a semaphore at `site`.
-    pub fn note_passing(&mut self, number: u32, task: u32, site: Site) {
+    pub fn note_passing(&mut self, number: u32, task: String, site: Site) {
         if let Some(semaphore) = self.get_mut(number) {
             semaphore.last = Some((task, site));
         }
