@@ -374,3 +374,107 @@ impl Entry {
 fn slice_end(now: Time) -> Time {
     now.floor_to(TICK) + TICK
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OPEN: Policy = Policy::Preempt { is_permitted: true };
+
+    /// A processor with tasks 2, 3, ... of these priorities, all ready, `main` (1) asleep for ever.
+    fn processor(policy: Policy, priorities: &[usize]) -> Scheduler {
+        let mut scheduler = Scheduler::new(policy, 1, 0, Time::ZERO);
+        for (number, priority) in (2..).zip(priorities) {
+            scheduler.add(number, *priority);
+            scheduler.ready(number);
+        }
+        scheduler.block(1, Time::NEVER);
+        scheduler.advance(Time::ZERO);
+        scheduler
+    }
+
+    #[test]
+    fn equals_take_turns_at_ticks_and_the_lower_ones_starve() {
+        let mut scheduler = processor(OPEN, &[3, 3, 2]);
+        let mut turns = Vec::new();
+        for ms in 1..=60 {
+            scheduler.advance(Time::from_millis(ms));
+            if let Next::Go(task) = scheduler.next()
+                && turns.last() != Some(&task)
+            {
+                turns.push(task);
+            }
+        }
+        assert_eq!(turns, [2, 3, 2, 3, 2, 3, 2]);
+    }
+
+    #[test]
+    fn turns_in_busy_waits_are_taken_in_closed_form() {
+        let mut scheduler = processor(OPEN, &[3, 3, 3]);
+        for (task, wake_s, slice_end_ms) in [(2, 1_000_000, 10), (3, 2_000_000, 20), (4, 3_000_000, 20)] {
+            assert_eq!(scheduler.next(), Next::Go(task));
+            scheduler.wait(task, Time::from_millis(1000 * wake_s));
+            scheduler.advance(Time::from_millis(slice_end_ms));
+        }
+        // Slices of 2 begin at 0, 30, 60 ms and so on: the one of 1e9 ms began at 999,999,990 ms and ends then.
+        assert_eq!(scheduler.next(), Next::At(Time::from_millis(1_000_000_020)));
+        scheduler.advance(Time::from_millis(1_000_000_020));
+        assert_eq!(scheduler.next(), Next::Go(2));
+    }
+
+    #[test]
+    fn nobody_ever_goes_on_where_all_wait_for_ever() {
+        let mut scheduler = processor(OPEN, &[3, 3]);
+        scheduler.wait(2, Time::NEVER);
+        scheduler.advance(Time::from_millis(10));
+        scheduler.wait(3, Time::NEVER);
+        assert_eq!(scheduler.next(), Next::At(Time::NEVER));
+        scheduler.advance(Time::from_millis(1_000_000_000));
+        assert_eq!(scheduler.next(), Next::At(Time::NEVER));
+        scheduler.block(2, Time::NEVER);
+        scheduler.block(3, Time::NEVER);
+        assert_eq!(scheduler.next(), Next::At(Time::NEVER));
+    }
+
+    #[test]
+    fn whoever_has_the_processor_keeps_it_where_tasks_cooperate() {
+        for policy in [Policy::Coop, Policy::Preempt { is_permitted: false }] {
+            let mut scheduler = processor(policy, &[1, 8]);
+            assert_eq!(scheduler.next(), Next::Go(3), "main gave way to the highest");
+            scheduler.wait(3, Time::from_millis(95));
+            assert_eq!(scheduler.next(), Next::At(Time::from_millis(95)));
+            scheduler.advance(Time::from_millis(95));
+            scheduler.run(3);
+            scheduler.reschedule();
+            assert_eq!(scheduler.next(), Next::Go(3), "a lower one does not get it");
+            scheduler.block(3, Time::from_millis(100));
+            assert_eq!(scheduler.next(), Next::Go(2));
+            scheduler.advance(Time::from_millis(200));
+            assert_eq!(scheduler.next(), Next::Go(2), "not even when a higher one is ready");
+            scheduler.permit(true);
+            scheduler.advance(Time::from_millis(200));
+            assert_eq!(scheduler.next(), Next::Go(if policy == Policy::Coop { 2 } else { 3 }));
+        }
+    }
+
+    #[test]
+    fn a_suspended_task_goes_on_when_its_sleep_is_over_too() {
+        let mut scheduler = processor(OPEN, &[3]);
+        scheduler.block(2, Time::from_millis(50));
+        scheduler.suspend(2);
+        scheduler.advance(Time::from_millis(60));
+        assert_eq!(scheduler.next(), Next::At(Time::NEVER));
+        scheduler.ready(2);
+        scheduler.advance(Time::from_millis(60));
+        assert_eq!(scheduler.next(), Next::Go(2));
+    }
+
+    #[test]
+    fn who_takes_over_runs_before_all_others() {
+        let mut scheduler = processor(OPEN, &[5, 2]);
+        scheduler.take_over(3);
+        assert_eq!(scheduler.next(), Next::Go(3));
+        scheduler.remove(3);
+        assert_eq!(scheduler.next(), Next::Go(2));
+    }
+}
