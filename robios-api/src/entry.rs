@@ -190,7 +190,7 @@ pub(crate) unsafe fn run_for<M: Machine, O: Outcome>(
     // SAFETY: the caller vouches for host and context, and the robot is closed below.
     let robot = unsafe { Robot::new(host, context, arguments, reader) };
     let code = contain(&robot, || main(&M::of(&robot)).failure());
-    robot.forget_tasks();
+    robot.end_tasks();
     robot.close();
     robot.common().failure.get().copied().unwrap_or(code)
 }

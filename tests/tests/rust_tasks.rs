@@ -146,7 +146,7 @@ fn tasks_fail_and_end_as_they_should() {
     assert_eq!(leave["outcome"], "finished", "{leave:#}");
     assert_eq!(leave_lines, &["main let go", "one let go", "other let go"]);
 
-    for args in [["--threads", "1"], ["--threads", "2"]] {
+    for args in [["--threads", "1"], ["--threads", "2"], ["--exec", "process"]] {
         assert_eq!(run(&scratch, &args).1, digest, "{args:?}");
     }
 }

@@ -167,6 +167,8 @@ fn a_control_task_uses_every_measurement_of_the_sensing_task() {
         assert!(counts[0].abs_diff(counts[1]) <= 1, "{counts:?}");
         assert!(number(report, "path_m") > 8.0, "{report:#}");
     }
+    let in_processes = run("sense-steer.sim", &["--exec", "process"]);
+    assert_eq!(in_processes.digest, ran.digest);
 }
 
 #[test]

@@ -10,7 +10,7 @@ pub use semaphore::{Permit, Semaphore};
 pub use shared::{Shared, SharedGuard};
 
 use std::ffi::c_void;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Duration;
 
 use robios_sys::robios6::{COOP, PREEMPT};
@@ -83,8 +83,8 @@ pub(crate) struct TaskState {
     is_permitted: bool,
     /// How many timers there are whose functions belong to the thread of `main`.
     pub timers: usize,
-    /// Functions of tasks that have not begun.
-    waiting: Vec<Arc<Job>>,
+    /// Those that have not ended, in the order of their creation.
+    jobs: Vec<Arc<Job>>,
 }
 
 impl TaskSettings {
@@ -157,10 +157,20 @@ impl Robot {
         Tasks(self)
     }
 
-    /// Drops the functions of tasks that will not begin any more.
-    pub(crate) fn forget_tasks(&self) {
-        let waiting = std::mem::take(&mut locked(&self.common().tasks).waiting);
-        drop(waiting);
+    /// Ends all tasks, `main` having returned: what they have is dropped in the order of their creation, wherever the program
+    /// runs.
+    pub(crate) fn end_tasks(&self) {
+        if !locked(&self.common().tasks).jobs.is_empty() {
+            release!(self, OSForbid());
+        }
+        loop {
+            let first = locked(&self.common().tasks).jobs.first().cloned();
+            let Some(job) = first else { return };
+            if let Some(task) = job.task.get() {
+                release!(self, OSKill(*task));
+            }
+            job.forget();
+        }
     }
 
     /// Counts a timer whose function belongs to this thread.
@@ -217,9 +227,10 @@ impl<'a> Tasks<'a> {
             tables,
             common: Arc::clone(self.0.common()),
             function: Mutex::new(Some(Box::new(move |robot| function(robot).failure()))),
+            task: OnceLock::new(),
         });
         let callback = Callback { code: Some(begin), data: Arc::as_ptr(&job).cast_mut().cast() };
-        locked(&self.0.common().tasks).waiting.push(Arc::clone(&job));
+        locked(&self.0.common().tasks).jobs.push(Arc::clone(&job));
         let name = ByteSlice::from(settings.name.as_str());
         let stack = i32::try_from(settings.stack_bytes).unwrap_or(i32::MAX);
         match robios!(self.0, OSSpawn(name, callback, stack, settings.priority as i32, settings.uid)) {
@@ -227,7 +238,10 @@ impl<'a> Tasks<'a> {
                 job.forget();
                 Err(Error::Unavailable(Device::Tasks))
             }
-            task => Ok(Task(task)),
+            task => {
+                let _first = job.task.set(task);
+                Ok(Task(task))
+            }
         }
     }
 
@@ -373,11 +387,14 @@ impl Drop for Forbidden<'_> {
     }
 }
 
-/// The function of a task, until it begins.
+/// A task that has not ended.
 struct Job {
     tables: Tables,
     common: Arc<Common>,
+    /// Until it begins.
     function: Mutex<Option<Box<Function>>>,
+    /// Its number, once it is known.
+    task: OnceLock<robios_sys::robios6::Task>,
 }
 
 /// A task's function; gives the text of its failure, if it fails.
@@ -386,18 +403,18 @@ type Function = dyn FnOnce(&Robot) -> Option<String> + Send;
 impl Job {
     fn begin(&self) -> Status {
         let Some(function) = locked(&self.function).take() else { return Status::OK };
-        self.forget();
         let robot = Robot::of_task(self.tables, Arc::clone(&self.common));
         let status = entry::run_task(&robot, || function(&robot));
         robot.close();
+        self.forget();
         status
     }
 
-    /// Takes it from those that have not begun.
+    /// Takes it from those that have not ended.
     fn forget(&self) {
         let mut tasks = locked(&self.common.tasks);
-        let place = tasks.waiting.iter().position(|job| std::ptr::eq(&**job, self));
-        let job = place.map(|place| tasks.waiting.swap_remove(place));
+        let place = tasks.jobs.iter().position(|job| std::ptr::eq(&**job, self));
+        let job = place.map(|place| tasks.jobs.remove(place));
         // What the function holds may ask for the lock when it is dropped.
         drop(tasks);
         drop(job);
@@ -410,7 +427,7 @@ impl Job {
 /// `data` is a [`Job`] that has not begun, and its program's `main` has not been left.
 unsafe extern "C" fn begin(data: *mut c_void) -> Status {
     let job = data.cast_const().cast::<Job>();
-    // SAFETY: those that have not begun hold one count of the job; a second one keeps it alive to the end of the task.
+    // SAFETY: those that have not ended hold one count of the job; a second one keeps it alive to the end of the task.
     let job = unsafe {
         Arc::increment_strong_count(job);
         Arc::from_raw(job)
