@@ -115,10 +115,17 @@ impl Robot {
             all.id = settings.id.map_or(all.id, |id| id.0.into());
             checked("RADIOSetIoctl", Device::Radio, robios!(self, RADIOSetIoctl(&all)))?;
         }
-        if *locked(&self.common().radios) == 0 {
-            checked("RADIOInit", Device::Radio, robios!(self, RADIOInit()))?;
+        let radios = &self.common().radios;
+        // Counted before the call, at whose end another task may run and ask for the radio, too.
+        let is_first = {
+            let mut radios = locked(radios);
+            *radios += 1;
+            *radios == 1
+        };
+        if is_first && let Err(error) = checked("RADIOInit", Device::Radio, robios!(self, RADIOInit())) {
+            *locked(radios) -= 1;
+            return Err(error);
         }
-        *locked(&self.common().radios) += 1;
         Ok(Radio { robot: self.clone() })
     }
 

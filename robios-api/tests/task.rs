@@ -278,3 +278,26 @@ fn without_multi_tasking_there_are_no_tasks() {
     });
     run.expect_finished();
 }
+
+#[test]
+fn tasks_may_ask_for_the_radio_at_the_same_time() {
+    fn program(robot: &Robot, before_us: u64) -> Result {
+        let tasks = robot.multi_tasking(TaskMode::Preemptive)?;
+        for name in ["one", "other"] {
+            let listen = move |robot: &Robot| -> Result {
+                robot.sleep(std::time::Duration::from_micros(before_us));
+                let radio = robot.radio()?;
+                writeln!(robot.console(), "{name} {}", radio.waiting());
+                robot.sleep(30.millis());
+                Ok(())
+            };
+            tasks.spawn(name, Priority::P3, listen)?.ready(robot)?;
+        }
+        tasks.permit()
+    }
+    // At one of these times the slice ends with the call that switches it on, and the other task runs before it is counted.
+    for before_us in (0..10_000).step_by(50) {
+        let run = Fake::new().run(move |robot: &Robot| program(robot, before_us)).expect_finished();
+        assert_eq!(lines(&run).len(), 2, "{before_us} us: {:?}", lines(&run));
+    }
+}

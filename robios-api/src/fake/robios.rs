@@ -329,8 +329,8 @@ impl Robios6 for FakeRobot {
     }
 
     fn RADIOInit(&self) -> Result<i32, Stop> {
-        self.switch_radio(true)?;
-        Ok(0)
+        let was_on = self.switch_radio(true)?;
+        Ok(if was_on { -1 } else { 0 })
     }
 
     fn RADIOTerm(&self) -> Result<i32, Stop> {
