@@ -10,6 +10,7 @@ mod figure;
 pub mod france;
 mod moving_target;
 mod noise;
+mod radio;
 mod range_sensors;
 mod rays2d;
 mod rays3d;
@@ -100,5 +101,7 @@ pub const STUDIES: &[Study] = &[
     reflectance::STUDY,
     moving_target::STUDY,
     noise::STUDY,
+    radio::STUDY,
+    radio::LATENCY,
     camera::STUDY,
 ];

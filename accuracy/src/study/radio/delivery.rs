@@ -1,0 +1,94 @@
+//! Which share of messages arrives intact.
+
+use sim_core::math::{exp, ln_1p};
+use sim_core::noise::Radio;
+use sim_core::radio::{Address, Medium};
+use sim_core::time::Time;
+
+use super::*;
+
+/// Bytes of messages.
+const LENGTHS: [usize; 4] = [1, BYTES, 200, 1_000];
+const RATES: [f64; 8] = [0.0, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2];
+const PACKET_LOSS: f64 = 0.05;
+const COUNT: usize = 10_000;
+/// Where a rate of 0 stands in a picture with a logarithmic axis.
+const NONE: f64 = 1e-7;
+
+pub fn measure(effort: Effort) -> Part {
+    let mut rows = Vec::new();
+    let mut points = Vec::new();
+    for bytes in LENGTHS {
+        for bit_error_rate in RATES {
+            let errors = Radio { bit_error_rate, packet_loss: PACKET_LOSS };
+            let mut intact = 0;
+            let time_ns = nanoseconds(effort.of(5), COUNT, || intact = through_channel(errors, bytes));
+            let point = point(errors, bytes, intact);
+            rows.push(row(&format!("{bytes} bytes"), format!("P_b {bit_error_rate:e}"), &point, time_ns));
+            points.push(point);
+        }
+    }
+    for bit_error_rate in [1e-6, 1e-4, 1e-2] {
+        let errors = Radio { bit_error_rate, packet_loss: PACKET_LOSS };
+        let mut intact = 0;
+        let time_ns = nanoseconds(effort.of(5), COUNT, || intact = bit_by_bit(errors, BYTES));
+        let method = format!("{BYTES} bytes, bit by bit");
+        rows.push(row(&method, format!("P_b {bit_error_rate:e}"), &point(errors, BYTES, intact), time_ns));
+    }
+    let curve = |bytes: usize| {
+        let x = |step: i32| NONE * ten_to(f64::from(step) / 20.0);
+        let points = (0..=100).map(|step| {
+            let errors = Radio { bit_error_rate: x(step), packet_loss: PACKET_LOSS };
+            (x(step), expected(errors, bytes))
+        });
+        (format!("{bytes} bytes"), points.collect())
+    };
+    let title = "Share of messages that arrive intact, of which 5 % are lost";
+    let labels = ["bit error rate P_b (0 at the left edge)", "share of messages"];
+    let curves = LENGTHS.map(curve).to_vec();
+    let picture = Picture { name: "radio-delivery", title, labels, x_scale: Scale::Logarithmic, curves, points };
+    Part { rows, picture }
+}
+
+/// (1 - P_p) (1 - P_b)^(8 n)
+fn expected(errors: Radio, bytes: usize) -> f64 {
+    (1.0 - errors.packet_loss) * exp(8.0 * bytes as f64 * ln_1p(-errors.bit_error_rate))
+}
+
+fn point(errors: Radio, bytes: usize, intact: usize) -> Point {
+    let (measured, expected) = (intact as f64 / COUNT as f64, expected(errors, bytes));
+    let half = SIGMAS * (expected * (1.0 - expected) / COUNT as f64).sqrt();
+    Point { x: errors.bit_error_rate.max(NONE), measured, half, expected }
+}
+
+/// How many of [`COUNT`] messages the channel delivers intact.
+fn through_channel(errors: Radio, bytes: usize) -> usize {
+    let mut channel = channel(Medium::Free, errors, 1);
+    let payload = vec![0x55; bytes];
+    let mut intact = 0;
+    for batch in 0..COUNT / 100 {
+        let sequences = 100 * batch as u64 + 1..=100 * (batch as u64 + 1);
+        let sendings = sequences.map(|sequence| sending(2, sequence, Address::One(1), payload.clone(), Time::ZERO));
+        for delivery in channel.exchange(Time::ZERO, sendings.collect()) {
+            intact += usize::from(delivery.outcome.is_ok_and(|arrived| arrived.payload == payload));
+        }
+    }
+    intact
+}
+
+/// The same without a channel, with a number drawn for each bit.
+fn bit_by_bit(errors: Radio, bytes: usize) -> usize {
+    let payload = vec![0x55; bytes];
+    let is_intact = |sequence: &u64| {
+        let mut stream = stream(1, *sequence);
+        let is_lost = stream.unit() < errors.packet_loss;
+        let mut arrived = payload.clone();
+        for byte in &mut arrived {
+            for bit in 0..8 {
+                *byte ^= u8::from(stream.unit() < errors.bit_error_rate) << bit;
+            }
+        }
+        !is_lost && arrived == payload
+    };
+    (0..COUNT as u64).filter(is_intact).count()
+}

@@ -1,0 +1,126 @@
+//! Media that stations share: ALOHA and the token ring.
+
+use std::collections::BTreeMap;
+
+use sim_core::math::exp;
+use sim_core::noise::Radio;
+use sim_core::radio::{Address, Delivery, Medium, Sending, air_time};
+use sim_core::time::Time;
+
+use super::*;
+
+const SLOT: Time = Time::from_millis(50);
+const COUNT: usize = 50_000;
+/// Neighbours share their fate, batches hardly.
+const BATCH: usize = 1_000;
+const OFFERED: [f64; 8] = [0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.5];
+const STATIONS: [u32; 4] = [2, 5, 10, 20];
+const LOADS: [f64; 6] = [0.05, 0.2, 0.4, 0.6, 0.7, 0.8];
+
+/// Throughput of unslotted ALOHA: messages of many stations that begin at random, as one of them hears them.
+///
+/// Source of the formula: Abramson 1970, S = G exp(-2 G).
+pub fn aloha(effort: Effort) -> Part {
+    let (mut rows, mut points) = (Vec::new(), Vec::new());
+    for g in OFFERED {
+        let traffic = traffic(Medium::Aloha, 10_000, g, COUNT);
+        let mut fates = Vec::new();
+        let time_ns = nanoseconds(effort.of(3), COUNT, || fates = exchange(Medium::Aloha, 1, SLOT, &traffic));
+        let heard: Vec<f64> = fates.iter().map(|(_, fate)| f64::from(u8::from(fate.outcome.is_ok()))).collect();
+        let (share, half) = batch_means(&heard);
+        let point = Point { x: g, measured: g * share, half: g * half, expected: g * exp(-2.0 * g) };
+        rows.push(row("ALOHA", format!("G = {g}"), &point, time_ns));
+        points.push(point);
+    }
+    let curve = |name: &str, of: fn(f64) -> f64| {
+        let points = (0..=150).map(|step| f64::from(step) / 100.0).map(|g| (g, of(g)));
+        (name.to_owned(), points.collect())
+    };
+    let curves = vec![curve("G exp(-2 G)", |g| g * exp(-2.0 * g))];
+    let labels = ["offered load G, messages in the time of one", "throughput S"];
+    let title = "ALOHA: throughput against offered load";
+    let picture = Picture { name: "radio-aloha", title, labels, x_scale: Scale::Linear, curves, points };
+    Part { rows, picture }
+}
+
+/// How long messages wait for the token.
+///
+/// Source of the formula: Takagi 1986, "Analysis of Polling Systems": symmetric stations, one message a visit, Poisson arrivals.
+pub fn token_ring(effort: Effort) -> Part {
+    let air = air_time(BYTES, BAUD);
+    let (mut rows, mut points, mut curves) = (Vec::new(), Vec::new(), Vec::new());
+    for stations in STATIONS {
+        for load in LOADS {
+            let traffic = traffic(Medium::TokenRing, stations, load, COUNT);
+            let mut fates = Vec::new();
+            let time_ns =
+                nanoseconds(effort.of(3), COUNT, || fates = exchange(Medium::TokenRing, stations, SLOT, &traffic));
+            let wait = |(sent, fate): &(Time, Delivery)| (fate.arrives - air - *sent).seconds();
+            let waits: Vec<f64> = fates.iter().map(wait).collect();
+            let ((mean, half), expected) = (batch_means(&waits), expected_wait(stations, load));
+            let share = Point { x: load, measured: mean / expected, half: half / expected, expected: 1.0 };
+            rows.push(row(&format!("token ring of {stations}"), format!("load {load}"), &share, time_ns));
+            points.push(Point { x: load, measured: 1e3 * mean, half: 1e3 * half, expected: 1e3 * expected });
+        }
+        let loads = (1..=80).map(|step| f64::from(step) / 100.0);
+        curves.push((
+            format!("{stations} stations"),
+            loads.map(|load| (load, 1e3 * expected_wait(stations, load))).collect(),
+        ));
+    }
+    let labels = ["load, share of the time on the air", "wait for the token, ms"];
+    let title = "Token ring: mean wait for the token against load";
+    let picture = Picture { name: "radio-token-ring", title, labels, x_scale: Scale::Linear, curves, points };
+    Part { rows, picture }
+}
+
+/// Mean wait in a ring of so many stations, s: a message is what it takes beyond a token frame, which goes from each to the next
+/// in any case.
+fn expected_wait(stations: u32, load: f64) -> f64 {
+    let frame = air_time(0, BAUD).seconds();
+    let service = air_time(BYTES, BAUD).seconds() - frame;
+    let rate = load / (service + frame);
+    let busy = rate * service;
+    (rate * service * service + frame * (f64::from(stations) + busy)) / (2.0 * (1.0 - load))
+}
+
+/// Messages that come at random, `load` of them in the time that one takes: in a token ring each from one of so many `stations` at
+/// random to the next, else from each of the robots from 2 on in turn to robot 1.
+pub fn traffic(medium: Medium, stations: u32, load: f64, count: usize) -> Vec<Sending> {
+    let mut stream = stream(stations, load.to_bits());
+    let mean = air_time(BYTES, BAUD).seconds() / load;
+    let mut at = 1.0;
+    let message = |sequence: u64| {
+        at += pause(&mut stream, mean);
+        let sent = Time::from_seconds_ceil(at);
+        let draw = (stream.unit() * f64::from(stations)) as u32;
+        let (from, to, begins) = match medium {
+            Medium::TokenRing => (1 + draw, 1 + (1 + draw) % stations, None),
+            Medium::Free | Medium::Aloha => (2 + sequence as u32 % stations, 1, Some(sent)),
+        };
+        Sending { begins, ..sending(from, sequence, Address::One(to), vec![0; BYTES], sent) }
+    };
+    (1..=count as u64).map(message).collect()
+}
+
+/// What becomes of messages, in the order in which they were sent, and when that was. Those up to `members` listen.
+pub fn exchange(medium: Medium, members: u32, slot: Time, traffic: &[Sending]) -> Vec<(Time, Delivery)> {
+    let mut channel = channel(medium, Radio::default(), members);
+    let mut fates = BTreeMap::new();
+    let mut messages = traffic.iter().peekable();
+    let mut slot_end = slot;
+    loop {
+        let sent = std::iter::from_fn(|| messages.next_if(|message| message.sent < slot_end)).cloned().collect();
+        fates.extend(channel.exchange(slot_end, sent).into_iter().map(|fate| (fate.sequence, fate)));
+        let next = messages.peek().map_or(Time::NEVER, |message| message.sent).min(channel.due());
+        if next == Time::NEVER {
+            return traffic.iter().map(|message| message.sent).zip(fates.into_values()).collect();
+        }
+        slot_end = next.floor_to(slot) + slot;
+    }
+}
+
+fn batch_means(values: &[f64]) -> (f64, f64) {
+    let batches: Vec<f64> = values.chunks(BATCH).map(|batch| batch.iter().sum::<f64>() / batch.len() as f64).collect();
+    mean_of(&batches)
+}

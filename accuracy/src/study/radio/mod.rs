@@ -1,0 +1,172 @@
+//! `radio` and `radio-latency`: the channel against the formulas of its media, and what the length of a slot adds.
+//!
+//! All messages go through `sim_core`'s own channel, most of them through stations, slot by slot. What is measured is a share: of
+//! messages, of a throughput, of a waiting time. The error is its distance from the formula, which chance alone makes about as
+//! large as the half width of the interval in the picture. Samples are as large whatever the effort, so pictures are always the
+//! same; only times are measured more often.
+
+mod delivery;
+mod latency;
+mod medium;
+mod stop_and_wait;
+
+use sim_core::RobotId;
+use sim_core::math::{exp, ln};
+use sim_core::noise::{Purpose, Radio, Stream};
+use sim_core::radio::{Address, Channel, Medium, Member, Model, Sending};
+use sim_core::time::Time;
+
+use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};
+pub use latency::STUDY as LATENCY;
+
+pub const STUDY: Study =
+    Study { name: "radio", title: "Messages by radio: delivery, throughput and waiting against their formulas", run };
+
+const SEED: u64 = 42;
+const BAUD: u32 = 115_200;
+/// Bytes of a message of RoBIOS 6.
+const BYTES: usize = 35;
+/// How many standard deviations to either side hold 99.9 %.
+const SIGMAS: f64 = 3.29;
+
+fn run(effort: Effort) -> Outcome {
+    let mut all = Outcome::default();
+    for part in parts(effort) {
+        all.figures.push(part.picture.figure());
+        all.rows.extend(part.rows);
+    }
+    all
+}
+
+fn parts(effort: Effort) -> [Part; 5] {
+    [
+        delivery::measure(effort),
+        stop_and_wait::against_loss(effort),
+        stop_and_wait::against_bit_errors(effort),
+        medium::aloha(effort),
+        medium::token_ring(effort),
+    ]
+}
+
+/// What is measured of one thing.
+struct Part {
+    rows: Vec<Row>,
+    picture: Picture,
+}
+
+/// Formulas as lines, and what was measured as dots with their intervals.
+struct Picture {
+    name: &'static str,
+    title: &'static str,
+    /// Of x and y.
+    labels: [&'static str; 2],
+    x_scale: Scale,
+    curves: Vec<(String, Vec<(f64, f64)>)>,
+    points: Vec<Point>,
+}
+
+impl Picture {
+    fn figure(&self) -> Figure {
+        let line =
+            |(name, points): &(String, Vec<_>)| Series { name: name.clone(), mark: Mark::Line, points: points.clone() };
+        let mut series: Vec<Series> = self.curves.iter().map(line).collect();
+        let dots = self.points.iter().map(|point| (point.x, point.measured)).collect();
+        series.push(Series { name: "measured".to_owned(), mark: Mark::Dots, points: dots });
+        let bar = |point: &Point| {
+            // A break after each.
+            [(point.x, point.measured - point.half), (point.x, point.measured + point.half), (f64::NAN, f64::NAN)]
+        };
+        let bars = self.points.iter().flat_map(bar).collect();
+        series.push(Series { name: "99.9 % interval".to_owned(), mark: Mark::Line, points: bars });
+        let [x_label, y_label] = self.labels.map(str::to_owned);
+        let (name, title) = (self.name.to_owned(), self.title.to_owned());
+        Figure { name, title, x_label, y_label, x_scale: self.x_scale, y_scale: Scale::Linear, series }
+    }
+}
+
+/// What was measured beside what a formula says.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    x: f64,
+    measured: f64,
+    /// Half of its 99.9 % interval.
+    half: f64,
+    expected: f64,
+}
+
+fn row(method: &str, setting: String, point: &Point, time_ns: f64) -> Row {
+    Row {
+        study: STUDY.name,
+        method: method.to_owned(),
+        setting,
+        error: (point.measured - point.expected).abs(),
+        unit: "of 1",
+        time_ns,
+        per: "message",
+    }
+}
+
+/// A channel on which the robots from 1 to `members` are on, all with the same errors.
+fn channel(medium: Medium, errors: Radio, members: u32) -> Channel {
+    let model = Model { medium, baud: BAUD, ..Model::default() };
+    let mut channel = Channel::new(model, SEED, vec![errors; members as usize]);
+    for robot in 1..=members {
+        channel.set_member(RobotId(robot), Some(Member { robot: RobotId(robot), address: robot, baud: BAUD }));
+    }
+    channel
+}
+
+fn sending(from: u32, sequence: u64, to: Address, payload: Vec<u8>, sent: Time) -> Sending {
+    let out_of_reach = Vec::new();
+    Sending { from: RobotId(from), address: from, sequence, to, payload, sent, begins: None, baud: BAUD, out_of_reach }
+}
+
+/// 10 to the power of `x`.
+fn ten_to(x: f64) -> f64 {
+    exp(x * std::f64::consts::LN_10)
+}
+
+/// Random numbers of a part of the study.
+fn stream(part: u32, setting: u64) -> Stream {
+    Stream::new(SEED, RobotId(part), Purpose::Program, 0, setting)
+}
+
+/// Between two events that come at random, one in `mean` seconds.
+fn pause(stream: &mut Stream, mean: f64) -> f64 {
+    -ln(1.0 - stream.unit()) * mean
+}
+
+/// Mean of these, and half of its 99.9 % interval by the spread between them; each is the mean of many.
+fn mean_of(batches: &[f64]) -> (f64, f64) {
+    let count = batches.len() as f64;
+    let mean = batches.iter().sum::<f64>() / count;
+    let variance = batches.iter().map(|batch| (batch - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    (mean, SIGMAS * (variance / count).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_measured_is_what_the_formulas_say() {
+        let mut count = 0;
+        for Part { rows, picture } in parts(Effort::Quick) {
+            let Picture { name, points, .. } = &picture;
+            assert!(rows.len() >= points.len(), "{name}");
+            for Point { x, measured, half, expected } in points.iter().copied() {
+                // Of a hundred points one may lie outside of its interval once in ten times.
+                let distance = (measured - expected).abs();
+                assert!(
+                    distance <= 1.3 * half + 1e-9 * expected,
+                    "{name} at {x}: {measured} +- {half}, not {expected}"
+                );
+                assert!(half < 0.15 * expected.max(0.1), "{name} at {x}: +- {half} of {expected} says nothing");
+                count += 1;
+            }
+            let [.., dots, bars] = &picture.figure().series[..] else { panic!("{name}") };
+            assert_eq!(3 * dots.points.len(), bars.points.len());
+        }
+        assert!(count > 80, "{count}");
+    }
+}

@@ -1,0 +1,138 @@
+//! Stop and wait: a sender repeats each message until its acknowledgement comes.
+
+use sim_core::RobotId;
+use sim_core::math::{exp, ln_1p};
+use sim_core::noise::Radio;
+use sim_core::radio::{Address, Channel, Model, Station, air_time};
+use sim_core::time::Time;
+
+use super::*;
+
+/// Messages that are brought over at each setting.
+const COUNT: u64 = 2_000;
+const LOSSES: [f64; 7] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8];
+const RATES: [f64; 6] = [1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3];
+/// An acknowledgement: the number of the message.
+const ACK: usize = 1;
+/// Lengths of slots.
+const SLOTS: [(Time, &str); 3] =
+    [(Time(1), "slot of 1 us"), (Time::from_millis(10), "slot of 10 ms"), (Time::from_millis(50), "slot of 50 ms")];
+
+/// Throughput against P_p.
+pub fn against_loss(effort: Effort) -> Part {
+    let errors = |packet_loss| Radio { packet_loss, bit_error_rate: 0.0 };
+    let steps: Vec<f64> = (0..=80).map(|step| f64::from(step) / 100.0).collect();
+    let title = "Stop and wait: messages of 35 bytes brought over, against lost packets";
+    let labels = ["packet loss P_p", "messages a second"];
+    measure(effort, ("radio-stop-and-wait", title, labels), Scale::Linear, "P_p", &LOSSES, &steps, errors)
+}
+
+/// Throughput against P_b.
+pub fn against_bit_errors(effort: Effort) -> Part {
+    let errors = |bit_error_rate| Radio { packet_loss: 0.0, bit_error_rate };
+    let steps: Vec<f64> = (0..=70).map(|step| 1e-6 * ten_to(f64::from(step) / 20.0)).collect();
+    let title = "Stop and wait: messages of 35 bytes brought over, against wrong bits";
+    let labels = ["bit error rate P_b", "messages a second"];
+    measure(effort, ("radio-stop-and-wait-bits", title, labels), Scale::Logarithmic, "P_b", &RATES, &steps, errors)
+}
+
+#[expect(clippy::too_many_arguments, reason = "one caller for each axis")]
+fn measure(
+    effort: Effort,
+    (name, title, labels): (&'static str, &'static str, [&'static str; 2]),
+    x_scale: Scale,
+    symbol: &str,
+    settings: &[f64],
+    steps: &[f64],
+    errors: impl Fn(f64) -> Radio,
+) -> Part {
+    let (mut rows, mut points, mut curves) = (Vec::new(), Vec::new(), Vec::new());
+    for (slot, slot_name) in SLOTS {
+        let best = 1.0 / round_trip(slot).seconds();
+        for &setting in settings {
+            let mut seconds = 0.0;
+            let time_ns = nanoseconds(effort.of(3), COUNT as usize, || seconds = bring_over(errors(setting), slot));
+            let (expected, half) = share(errors(setting));
+            let measured = COUNT as f64 / best / seconds;
+            let share = Point { x: setting, measured, half, expected };
+            rows.push(row(&format!("stop and wait, {slot_name}"), format!("{symbol} {setting:e}"), &share, time_ns));
+            points.push(Point {
+                x: setting,
+                measured: best * share.measured,
+                half: best * share.half,
+                expected: best * share.expected,
+            });
+        }
+        curves.push((slot_name.to_owned(), steps.iter().map(|x| (*x, best * share(errors(*x)).0)).collect()));
+    }
+    Part { rows, picture: Picture { name, title, labels, x_scale, curves, points } }
+}
+
+/// From sending a message to seeing its acknowledgement, if neither is lost: each takes its time on the air, and is seen at a
+/// slot's end at the earliest.
+fn round_trip(slot: Time) -> Time {
+    let way = |bytes| air_time(bytes, BAUD).max(slot);
+    way(BYTES) + way(ACK)
+}
+
+/// The sender waits twice as long before it sends again.
+fn patience(slot: Time) -> Time {
+    round_trip(slot) + round_trip(slot)
+}
+
+/// Throughput as a share of one message a round trip, and half of the 99.9 % interval of what is measured.
+///
+/// Both ways are free of errors with probability p; the attempts that fail are geometric, and each costs the sender's patience.
+fn share(errors: Radio) -> (f64, f64) {
+    let Radio { bit_error_rate, packet_loss } = errors;
+    let p = (1.0 - packet_loss).powi(2) * exp(8.0 * (BYTES + ACK) as f64 * ln_1p(-bit_error_rate));
+    let (round_trips, deviation) = (1.0 + 2.0 * (1.0 - p) / p, 2.0 * (1.0 - p).sqrt() / p);
+    let share = 1.0 / round_trips;
+    (share, share * share * SIGMAS * deviation / (COUNT as f64).sqrt())
+}
+
+/// Brings [`COUNT`] messages from robot 1 to robot 2: the time that takes, s. What is not intact is thrown away, as by a
+/// checksum that misses nothing.
+fn bring_over(errors: Radio, slot: Time) -> f64 {
+    let model = Model { baud: BAUD, ..Model::default() };
+    let mut channel = Channel::new(model, SEED, vec![errors; 2]);
+    let mut stations = [1, 2].map(|robot| Station::new(RobotId(robot), &model));
+    for (station, address) in stations.iter_mut().zip([1, 2]) {
+        station.switch_on(address, BAUD);
+        station.take_change().into_iter().for_each(|change| channel.change(change));
+    }
+    let send = |stations: &mut [Station; 2], robot: usize, at: Time, payload: &[u8]| {
+        let to = Address::One(2 - robot as u32);
+        stations[robot].send(at, to, payload, Vec::new()).expect("the last one has long left the buffer");
+    };
+    let payload = |number: u64| [number as u8; BYTES];
+    let (mut number, mut now) = (0, Time::ZERO);
+    send(&mut stations, 0, now, &payload(number));
+    let mut alarm = now + patience(slot);
+    while number < COUNT {
+        // The slot ends in which somebody did something.
+        let slot_end = now.floor_to(slot) + slot;
+        let sent = stations.iter_mut().flat_map(Station::take_sent).collect();
+        for delivery in channel.exchange(slot_end, sent) {
+            stations[delivery.to.index()].deliver(delivery);
+        }
+        // And the next thing that happens wakes a robot.
+        let [first, second] = [0, 1].map(|robot: usize| stations[robot].next_visible());
+        now = first.min(second).min(alarm);
+        stations.iter_mut().for_each(|station| drop(station.settle(now)));
+        while let Some(message) = stations[1].receive() {
+            if message.payload == payload(number) {
+                send(&mut stations, 1, now, &[number as u8; ACK]);
+            }
+        }
+        let is_acknowledged = stations[0].receive().is_some_and(|message| message.payload == [number as u8; ACK]);
+        if is_acknowledged {
+            number += 1;
+        }
+        if is_acknowledged || now == alarm {
+            send(&mut stations, 0, now, &payload(number));
+            alarm = now + patience(slot);
+        }
+    }
+    now.seconds()
+}
