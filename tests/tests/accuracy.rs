@@ -59,6 +59,24 @@ fn the_page_of_the_docs_has_a_place_for_every_study_and_every_picture_is_there()
 }
 
 #[test]
+fn the_curves_in_the_page_of_the_radio_are_what_the_studies_draw() {
+    let scratch = Scratch::new();
+    let ran = scratch.eyesim(&["accuracy", "radio", "radio-latency", "--quick", "--plots", "accuracy"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    let docs = root().join("docs");
+    let page = std::fs::read_to_string(docs.join("radio.md")).expect("the page");
+    let pictures: Vec<&str> = page.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
+    let pictures: Vec<_> = pictures.into_iter().filter(|link| link.ends_with(".svg")).collect();
+    assert_eq!(pictures.len(), 6);
+    let (_, rest) = page.split_once("cargo run --release -- ").expect("the command");
+    for picture in pictures {
+        let committed = std::fs::read_to_string(docs.join(picture)).unwrap_or_else(|_| panic!("no `{picture}`"));
+        let advice = rest.lines().next().unwrap_or_default();
+        assert!(scratch.read(picture) == committed, "`{picture}`: draw it anew: cargo run --release -- {advice}");
+    }
+}
+
+#[test]
 fn the_sweep_in_the_page_is_what_a_program_prints() {
     let page = std::fs::read_to_string(root().join("docs/accuracy.md")).expect("the page");
     let (_, rest) = page.split_once("\n```text\n").expect("the sweep");

@@ -152,11 +152,11 @@ impl Channel {
             Medium::TokenRing => {
                 self.ring.queue(sendings);
                 offs.iter().for_each(|off| self.ring.stop(off));
-                for (sending, begins) in self.ring.advance(slot_end) {
-                    let flight = Flight::new(sending, begins, &model);
-                    self.leaving.push((flight.ends, flight.sending.from, flight.sending.sequence));
-                    self.air.add([flight]);
-                }
+                let sent = self.ring.advance(slot_end).into_iter();
+                let flights: Vec<Flight> = sent.map(|(sending, begins)| Flight::new(sending, begins, &model)).collect();
+                let leaving = |flight: &Flight| (flight.ends, flight.sending.from, flight.sending.sequence);
+                self.leaving.extend(flights.iter().map(leaving));
+                self.air.add(flights);
                 if has_changed {
                     let errors = &self.errors;
                     self.ring.set_members(&self.members, |robot| radio_of(errors, robot), slot_end);
