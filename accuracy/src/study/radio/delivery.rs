@@ -24,7 +24,7 @@ pub fn measure(effort: Effort) -> Part {
             let mut intact = 0;
             let time_ns = nanoseconds(effort.of(5), COUNT, || intact = through_channel(errors, bytes));
             let point = point(errors, bytes, intact);
-            rows.push(row(&format!("{bytes} bytes"), format!("P_b {bit_error_rate:e}"), &point, time_ns));
+            rows.push(row(&length(bytes), format!("P_b {}", number(bit_error_rate)), &point, time_ns));
             points.push(point);
         }
     }
@@ -33,7 +33,7 @@ pub fn measure(effort: Effort) -> Part {
         let mut intact = 0;
         let time_ns = nanoseconds(effort.of(5), COUNT, || intact = bit_by_bit(errors, BYTES));
         let method = format!("{BYTES} bytes, bit by bit");
-        rows.push(row(&method, format!("P_b {bit_error_rate:e}"), &point(errors, BYTES, intact), time_ns));
+        rows.push(row(&method, format!("P_b {}", number(bit_error_rate)), &point(errors, BYTES, intact), time_ns));
     }
     let curve = |bytes: usize| {
         let x = |step: i32| NONE * ten_to(f64::from(step) / 20.0);
@@ -41,13 +41,17 @@ pub fn measure(effort: Effort) -> Part {
             let errors = Radio { bit_error_rate: x(step), packet_loss: PACKET_LOSS };
             (x(step), expected(errors, bytes))
         });
-        (format!("{bytes} bytes"), points.collect())
+        (length(bytes), points.collect())
     };
     let title = "Share of messages that arrive intact, of which 5 % are lost";
     let labels = ["bit error rate P_b (0 at the left edge)", "share of messages"];
     let curves = LENGTHS.map(curve).to_vec();
     let picture = Picture { name: "radio-delivery", title, labels, x_scale: Scale::Logarithmic, curves, points };
     Part { rows, picture }
+}
+
+fn length(bytes: usize) -> String {
+    if bytes == 1 { "1 byte".to_owned() } else { format!("{bytes} bytes") }
 }
 
 /// (1 - P_p) (1 - P_b)^(8 n)

@@ -121,6 +121,11 @@ fn sending(from: u32, sequence: u64, to: Address, payload: Vec<u8>, sent: Time) 
     Sending { from: RobotId(from), address: from, sequence, to, payload, sent, begins: None, baud: BAUD, out_of_reach }
 }
 
+/// `0`, `0.3`, `1e-4`.
+fn number(x: f64) -> String {
+    if x == 0.0 || x >= 0.01 { format!("{x}") } else { format!("{x:e}") }
+}
+
 /// 10 to the power of `x`.
 fn ten_to(x: f64) -> f64 {
     exp(x * std::f64::consts::LN_10)

@@ -36,7 +36,6 @@ pub fn against_bit_errors(effort: Effort) -> Part {
     measure(effort, ("radio-stop-and-wait-bits", title, labels), Scale::Logarithmic, "P_b", &RATES, &steps, errors)
 }
 
-#[expect(clippy::too_many_arguments, reason = "one caller for each axis")]
 fn measure(
     effort: Effort,
     (name, title, labels): (&'static str, &'static str, [&'static str; 2]),
@@ -55,7 +54,12 @@ fn measure(
             let (expected, half) = share(errors(setting));
             let measured = COUNT as f64 / best / seconds;
             let share = Point { x: setting, measured, half, expected };
-            rows.push(row(&format!("stop and wait, {slot_name}"), format!("{symbol} {setting:e}"), &share, time_ns));
+            rows.push(row(
+                &format!("stop and wait, {slot_name}"),
+                format!("{symbol} {}", number(setting)),
+                &share,
+                time_ns,
+            ));
             points.push(Point {
                 x: setting,
                 measured: best * share.measured,
