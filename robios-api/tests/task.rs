@@ -2,10 +2,17 @@
 
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 use robios_api::fake::{End, Fake, Run};
 use robios_api::prelude::*;
 use robios_api::{Priority, TaskMode};
+
+/// Works for a time without leaving the processor.
+fn work(robot: &Robot, span: Duration) {
+    let end = robot.now() + span;
+    while robot.now() < end {}
+}
 
 /// The texts that a program has written to the console.
 fn lines(run: &Run) -> Vec<&str> {
@@ -17,13 +24,13 @@ fn the_highest_priority_runs_first_and_equals_take_turns() {
     fn program(robot: &Robot) -> Result {
         let tasks = robot.multi_tasking(TaskMode::Preemptive)?;
         for (name, priority) in [("low", Priority::P1), ("one", Priority::P3), ("other", Priority::P3)] {
-            let work = move |robot: &Robot| {
+            let steps = move |robot: &Robot| {
                 for step in 1..=3 {
                     writeln!(robot.console(), "{name} {step}");
-                    robot.sleep(10.millis());
+                    work(robot, 10.millis());
                 }
             };
-            tasks.spawn(name, priority, work)?.ready(robot)?;
+            tasks.spawn(name, priority, steps)?.ready(robot)?;
         }
         let urgent = tasks.spawn("urgent", Priority::P8, |robot| -> Result {
             writeln!(robot.console(), "urgent");
@@ -73,7 +80,7 @@ fn tasks_of_cooperative_mode_change_where_they_say() {
             let settings = robios_api::TaskSettings { uid, ..robios_api::TaskSettings::new("task", Priority::P2) };
             let task = tasks.spawn_with(settings, move |robot| -> Result {
                 for _ in 0..2 {
-                    robot.sleep(100.millis());
+                    work(robot, 100.millis());
                     *count.lock(robot) += 1;
                     writeln!(robot.console(), "{} {}", robot.tasks().uid(), count.get(robot));
                     robot.tasks().reschedule()?;
@@ -142,16 +149,16 @@ fn who_has_a_value_locked_is_alone_with_it() {
         let pair = tasks.shared((0, 0))?;
         for _ in 0..4 {
             let pair = pair.clone();
-            let work = move |robot: &Robot| {
+            let add = move |robot: &Robot| {
                 for _ in 0..20 {
                     let mut pair = pair.lock(robot);
                     assert_eq!(pair.0, pair.1);
                     pair.0 += 1;
-                    robot.sleep(7.millis());
+                    work(robot, 7.millis());
                     pair.1 += 1;
                 }
             };
-            tasks.spawn("adder", Priority::P4, work)?.ready(robot)?;
+            tasks.spawn("adder", Priority::P4, add)?.ready(robot)?;
         }
         tasks.permit()?;
         assert_eq!(pair.get(robot), (80, 80));
@@ -254,7 +261,7 @@ fn pre_emption_can_be_put_off() {
         tasks.permit()?;
         let forbidden = tasks.forbid()?;
         wake.signal(robot);
-        robot.sleep(50.millis());
+        work(robot, 50.millis());
         note("main");
         drop(forbidden);
         note("main again");
@@ -285,7 +292,7 @@ fn tasks_may_ask_for_the_radio_at_the_same_time() {
         let tasks = robot.multi_tasking(TaskMode::Preemptive)?;
         for name in ["one", "other"] {
             let listen = move |robot: &Robot| -> Result {
-                robot.sleep(std::time::Duration::from_micros(before_us));
+                work(robot, Duration::from_micros(before_us));
                 let radio = robot.radio()?;
                 writeln!(robot.console(), "{name} {}", radio.waiting());
                 robot.sleep(30.millis());

@@ -105,6 +105,15 @@ static int wait_for(const void *key, int32_t kind, int32_t holder, int64_t deadl
     return is_woken;
 }
 
+/* The same for what is no point of cancellation: who is killed meanwhile ends here. */
+static int wait_unless_killed(const void *key, int32_t kind, int32_t holder, int64_t deadline)
+{
+    const int is_woken = wait_for(key, kind, holder, deadline);
+    if (is_woken < 0)
+        cancel_self();
+    return is_woken;
+}
+
 /* Makes the task ready that has waited longest; its number, 0 for none. */
 static int32_t wake(const void *key)
 {
@@ -406,7 +415,7 @@ static void do_once(const void *site, int *once, void (*function)(void))
 {
     struct task *me = begin(site);
     if (*once < 0)
-        wait_for(once, ONCE, -*once, FOREVER);
+        wait_unless_killed(once, ONCE, -*once, FOREVER);
     if (*once != 0)
         return;
     *once = -me->number;
@@ -529,7 +538,7 @@ static int acquire_mutex(struct task *me, pthread_mutex_t *mutex, int64_t deadli
         return EBUSY;
     if (mutex->__data.__owner == me->number && kind == PTHREAD_MUTEX_ERRORCHECK_NP)
         return EDEADLK;
-    return wait_for(mutex, MUTEX, mutex->__data.__owner, deadline) ? 0 : ETIMEDOUT;
+    return wait_unless_killed(mutex, MUTEX, mutex->__data.__owner, deadline) ? 0 : ETIMEDOUT;
 }
 
 static int lock_until(const void *site, pthread_mutex_t *mutex, clockid_t clock, const struct timespec *until)
@@ -605,7 +614,7 @@ LIBC(int, pthread_spin_lock, (pthread_spinlock_t *lock))
     else if (*lock == me->number)
         return EDEADLK;
     else
-        wait_for((const void *)lock, MUTEX, *lock, FOREVER);
+        wait_unless_killed((const void *)lock, MUTEX, *lock, FOREVER);
     return 0;
 }
 LIBC(int, pthread_spin_trylock, (pthread_spinlock_t *lock))
@@ -727,7 +736,7 @@ static int lock_stream(struct task *me, FILE *stream, int may_wait)
     if (lock->owner != me->number) {
         if (!may_wait)
             return EBUSY;
-        wait_for(lock, STREAM, lock->owner, FOREVER);
+        wait_unless_killed(lock, STREAM, lock->owner, FOREVER);
     }
     lock->count++;
     return 0;
@@ -847,7 +856,7 @@ static int acquire_to_read(const void *site, pthread_rwlock_t *lock, int64_t dea
         return EBUSY;
     if (lock->__data.__cur_writer == me->number)
         return EDEADLK;
-    return wait_for(lock, RWLOCK, lock->__data.__cur_writer, deadline) ? 0 : ETIMEDOUT;
+    return wait_unless_killed(lock, RWLOCK, lock->__data.__cur_writer, deadline) ? 0 : ETIMEDOUT;
 }
 
 static int acquire_to_write(const void *site, pthread_rwlock_t *lock, int64_t deadline)
@@ -865,6 +874,8 @@ static int acquire_to_write(const void *site, pthread_rwlock_t *lock, int64_t de
     lock->__data.__writers++;
     is_woken = wait_for(writers_of(lock), RWLOCK, lock->__data.__cur_writer, deadline);
     lock->__data.__writers--;
+    if (is_woken < 0)
+        cancel_self();
     return is_woken ? 0 : ETIMEDOUT;
 }
 
@@ -972,7 +983,10 @@ LIBC(int, pthread_barrier_wait, (pthread_barrier_t *at))
     struct barrier *barrier = (struct barrier *)at;
     BEGIN();
     if (++barrier->arrived < barrier->count) {
-        wait_for(at, BARRIER, 0, FOREVER);
+        if (wait_for(at, BARRIER, 0, FOREVER) < 0) {
+            barrier->arrived--;
+            cancel_self();
+        }
         return 0;
     }
     barrier->arrived = 0;

@@ -3,7 +3,8 @@
 
 static int32_t task_of(const struct tcb *task)
 {
-    return task == NULL ? 0 : task->id;
+    /* A struct of the program's own, all zero, is no task; least of all the current one. */
+    return task == NULL ? 0 : task->id == 0 ? -1 : task->id;
 }
 
 WEAK char *OSVersion(void)
@@ -102,6 +103,8 @@ WEAK int OSExit(int code)
     int32_t result = 0;
     mark_as_killed(this_task());
     ROBIOS(OSExit, code, &result);
+    if (is_multitasking && this_task() != &main_task)
+        unwind_task(this_task()); /* it is ending already, and this a handler of its own */
     end_program(code);
 }
 

@@ -337,6 +337,92 @@ int main()
 }
 
 #[test]
+fn a_task_killed_at_a_lock_does_not_pass_it() {
+    let source = "
+#include <pthread.h>
+static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
+static pthread_rwlock_t rwlock = PTHREAD_RWLOCK_INITIALIZER;
+static pthread_barrier_t barrier;
+static void at_mutex(void) { pthread_mutex_lock(&mutex); printf(\"passed the mutex\\n\"); pthread_mutex_unlock(&mutex); }
+static void at_reader(void) { pthread_rwlock_rdlock(&rwlock); printf(\"reads\\n\"); pthread_rwlock_unlock(&rwlock); }
+static void at_writer(void) { pthread_rwlock_wrlock(&rwlock); printf(\"writes\\n\"); pthread_rwlock_unlock(&rwlock); }
+static void at_barrier(void) { pthread_barrier_wait(&barrier); printf(\"passed the barrier\\n\"); }
+static void meets(void) { printf(\"meets %d\\n\", pthread_barrier_wait(&barrier) != 0); }
+int main()
+{
+    void (*codes[])(void) = {at_mutex, at_reader, at_writer, at_barrier};
+    struct tcb *tasks[4];
+    int i;
+    OSMTInit(COOP);
+    pthread_barrier_init(&barrier, NULL, 2);
+    pthread_mutex_lock(&mutex);
+    pthread_rwlock_wrlock(&rwlock);
+    for (i = 0; i < 4; i++) OSReady(tasks[i] = OSSpawn(\"task\", codes[i], 0, 1, i));
+    OSReschedule();
+    for (i = 0; i < 4; i++) printf(\"kill %d\\n\", OSKill(tasks[i]));
+    printf(\"still locked %d\\n\", pthread_mutex_trylock(&mutex) != 0);
+    pthread_rwlock_unlock(&rwlock);
+    printf(\"free %d\\n\", pthread_rwlock_trywrlock(&rwlock));
+    OSReady(OSSpawn(\"one\", meets, 0, 1, 0));
+    OSReady(OSSpawn(\"other\", meets, 0, 1, 0));
+    OSReschedule();
+    return 0;
+}";
+    let expected = ["kill 0", "kill 0", "kill 0", "kill 0", "still locked 1", "free 0", "meets 1", "meets 0"];
+    assert_eq!(output_of(source), expected);
+}
+
+#[test]
+fn a_task_that_ends_goes_on_ending_whatever_its_handlers_call() {
+    let source = "
+#include <pthread.h>
+static struct tcb none;
+static void leave(void *text) { printf(\"%s\\n\", (char *)text); OSExit(3); }
+static void work(void)
+{
+    pthread_cleanup_push(leave, \"first\");
+    pthread_cleanup_push(leave, \"second\");
+    OSSleep(100);
+    pthread_cleanup_pop(0);
+    pthread_cleanup_pop(0);
+}
+int main()
+{
+    struct tcb *task;
+    OSMTInit(PREEMPT);
+    OSReady(task = OSSpawn(\"work\", work, 0, 1, 0));
+    OSPermit();
+    printf(\"kill %d\\n\", OSKill(task));
+    printf(\"no task: %d %d\\n\", OSKill(&none), OSReady(&none));
+    return 0;
+}";
+    assert_eq!(output_of(source), ["second", "first", "kill 0", "no task: -1 -1"]);
+}
+
+#[test]
+fn a_task_that_receives_learns_that_the_radio_is_off() {
+    // The task that listens keeps the processor, so it is a timer that switches the radio off.
+    let source = "
+static void off(void) { RADIOTerm(); }
+static void listen(void)
+{
+    BYTE id, buffer[MAXMSGLEN];
+    int count;
+    printf(\"received %d\\n\", RADIORecv(&id, &count, buffer));
+}
+int main()
+{
+    OSMTInit(PREEMPT);
+    RADIOInit();
+    OSAttachTimer(20, off);
+    OSReady(OSSpawn(\"listen\", listen, 0, 1, 0));
+    OSPermit();
+    return 0;
+}";
+    assert_eq!(output_of(source), ["received -1"]);
+}
+
+#[test]
 fn a_timer_wakes_tasks_and_may_not_wait() {
     let lines = output_of(
         "

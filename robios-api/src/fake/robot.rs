@@ -380,8 +380,7 @@ impl Support for FakeRobot {
 
     fn sleep_us(&self, span_us: i64) -> Result<i32, Stop> {
         let end_us = self.state.borrow().now_us.saturating_add(span_us.max(0) as u64);
-        self.wait("sleep", Some(end_us))?;
-        Ok(0)
+        self.sleep_until("sleep", end_us)
     }
 
     fn failed(&self, kind: i32, text: Option<&[u8]>) -> Result<i32, Stop> {

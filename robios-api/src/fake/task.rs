@@ -455,12 +455,17 @@ impl FakeRobot {
     }
 
     pub(super) fn sleep_task(&self, hundredths: i32) -> Result<i32, Stop> {
-        let (end_us, has_tasks) =
-            self.act(|state| (state.now_us + hundredths.max(0) as u64 * TIMER_TICK_US, state.tasks.mode.is_some()))?;
+        let end_us = self.act(|state| state.now_us + hundredths.max(0) as u64 * TIMER_TICK_US)?;
+        self.sleep_until("OSSleep", end_us)
+    }
+
+    /// Leaves the processor to the others until `end_us`, where there are tasks.
+    pub(super) fn sleep_until(&self, call: &'static str, end_us: u64) -> Result<i32, Stop> {
+        let has_tasks = self.state.borrow().tasks.mode.is_some();
         if has_tasks {
-            self.leave_processor("OSSleep", Status::AsleepUntil(end_us))?;
+            self.leave_processor(call, Status::AsleepUntil(end_us))?;
         } else {
-            self.wait("OSSleep", Some(end_us))?;
+            self.wait(call, Some(end_us))?;
         }
         Ok(0)
     }

@@ -287,9 +287,7 @@ impl<'a> Tasks<'a> {
         checked("OSYield", Device::Tasks, robios!(self.0, OSYield()))
     }
 
-    /// Lets the others run for a time, in whole hundredths of a second, rounded up.
-    ///
-    /// [`Robot::sleep`] keeps the processor meanwhile, as a loop that does nothing would.
+    /// Lets the others run for a time, in whole hundredths of a second, rounded up; [`Robot::sleep`] does to the microsecond.
     ///
     /// # Errors
     /// [`Error::Refused`] if RoBIOS refuses it.

@@ -213,7 +213,11 @@ impl Caller {
     /// The program fails: a task that was killed would wait before it has ended.
     pub(super) fn fail_in_unwinding(&self, robot: MutexGuard<'_, Robot>, call: caller::Call) -> Stop {
         let name = robot.tasks.name(robot.tasks.current().number);
-        self.fail(robot, format!("{name} was killed and would wait in `{}` before it has ended", call.name()))
+        let place = match call {
+            caller::Call::Support(_) => "a function of the C library".to_owned(),
+            call => format!("`{}`", call.name()),
+        };
+        self.fail(robot, format!("{name} was killed and would wait in {place} before it has ended"))
     }
 
     /// The program fails: none of its tasks can go on any more.

@@ -99,7 +99,9 @@ fn switch_off(robot: &mut Robot) -> usize {
     let now = robot.now;
     let Some(station) = robot.devices.radio.on() else { return 0 };
     let unsent = station.unsent(now);
-    station.switch_off(now).iter().for_each(|fate| record_fate(robot, now, fate));
+    let unheard = station.switch_off(now);
+    robot.tasks.look_at_radio(now);
+    unheard.iter().for_each(|fate| record_fate(robot, now, fate));
     unsent
 }
 
