@@ -135,6 +135,7 @@ fn tasks_fail_and_end_as_they_should() {
     };
 
     let place = format!("src/lib.rs:{}:", line_of("out of cheese"));
+    assert!(reason(panicked).starts_with("task `doomed`: panicked: "), "{panicked:#}");
     assert!(reason(panicked).contains(&place) && reason(panicked).ends_with("out of cheese"), "{panicked:#}");
     assert_eq!(panicked_lines, &["doomed let go", "main let go"]);
     assert!(reason(error).contains("no PSD sensor `PSD_BACK`"), "{error:#}");

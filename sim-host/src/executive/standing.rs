@@ -105,7 +105,8 @@ pub fn judge(robot: &mut Robot, finish: &Finish<'_>, broken: Option<&Broken>, pr
     match &robot.ending {
         Some(Ending::Exited { code: 0 }) => Standing { exit_code: Some(0), ..standing(Outcome::Finished, None) },
         Some(Ending::Exited { code }) => {
-            Standing { exit_code: Some(*code), ..standing(Outcome::Failed, Some(format!("exit code {code}"))) }
+            let reason = format!("{}exit code {code}", robot.tasks.prefix());
+            Standing { exit_code: Some(*code), ..standing(Outcome::Failed, Some(reason)) }
         }
         Some(Ending::Failed { reason }) => standing(Outcome::Failed, Some(reason.clone())),
         _ if matches!(finish.end, End::Stuck) && robot.tasks.are_waiting() => {
@@ -166,7 +167,11 @@ pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: Senders) -
             _ => "",
         };
         let advice = if *waits_for == Waits::Message { senders.advice() } else { "" };
-        format!("{name} {suspended}waits for {waits_for}{} since {since}{}{advice}", more.unwrap_or_default(), at(site))
+        let what = match waits_for {
+            Waits::Task(wait) => wait.words(|number| tasks.name(number)),
+            waits_for => waits_for.to_string(),
+        };
+        format!("{name} {suspended}waits for {what}{} since {since}{}{advice}", more.unwrap_or_default(), at(site))
     });
     words.collect::<Vec<_>>().join("; ").replace("waits for to be", "waits to be")
 }

@@ -96,7 +96,7 @@ pub fn error(robot: &mut Robot, message: Option<&[u8]>, number: i32, is_dead: bo
     let shown = format!("{message}\nError {number}\n");
     show(robot, shown.as_bytes());
     if is_dead {
-        let reason = format!("OSError {number}: {}", text(message.as_bytes()));
+        let reason = format!("{}OSError {number}: {}", robot.tasks.prefix(), text(message.as_bytes()));
         robot.ending.get_or_insert(Ending::Failed { reason });
     }
 }
@@ -117,7 +117,7 @@ pub fn acknowledge(robot: &mut Robot) -> Poll<i32> {
 
 /// `OSPanic`
 pub fn panic(robot: &mut Robot, message: Option<&[u8]>) {
-    let reason = format!("OSPanic: {}", text(message.unwrap_or_default()));
+    let reason = format!("{}OSPanic: {}", robot.tasks.prefix(), text(message.unwrap_or_default()));
     show(robot, message.unwrap_or_default());
     robot.ending.get_or_insert(Ending::Failed { reason });
 }

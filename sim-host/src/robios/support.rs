@@ -78,6 +78,7 @@ impl Support for Caller {
             _ => text.into_owned(),
         };
         self.at_once(SupportCall::failed, |robot| {
+            let reason = robot.tasks.prefix() + &reason;
             robot.ending.get_or_insert(Ending::Failed { reason });
         });
         Ok(0)

@@ -383,6 +383,12 @@ impl Tasks {
         self.first_to_leave.filter(|_| self.has_others())
     }
 
+    /// `` task `x`:  `` before what went wrong, where RoBIOS 6 has several tasks and it was not `main` that runs, or left first.
+    pub fn prefix(&self) -> String {
+        let number = self.first_to_leave().unwrap_or(self.current().number);
+        if self.scheduler.is_none() || number == MAIN { String::new() } else { format!("{}: ", self.name(number)) }
+    }
+
     /// True once the program is to be left.
     pub fn is_leaving(&self) -> bool {
         self.first_to_leave.is_some()
@@ -620,8 +626,9 @@ impl TaskWait {
     }
 }
 
-impl fmt::Display for TaskWait {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl TaskWait {
+    /// What it is, who has it being called as `name_of` says.
+    pub fn words(self, name_of: impl Fn(u32) -> String) -> String {
         let what = match self.kind {
             wait::MUTEX => "a mutex",
             wait::CONDITION => "a condition to be signalled",
@@ -630,16 +637,22 @@ impl fmt::Display for TaskWait {
             wait::BARRIER => "the others at a barrier",
             wait::ONCE => "an initialisation",
             wait::STREAM => "a stream",
-            wait::END => return write!(f, "the end of task {}", self.holder),
+            wait::END => return format!("the end of {}", name_of(self.holder)),
             wait::ENDS => "the end of all other tasks",
             _ => "another task",
         };
         match (self.kind, self.holder) {
-            (_, 0) => f.write_str(what),
-            (wait::ONCE, holder) => write!(f, "{what} by task {holder}"),
-            (wait::STREAM, holder) => write!(f, "{what} locked by task {holder}"),
-            (_, holder) => write!(f, "{what} held by task {holder}"),
+            (_, 0) => what.to_owned(),
+            (wait::ONCE, holder) => format!("{what} by {}", name_of(holder)),
+            (wait::STREAM, holder) => format!("{what} locked by {}", name_of(holder)),
+            (_, holder) => format!("{what} held by {}", name_of(holder)),
         }
+    }
+}
+
+impl fmt::Display for TaskWait {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.words(|number| format!("task {number}")))
     }
 }
 
