@@ -562,9 +562,10 @@ int main(void)
         report["robots"][0]["reason"].as_str().expect("a reason").to_owned()
     };
     assert!(endless.starts_with("no RoBIOS call returned in time in task `breaks` at prog.c:6"), "{endless}");
-    assert!(reason_of(&program.replace("WHAT", "OSPanic(\"out\")")).starts_with("OSPanic: out"));
-    assert_eq!(reason_of(&program.replace("WHAT", "exit(3)")), "exit code 3");
-    assert!(reason_of(&program.replace("WHAT", "abort()")).contains("abort"));
+    assert_eq!(reason_of(&program.replace("WHAT", "OSPanic(\"out\")")), "task `breaks`: OSPanic: out");
+    assert_eq!(reason_of(&program.replace("WHAT", "OSError(\"out\", 7, TRUE)")), "task `breaks`: OSError 7: out");
+    assert_eq!(reason_of(&program.replace("WHAT", "exit(3)")), "task `breaks`: exit code 3");
+    assert_eq!(reason_of(&program.replace("WHAT", "abort()")), "task `breaks`: the program called abort");
 }
 
 #[test]
