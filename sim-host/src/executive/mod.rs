@@ -10,7 +10,7 @@ pub mod conductor;
 pub mod fault;
 pub mod process;
 pub mod program;
-mod radio;
+pub mod radio;
 pub mod run;
 pub mod signal;
 pub mod standing;
