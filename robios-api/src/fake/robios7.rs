@@ -304,8 +304,8 @@ impl Robios7 for FakeRobot {
     }
 
     fn RADIOInit(&self) -> Result<i32, Stop> {
-        self.switch_radio(true)?;
-        Ok(0)
+        let was_on = self.switch_radio(true)?;
+        Ok(i32::from(was_on))
     }
 
     fn RADIOGetID(&self) -> Result<i32, Stop> {
