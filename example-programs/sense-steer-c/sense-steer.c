@@ -85,6 +85,8 @@ int main(void)
 
   OSSleep(SECONDS * 100);
   OSForbid();
+  OSKill(sensing);
+  OSKill(control);
   VWSetSpeed(vw, 0, 0);
   printf("%d measurements, %d commands\n", measurements, commands);
   return 0;
