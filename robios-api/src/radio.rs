@@ -12,7 +12,7 @@ use crate::device::Device;
 use crate::encoding;
 use crate::error::checked;
 use crate::os::RobotNumber;
-use crate::robot::{locked, release, robios};
+use crate::robot::{Common, locked, release, robios};
 use crate::serial::Baud;
 use crate::{Error, Result, Robot};
 
@@ -75,6 +75,22 @@ impl Message {
     }
 }
 
+impl Common {
+    /// Counts a radio; true for the first, which switches it on.
+    pub(crate) fn add_radio(&self) -> bool {
+        let mut radios = locked(&self.radios);
+        *radios += 1;
+        *radios == 1
+    }
+
+    /// Counts a radio no more; true for the last, which switches it off.
+    pub(crate) fn remove_radio(&self) -> bool {
+        let mut radios = locked(&self.radios);
+        *radios -= 1;
+        *radios == 0
+    }
+}
+
 impl Robot {
     /// Switches the radio on.
     ///
@@ -115,15 +131,11 @@ impl Robot {
             all.id = settings.id.map_or(all.id, |id| id.0.into());
             checked("RADIOSetIoctl", Device::Radio, robios!(self, RADIOSetIoctl(&all)))?;
         }
-        let radios = &self.common().radios;
         // Counted before the call, at whose end another task may run and ask for the radio, too.
-        let is_first = {
-            let mut radios = locked(radios);
-            *radios += 1;
-            *radios == 1
-        };
-        if is_first && let Err(error) = checked("RADIOInit", Device::Radio, robios!(self, RADIOInit())) {
-            *locked(radios) -= 1;
+        if self.common().add_radio()
+            && let Err(error) = checked("RADIOInit", Device::Radio, robios!(self, RADIOInit()))
+        {
+            self.common().remove_radio();
             return Err(error);
         }
         Ok(Radio { robot: self.clone() })
@@ -294,12 +306,7 @@ impl Radio {
 
 impl Drop for Radio {
     fn drop(&mut self) {
-        let is_last = {
-            let mut radios = locked(&self.robot.common().radios);
-            *radios -= 1;
-            *radios == 0
-        };
-        if is_last {
+        if self.robot.common().remove_radio() {
             release!(&self.robot, RADIOTerm());
         }
     }

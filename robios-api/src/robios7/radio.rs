@@ -12,7 +12,7 @@ use crate::encoding;
 use crate::error::checked;
 use crate::os::RobotNumber;
 use crate::radio::{LOOK, Message};
-use crate::robot::{locked, release, robios7};
+use crate::robot::{release, robios7};
 use crate::{Error, Result};
 
 /// Most bytes of a message; our choice.
@@ -48,10 +48,12 @@ impl Robot {
     #[track_caller]
     pub fn radio(&self) -> Result<Radio> {
         let common = self.0.common();
-        if *locked(&common.radios) == 0 {
-            checked("RADIOInit", Device::Radio, robios7!(self, RADIOInit()))?;
+        if common.add_radio()
+            && let Err(error) = checked("RADIOInit", Device::Radio, robios7!(self, RADIOInit()))
+        {
+            common.remove_radio();
+            return Err(error);
         }
-        *locked(&common.radios) += 1;
         Ok(Radio { robot: self.clone() })
     }
 }
@@ -188,12 +190,7 @@ impl Radio {
 
 impl Drop for Radio {
     fn drop(&mut self) {
-        let is_last = {
-            let mut radios = locked(&self.robot.0.common().radios);
-            *radios -= 1;
-            *radios == 0
-        };
-        if is_last {
+        if self.robot.0.common().remove_radio() {
             release!(&self.robot.0, robios7, RADIORelease());
         }
     }

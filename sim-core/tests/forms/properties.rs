@@ -9,6 +9,15 @@ use sim_core::format::{
 
 use super::Overlay;
 
+/// The scene reads back from what is printed of it, without a word.
+fn reads_back(sim: &SimSpec) -> Result<(), TestCaseError> {
+    let printed = print_scene(sim);
+    let (read, said) = read_scene("a.scene.toml", &printed);
+    prop_assert_eq!(said, vec![], "{}", printed);
+    prop_assert_eq!(same::sim(&read), same::sim(sim), "{}", printed);
+    Ok(())
+}
+
 fn number() -> impl Strategy<Value = String> {
     prop_oneof![
         (-100_000..100_000_i32).prop_map(|whole| whole.to_string()),
@@ -221,10 +230,7 @@ proptest! {
         let text = format!("[world]\n{world}\n{said}");
         let (sim, said) = read_scene("a.scene.toml", &text);
         prop_assert_eq!(said, vec![], "{}", text);
-        let printed = print_scene(&sim);
-        let (read, said) = read_scene("a.scene.toml", &printed);
-        prop_assert_eq!(said, vec![], "{}", printed);
-        prop_assert_eq!(same::sim(&read), same::sim(&sim), "{}", printed);
+        reads_back(&sim)?;
         let files = Overlay::of(&[("a.scene.toml", &text), ("a.wld", "floor 900 900\n0 0 9 0\n")]);
         let looks = load_scene("a.scene.toml", &files).scene.world.looks;
         prop_assert_eq!(looks.light.shadows, says[0] && shadows);
@@ -253,10 +259,7 @@ proptest! {
         );
         let (sim, said) = read_scene("a.scene.toml", &text);
         prop_assert_eq!(said, vec![], "{}", text);
-        let printed = print_scene(&sim);
-        let (read, said) = read_scene("a.scene.toml", &printed);
-        prop_assert_eq!(said, vec![], "{}", printed);
-        prop_assert_eq!(same::sim(&read), same::sim(&sim), "{}", printed);
+        reads_back(&sim)?;
     }
 
     #[test]
@@ -284,10 +287,7 @@ proptest! {
         prop_assert_eq!(sim.radio.baud, baud.unwrap_or(115_200));
         let heard = sim.run.noise.as_ref().and_then(|noise| noise.profile()).map(|profile| profile.radio);
         prop_assert_eq!(heard.map(|radio| (radio.bit_error_rate, radio.packet_loss)), errors);
-        let printed = print_scene(&sim);
-        let (read, said) = read_scene("a.scene.toml", &printed);
-        prop_assert_eq!(said, vec![], "{}", printed);
-        prop_assert_eq!(same::sim(&read), same::sim(&sim), "{}", printed);
+        reads_back(&sim)?;
     }
 
     #[test]
@@ -360,9 +360,6 @@ proptest! {
         sim.run.seed = seed;
         sim.run.slot = slot.map(sim_core::time::Time);
         sim.run.until = until.map(sim_core::time::Time);
-        let printed = print_scene(&sim);
-        let (read, said) = read_scene("a.scene.toml", &printed);
-        prop_assert_eq!(said, vec![], "{}", printed);
-        prop_assert_eq!(same::sim(&read), same::sim(&sim), "{}", printed);
+        reads_back(&sim)?;
     }
 }
