@@ -1,0 +1,94 @@
+//! What a hand does to a simulation.
+
+use serde::{Deserialize, Serialize};
+
+/// One thing that a person does to a simulation, at the start of a slot. Traces hold it in this form, so that a run can be
+/// repeated.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Action {
+    /// Presses a key of a robot, touches its display or uses a remote control.
+    Press {
+        /// Number of the robot.
+        robot: u32,
+        /// As in a script of `--keys`: `KEY1` to `KEY4`, `TOUCH(120,40)`, `IRTV_OK`.
+        key: String,
+    },
+    /// Puts a robot elsewhere.
+    PlaceRobot {
+        /// Number of the robot.
+        robot: u32,
+        /// World coordinate to the right.
+        x_m: f64,
+        /// World coordinate upwards.
+        y_m: f64,
+        /// Heading, counter-clockwise from x.
+        phi_rad: f64,
+    },
+    /// Puts a movable object elsewhere, at rest.
+    PlaceObject {
+        /// Number of the object.
+        object: u32,
+        /// World coordinate to the right.
+        x_m: f64,
+        /// World coordinate upwards.
+        y_m: f64,
+        /// Heading, counter-clockwise from x.
+        phi_rad: f64,
+    },
+    /// Sets a number of the error models.
+    SetNoise {
+        /// Number of the robot; none for all.
+        robot: Option<u32>,
+        /// Table and key of the noise profile, such as `psd.sigma_mm`.
+        parameter: String,
+        /// In the profile's unit.
+        value: f64,
+    },
+    /// Switches a sensor off, which then sees nothing, or on again.
+    SwitchSensor {
+        /// Number of the robot.
+        robot: u32,
+        /// Name of the sensor.
+        sensor: String,
+        /// Off or on.
+        on: bool,
+    },
+    /// Adds a robot of a type that the scene knows.
+    AddRobot {
+        /// Name of the type, one of those in the scene's workshop.
+        kind: String,
+        /// The program of the robot that has this number; none for one that only stands there.
+        program_of: Option<u32>,
+        /// World coordinate to the right.
+        x_m: f64,
+        /// World coordinate upwards.
+        y_m: f64,
+        /// Heading, counter-clockwise from x.
+        phi_rad: f64,
+    },
+    /// Takes a robot out of the world; its program ends, its number is not used again.
+    RemoveRobot {
+        /// Number of the robot.
+        robot: u32,
+    },
+    /// Adds a movable object of a type that the scene knows.
+    AddObject {
+        /// Name of the type, one of those in the scene's workshop.
+        kind: String,
+        /// World coordinate to the right.
+        x_m: f64,
+        /// World coordinate upwards.
+        y_m: f64,
+        /// Heading, counter-clockwise from x.
+        phi_rad: f64,
+    },
+    /// Takes a movable object out of the world; its number is not used again.
+    RemoveObject {
+        /// Number of the object.
+        object: u32,
+    },
+    /// Ends the run.
+    End {},
+}
