@@ -5,12 +5,14 @@
 
 mod action;
 mod event;
+mod recording;
 mod request;
 mod scene;
 mod state;
 
 pub use action::Action;
 pub use event::{Event, Events};
+pub use recording::{Life, Recording, Shown, Stood, Track};
 pub use request::{Command, Request, Seed};
 pub use scene::{
     Body, Camera, Floor, Ground, Image, Lcd, Light, Material, Mesh, Object, Part, Place, Point, Robot, Scene, Sensor,
