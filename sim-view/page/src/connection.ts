@@ -1,0 +1,110 @@
+// The live source: a WebSocket to the server that has sent the page.
+
+import type { Look, Model, Source } from "./model";
+import type { Command, Message, Request } from "./protocol";
+
+/** Version of the protocol, as in `sim-view/src/protocol/mod.rs`. */
+export const PROTOCOL = 1;
+
+/** Close code of the server for a page that it does not serve: a wrong token. */
+const POLICY = 1008;
+const FIRST_WAIT_MS = 250;
+const LONGEST_WAIT_MS = 8000;
+/** A connection that has lasted this long counts as a good one. */
+const STEADY_MS = 5000;
+
+export class LiveSource implements Source {
+  readonly player = null;
+  private socket: WebSocket | null = null;
+  private wanted: Look | null = null;
+  private number = 0;
+  private wait_ms = FIRST_WAIT_MS;
+  private readonly pending = new Map<number, { done: () => void; fail: (why: Error) => void }>();
+
+  constructor(private readonly model: Model) {
+    this.connect();
+  }
+
+  act(command: Command): Promise<void> {
+    if (this.socket?.readyState !== WebSocket.OPEN) return Promise.reject(new Error("not connected"));
+    const number = ++this.number;
+    return new Promise((done, fail) => {
+      this.pending.set(number, { done, fail });
+      this.send({ type: "act", number, command });
+    });
+  }
+
+  look(look: Look): void {
+    this.wanted = look;
+    this.send({ type: "look", ...look });
+  }
+
+  private connect(): void {
+    this.model.setConnection({ is: "connecting" });
+    const address = new URL("ws", document.baseURI);
+    address.protocol = address.protocol.replace("http", "ws");
+    address.hash = "";
+    const socket = new WebSocket(address);
+    this.socket = socket;
+    let opened_ms = Infinity;
+    socket.onopen = () => {
+      opened_ms = performance.now();
+      this.send({ type: "hello", protocol: PROTOCOL, token: token() });
+      if (this.wanted) this.look(this.wanted);
+    };
+    socket.onmessage = (event) => this.receive(JSON.parse(String(event.data)) as Message);
+    socket.onclose = (event) => {
+      for (const { fail } of this.pending.values()) fail(new Error("the connection was lost"));
+      this.pending.clear();
+      if (event.code === POLICY) {
+        this.model.setConnection({ is: "refused", why: event.reason || "the server refused this page" });
+        return;
+      }
+      if (performance.now() - opened_ms > STEADY_MS) this.wait_ms = FIRST_WAIT_MS;
+      this.retry(event.reason || "no answer from eyesim");
+    };
+  }
+
+  private retry(why: string): void {
+    this.model.setConnection({ is: "lost", why, again_ms: performance.now() + this.wait_ms });
+    setTimeout(() => this.connect(), this.wait_ms);
+    this.wait_ms = Math.min(2 * this.wait_ms, LONGEST_WAIT_MS);
+  }
+
+  private receive(message: Message): void {
+    if (message.type === "answer") {
+      const waiting = this.pending.get(message.number);
+      this.pending.delete(message.number);
+      if (message.refused === null) waiting?.done();
+      else waiting?.fail(new Error(message.refused));
+      return;
+    }
+    if (message.type === "welcome") {
+      if (message.protocol !== PROTOCOL && reloadOnce(message.version)) return;
+      this.model.setConnection({ is: "open" });
+    }
+    this.model.receive(message);
+  }
+
+  private send(request: Request): void {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(request));
+  }
+}
+
+/** The token in the page's address, kept for this tab and taken out of what the address bar shows. */
+function token(): string | null {
+  const fragment = new URLSearchParams(location.hash.slice(1)).get("token");
+  if (fragment !== null) {
+    sessionStorage.setItem("token", fragment);
+    history.replaceState(null, "", location.pathname + location.search);
+  }
+  return sessionStorage.getItem("token");
+}
+
+/** Loads the page of a server of another version, once for each version. */
+function reloadOnce(version: string): boolean {
+  if (sessionStorage.getItem("reloaded") === version) return false;
+  sessionStorage.setItem("reloaded", version);
+  location.reload();
+  return true;
+}

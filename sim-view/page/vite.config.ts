@@ -1,0 +1,28 @@
+import { defineConfig } from "vite";
+
+// One script and one style sheet with fixed names and nothing beside them, so that the server can write them into one file.
+export default defineConfig({
+  base: "./",
+  build: {
+    target: "es2022",
+    modulePreload: false,
+    cssCodeSplit: false,
+    assetsInlineLimit: Number.MAX_SAFE_INTEGER,
+    chunkSizeWarningLimit: 1500,
+    rollupOptions: {
+      output: {
+        entryFileNames: "page.js",
+        assetFileNames: "page[extname]",
+        inlineDynamicImports: true,
+      },
+    },
+  },
+  server: {
+    // `npm run dev` beside a running `eyesim view --port 7700`.
+    proxy: {
+      "/ws": { target: "ws://127.0.0.1:7700", ws: true, rewriteWsOrigin: true },
+      "/files": "http://127.0.0.1:7700",
+      "/recording.json": "http://127.0.0.1:7700",
+    },
+  },
+});
