@@ -58,6 +58,8 @@ export type Topic =
   | "selected"
   /** More readings in the history. */
   | "history"
+  /** The 3D view is to bring a robot into sight. */
+  | "centre"
   /** The player of a recording was played, paused, set to another speed or has moved. */
   | "player";
 
@@ -71,7 +73,8 @@ export interface Curve {
   values: (number | null)[];
 }
 
-const MAX_EVENTS = 5000;
+const MAX_EVENTS = 20_000;
+const MAX_CALLS = 5000;
 const MAX_SAMPLES = 6000;
 
 export class Model {
@@ -81,8 +84,10 @@ export class Model {
   snapshot: Snapshot | null = null;
   /** The last detail of each robot, by its number; an `lcd` of `null` is replaced by the picture before. */
   readonly details = new Map<number, Detail>();
-  /** The last events, oldest first. */
+  /** The last events, oldest first, without calls. */
   events: Event[] = [];
+  /** The last RoBIOS calls of robots that were looked at, oldest first. */
+  calls: Event[] = [];
   /** How many events the page has not got or has dropped. */
   missedEvents = 0;
   build: Build | null = null;
@@ -90,6 +95,10 @@ export class Model {
   chosen: number | null = null;
   /** What moves when the arrow keys are pressed in the 3D view. */
   selected: Selection | null = null;
+  /** The robot that the 3D view is to bring into sight. */
+  centred: number | null = null;
+  /** The 3D view as a PNG; none before there is one. */
+  screenshot: (() => Promise<Blob>) | null = null;
   /** Curves of the readings of each robot, by its number and by the reading's name. */
   readonly history = new Map<number, Map<string, Curve>>();
   /** The time that is shown: goes on smoothly between snapshots. */
@@ -158,6 +167,12 @@ export class Model {
     this.tell("selected");
   }
 
+  /** Brings a robot into sight. */
+  centreOn(robot: number): void {
+    this.centred = robot;
+    this.tell("centre");
+  }
+
   /** Chooses the next (1) or previous (-1) robot in order of their numbers. */
   moveSelection(step: 1 | -1): void {
     const ids = this.scene?.robots.map((robot) => robot.id) ?? [];
@@ -204,6 +219,7 @@ export class Model {
   /** Forgets what belongs to a time that a recording has left. */
   forget(): void {
     this.events = [];
+    this.calls = [];
     this.missedEvents = 0;
     this.history.clear();
     this.tell("events");
@@ -231,24 +247,41 @@ export class Model {
     this.details.set(detail.robot, detail);
     let curves = this.history.get(detail.robot);
     if (!curves) this.history.set(detail.robot, (curves = new Map()));
-    for (const reading of detail.readings) addSample(curves, reading);
+    for (const reading of [...truths(detail), ...detail.readings]) addSample(curves, reading);
     this.tell("history");
   }
 
   private takeEvents(events: Event[], missed: number): void {
     this.missedEvents += missed;
-    this.events.push(...events);
-    const surplus = this.events.length - MAX_EVENTS;
-    if (surplus > 500) {
-      this.events.splice(0, surplus);
-      this.missedEvents += surplus;
-    }
+    for (const event of events) (event.kind === "call" ? this.calls : this.events).push(event);
+    cut(this.calls, MAX_CALLS);
+    this.missedEvents += cut(this.events, MAX_EVENTS);
   }
 
   private want(look: Look): void {
     this.wanted = look;
     this.source?.look(look);
   }
+}
+
+/** Drops the oldest where there are clearly more than `most`; how many. */
+function cut(events: Event[], most: number): number {
+  const surplus = events.length - most;
+  return surplus > 500 ? events.splice(0, surplus).length : 0;
+}
+
+/** The pose of a robot and where it believes to be, as readings. */
+export function truths({ pose, odometry, t_s }: Detail): Reading[] {
+  const reading = (name: string, value: number, unit: string) => ({ name, value, unit, at_s: t_s });
+  const degrees = (angle: number) => (angle * 180) / Math.PI;
+  return [
+    reading("true x", pose.x_m * 1000, "mm"),
+    reading("true y", pose.y_m * 1000, "mm"),
+    reading("true heading", degrees(pose.phi_rad), "deg"),
+    reading("believed x", odometry.x_m * 1000, "mm"),
+    reading("believed y", odometry.y_m * 1000, "mm"),
+    reading("believed heading", degrees(odometry.phi_rad), "deg"),
+  ];
 }
 
 function addSample(curves: Map<string, Curve>, reading: Reading): void {
