@@ -1,0 +1,153 @@
+//! Who may enter, and as what.
+
+use std::net::{IpAddr, SocketAddr};
+
+use axum::http::{HeaderMap, HeaderName, header};
+
+/// Who may watch and who may act.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// Whoever reaches the server may act: for the loopback address.
+    Local,
+    /// Whoever reaches the server may watch; who has the token may act.
+    Class {
+        /// The teacher's token.
+        token: String,
+    },
+}
+
+/// A token that nobody guesses: 128 random bits in 32 hexadecimal digits.
+///
+/// # Errors
+/// If the system has no random numbers.
+pub fn random_token() -> Result<String, String> {
+    let mut bytes = [0; 16];
+    getrandom::fill(&mut bytes).map_err(|error| format!("the system has no random numbers for a token: {error}"))?;
+    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+impl Access {
+    /// Whether a page with this token may act; none if its token is wrong.
+    pub(super) fn may_act(&self, given: Option<&str>) -> Option<bool> {
+        match (self, given) {
+            (Access::Local, _) => Some(true),
+            (Access::Class { .. }, None) => Some(false),
+            (Access::Class { token }, Some(given)) => is_same(token, given).then_some(true),
+        }
+    }
+}
+
+/// Compares in a time that tells nothing of `secret`, not even its length.
+fn is_same(secret: &str, given: &str) -> bool {
+    let secret = secret.as_bytes();
+    let mut difference = u8::from(secret.len() != given.len() || secret.is_empty());
+    for (place, byte) in given.bytes().enumerate() {
+        difference |= byte ^ secret.get(place % secret.len().max(1)).unwrap_or(&0);
+        difference = std::hint::black_box(difference);
+    }
+    difference == 0
+}
+
+/// Why a request is refused before anything is done with it; none if it is not.
+///
+/// A name in `Host` may lead here by somebody else's wish (DNS rebinding), a number may not: so it has to be one of the
+/// addresses served, or `localhost`. A request that a page of another origin has made is refused; one that must come
+/// from a page (`is_socket`) has to name its origin.
+pub(super) fn refusal(headers: &HeaderMap, served: SocketAddr, is_socket: bool) -> Option<String> {
+    let Some(host) = text(headers, header::HOST) else {
+        return Some("the request has no `Host`".into());
+    };
+    if !is_served(host, served) {
+        return Some(format!("`{}` is not an address of this server", shown(host)));
+    }
+    if let Some(origin) = text(headers, header::ORIGIN) {
+        let own = origin.strip_prefix("http://").is_some_and(|rest| rest.eq_ignore_ascii_case(host));
+        return (!own).then(|| format!("a page of `{}` may not ask this server", shown(origin)));
+    }
+    if is_socket {
+        return Some("the request has no `Origin`, which browsers send".into());
+    }
+    match text(headers, HeaderName::from_static("sec-fetch-site")) {
+        None | Some("same-origin" | "none") => None,
+        Some(_) => Some("a page of another origin may not ask this server".into()),
+    }
+}
+
+fn text(headers: &HeaderMap, name: HeaderName) -> Option<&str> {
+    let mut values = headers.get_all(name).iter();
+    match (values.next(), values.next()) {
+        (Some(value), None) => Some(value.to_str().unwrap_or("?")),
+        (Some(_), Some(_)) => Some("?"),
+        (None, _) => None,
+    }
+}
+
+fn shown(text: &str) -> String {
+    text.chars().take(80).collect()
+}
+
+fn is_served(host: &str, served: SocketAddr) -> bool {
+    let (name, port) = match host.rsplit_once(':') {
+        Some((name, port)) if !port.contains(']') => (name, port.parse().ok()),
+        _ => (host, Some(80)),
+    };
+    if port != Some(served.port()) {
+        return false;
+    }
+    let ip = served.ip();
+    if name.eq_ignore_ascii_case("localhost") {
+        return ip.is_loopback() || ip.is_unspecified();
+    }
+    let number: Option<IpAddr> = match name.strip_prefix('[').and_then(|name| name.strip_suffix(']')) {
+        Some(six) => six.parse().ok().map(IpAddr::V6),
+        None => name.parse().ok().map(IpAddr::V4),
+    };
+    number.is_some_and(|number| number == ip || ip.is_unspecified())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hosts() {
+        let check = |served: &str, host: &str| is_served(host, served.parse().unwrap());
+        for host in ["127.0.0.1:8000", "localhost:8000", "LOCALHOST:8000"] {
+            assert!(check("127.0.0.1:8000", host), "{host}");
+        }
+        for host in [
+            "127.0.0.1",
+            "127.0.0.1:8001",
+            "evil.example:8000",
+            "[::1]:8000",
+            "::1:8000",
+            "",
+            ":",
+            ":8000",
+            "10.0.0.1:8000",
+        ] {
+            assert!(!check("127.0.0.1:8000", host), "{host}");
+        }
+        assert!(check("[::1]:8000", "[::1]:8000"));
+        assert!(check("[::1]:8000", "localhost:8000"));
+        assert!(!check("[::1]:8000", "::1:8000"));
+        assert!(check("0.0.0.0:80", "192.0.2.7"), "port 80 is not said");
+        assert!(check("[::]:8000", "[2001:db8::1]:8000"));
+        assert!(!check("0.0.0.0:8000", "evil.example:8000"));
+        assert!(!check("192.0.2.7:8000", "localhost:8000"));
+    }
+
+    #[test]
+    fn tokens() {
+        let class = Access::Class { token: "abcabc".into() };
+        assert_eq!(class.may_act(None), Some(false));
+        assert_eq!(class.may_act(Some("abcabc")), Some(true));
+        for wrong in ["", "abc", "abcabcabc", "abcabd", "ABCABC"] {
+            assert_eq!(class.may_act(Some(wrong)), None, "{wrong}");
+        }
+        assert_eq!(Access::Class { token: String::new() }.may_act(Some("")), None, "an empty token is no token");
+        let (one, other) = (random_token().unwrap(), random_token().unwrap());
+        assert_eq!(one.len(), 32);
+        assert_ne!(one, other);
+    }
+}

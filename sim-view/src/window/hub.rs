@@ -1,0 +1,402 @@
+//! What there is to see, kept for all pages, and what pages ask for.
+//!
+//! Who fills it never waits for a page: each kind of message has one place, where the later takes the place of the earlier,
+//! and events a ring. Texts are made when the first page needs them, on its thread, and shared.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+use axum::extract::ws::Utf8Bytes;
+use serde::Serialize;
+use tokio::sync::{mpsc, watch};
+
+use super::Look;
+use crate::protocol::{Answer, Build, Command, Detail, Event, Message, Picture, Scene, Snapshot};
+
+/// So many events are kept for pages that come later or are slow.
+pub(super) const EVENTS: usize = 20_000;
+/// So many events at most go into one message.
+const BATCH: usize = 1_000;
+/// So many commands wait at most for the simulation.
+pub(super) const COMMANDS: usize = 256;
+
+/// Locks; what is guarded here is whole after each statement, so that a panic elsewhere leaves nothing half done.
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A value and its text, which is made once.
+struct Shown<T> {
+    value: T,
+    text: OnceLock<Utf8Bytes>,
+}
+
+impl<T> Shown<T> {
+    fn new(value: T) -> Arc<Shown<T>> {
+        Arc::new(Shown { value, text: OnceLock::new() })
+    }
+
+    fn text(&self, message: impl FnOnce(&T) -> Utf8Bytes) -> Utf8Bytes {
+        self.text.get_or_init(|| message(&self.value)).clone()
+    }
+}
+
+/// The text of a message. The protocol's types have string keys and no maps of others, so that this cannot fail.
+pub(super) fn text_of(message: &impl Serialize) -> Utf8Bytes {
+    serde_json::to_string(message).unwrap_or_default().into()
+}
+
+/// A detail without its display, and the display apart, since pages differ in whether they have it already.
+struct ShownDetail {
+    detail: Detail,
+    lcd: Option<Arc<Picture>>,
+    /// Counts the pictures, of all robots.
+    lcd_version: u64,
+    lean: OnceLock<Utf8Bytes>,
+    whole: OnceLock<Utf8Bytes>,
+}
+
+impl ShownDetail {
+    fn text(&self, with_lcd: bool) -> Utf8Bytes {
+        let place = if with_lcd { &self.whole } else { &self.lean };
+        place
+            .get_or_init(|| {
+                let mut detail = self.detail.clone();
+                detail.lcd = self.lcd.as_deref().filter(|_| with_lcd).cloned();
+                text_of(&Message::Detail(Box::new(detail)))
+            })
+            .clone()
+    }
+}
+
+#[derive(Default)]
+struct State {
+    /// Counts all changes.
+    version: u64,
+    run: u32,
+    scene: Option<(u64, Arc<Shown<Message>>)>,
+    snapshot: Option<(u64, Arc<Shown<Message>>)>,
+    build: Option<(u64, Arc<Shown<Message>>)>,
+    details: BTreeMap<u32, (u64, Arc<ShownDetail>)>,
+    events: VecDeque<Arc<Shown<Event>>>,
+    /// How many events the ring has lost since the run began.
+    lost: u64,
+}
+
+impl State {
+    fn next(&mut self) -> u64 {
+        self.version += 1;
+        self.version
+    }
+}
+
+#[derive(Default)]
+struct Inbox {
+    asked: VecDeque<Asked>,
+    looks: BTreeMap<u64, Look>,
+    pages: u64,
+    is_woken: bool,
+}
+
+/// What server and simulation share.
+pub(super) struct Hub {
+    state: Mutex<State>,
+    /// Wakes the pages.
+    changed: watch::Sender<()>,
+    inbox: Mutex<Inbox>,
+    /// Wakes the simulation.
+    asked: Condvar,
+}
+
+impl Hub {
+    pub(super) fn new() -> Arc<Hub> {
+        Arc::new(Hub {
+            state: Mutex::default(),
+            changed: watch::Sender::new(()),
+            inbox: Mutex::default(),
+            asked: Condvar::new(),
+        })
+    }
+
+    pub(super) fn changes(&self) -> watch::Receiver<()> {
+        self.changed.subscribe()
+    }
+
+    pub(super) fn show_scene(&self, scene: Scene) {
+        let mut state = lock(&self.state);
+        if state.run != scene.run {
+            state.run = scene.run;
+            state.snapshot = None;
+            state.details.clear();
+            state.events.clear();
+            state.lost = 0;
+        }
+        let version = state.next();
+        state.scene = Some((version, Shown::new(Message::Scene(Box::new(scene)))));
+        drop(state);
+        self.changed.send_replace(());
+    }
+
+    pub(super) fn show(&self, snapshot: Snapshot, details: Vec<Detail>) {
+        let mut state = lock(&self.state);
+        let version = state.next();
+        state.snapshot = Some((version, Shown::new(Message::Snapshot(snapshot))));
+        for mut detail in details {
+            let version = state.next();
+            let before = state
+                .details
+                .get(&detail.robot)
+                .map(|(_, before)| before)
+                .filter(|before| before.detail.run == detail.run);
+            let (lcd, lcd_version) = match (detail.lcd.take(), before) {
+                (Some(new), _) => (Some(Arc::new(new)), version),
+                (None, Some(before)) => (before.lcd.clone(), before.lcd_version),
+                (None, None) => (None, 0),
+            };
+            let shown = ShownDetail { lcd, lcd_version, lean: OnceLock::new(), whole: OnceLock::new(), detail };
+            state.details.insert(shown.detail.robot, (version, Arc::new(shown)));
+        }
+        drop(state);
+        self.changed.send_replace(());
+    }
+
+    pub(super) fn tell(&self, events: Vec<Event>) {
+        let mut state = lock(&self.state);
+        for event in events {
+            if state.events.len() == EVENTS {
+                state.events.pop_front();
+                state.lost += 1;
+            }
+            state.events.push_back(Shown::new(event));
+        }
+        drop(state);
+        self.changed.send_replace(());
+    }
+
+    pub(super) fn build(&self, build: Build) {
+        let mut state = lock(&self.state);
+        let version = state.next();
+        state.build = Some((version, Shown::new(Message::Build(build))));
+        drop(state);
+        self.changed.send_replace(());
+    }
+
+    pub(super) fn has_pages(&self) -> bool {
+        self.changed.receiver_count() > 0
+    }
+
+    pub(super) fn looks(&self) -> Vec<Look> {
+        let inbox = lock(&self.inbox);
+        let mut merged: BTreeMap<u32, Look> = BTreeMap::new();
+        for look in inbox.looks.values() {
+            let one = merged.entry(look.robot).or_insert(Look { robot: look.robot, camera: false, calls: false });
+            one.camera |= look.camera;
+            one.calls |= look.calls;
+        }
+        merged.into_values().collect()
+    }
+
+    /// A number for a page that comes.
+    pub(super) fn enter(&self) -> u64 {
+        let mut inbox = lock(&self.inbox);
+        inbox.pages += 1;
+        inbox.pages
+    }
+
+    pub(super) fn look(&self, page: u64, look: Option<Look>) {
+        let mut inbox = lock(&self.inbox);
+        match look {
+            Some(look) => inbox.looks.insert(page, look),
+            None => inbox.looks.remove(&page),
+        };
+        inbox.is_woken = true;
+        drop(inbox);
+        self.asked.notify_all();
+    }
+
+    /// Gives a command to the simulation; gives it back if too many wait already.
+    pub(super) fn ask(&self, asked: Asked) -> Result<(), Asked> {
+        let mut inbox = lock(&self.inbox);
+        if inbox.asked.len() == COMMANDS {
+            return Err(asked);
+        }
+        inbox.asked.push_back(asked);
+        drop(inbox);
+        self.asked.notify_all();
+        Ok(())
+    }
+}
+
+/// A command of a page that waits to be carried out. Dropped without an answer it is refused.
+pub struct Asked {
+    /// What is asked for.
+    pub command: Command,
+    pub(super) number: u32,
+    pub(super) answers: Option<mpsc::UnboundedSender<Answer>>,
+}
+
+impl Asked {
+    /// Tells the page that its command has been carried out.
+    pub fn accept(mut self) {
+        self.answer(None);
+    }
+
+    /// Tells the page why its command has not been carried out.
+    pub fn refuse(mut self, why: impl Into<String>) {
+        self.answer(Some(why.into()));
+    }
+
+    fn answer(&mut self, refused: Option<String>) {
+        if let Some(answers) = self.answers.take() {
+            // A page that has gone needs no answer.
+            let _ = answers.send(Answer { number: self.number, refused });
+        }
+    }
+}
+
+impl Drop for Asked {
+    fn drop(&mut self) {
+        self.answer(Some("the run took no more commands".into()));
+    }
+}
+
+impl std::fmt::Debug for Asked {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Asked").field("number", &self.number).field("command", &self.command).finish_non_exhaustive()
+    }
+}
+
+/// The commands of all pages, in the order in which they came.
+#[derive(Clone)]
+pub struct Commands {
+    pub(super) hub: Arc<Hub>,
+}
+
+impl Commands {
+    /// The next command, if one waits.
+    #[must_use]
+    pub fn try_recv(&self) -> Option<Asked> {
+        lock(&self.hub.inbox).asked.pop_front()
+    }
+
+    /// The next command; waits for one at most for `timeout`. None, too, when [`looks`](super::Window::looks) has changed or
+    /// after [`wake`](Self::wake).
+    #[must_use]
+    pub fn recv_timeout(&self, timeout: Duration) -> Option<Asked> {
+        let until = Instant::now() + timeout;
+        let mut inbox = lock(&self.hub.inbox);
+        loop {
+            if let Some(asked) = inbox.asked.pop_front() {
+                return Some(asked);
+            }
+            let left = until.saturating_duration_since(Instant::now());
+            if std::mem::take(&mut inbox.is_woken) || left.is_zero() {
+                return None;
+            }
+            inbox = self.hub.asked.wait_timeout(inbox, left).unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+
+    /// Ends a wait in [`recv_timeout`](Self::recv_timeout).
+    pub fn wake(&self) {
+        lock(&self.hub.inbox).is_woken = true;
+        self.hub.asked.notify_all();
+    }
+}
+
+/// What a page has got already.
+#[derive(Default)]
+pub(super) struct Seen {
+    run: u32,
+    scene: u64,
+    snapshot: u64,
+    build: u64,
+    detail: u64,
+    lcd: Option<(u32, u64)>,
+    /// How many events of the run it has got or missed.
+    events: u64,
+}
+
+impl Seen {
+    /// Another robot is looked at: its detail is news, with its display.
+    pub(super) fn forget_detail(&mut self) {
+        self.detail = 0;
+        self.lcd = None;
+    }
+
+    /// What is new for a page that looks at `look`, in the order in which it is to be sent.
+    pub(super) fn news(&mut self, hub: &Hub, look: Option<Look>) -> Vec<Utf8Bytes> {
+        let news = self.take(&lock(&hub.state), look);
+        // Texts are made outside the lock, so that the simulation never waits for them.
+        news.into_iter().map(News::text).collect()
+    }
+
+    fn take(&mut self, state: &State, look: Option<Look>) -> Vec<News> {
+        let mut news = Vec::new();
+        if self.run != state.run {
+            (self.run, self.events) = (state.run, 0);
+            self.forget_detail();
+        }
+        for (seen, place) in
+            [(&mut self.build, &state.build), (&mut self.scene, &state.scene), (&mut self.snapshot, &state.snapshot)]
+        {
+            if let Some((version, message)) = place
+                && *version > *seen
+            {
+                *seen = *version;
+                news.push(News::Message(message.clone()));
+            }
+        }
+        if let Some((version, detail)) = look.and_then(|look| state.details.get(&look.robot))
+            && *version > self.detail
+        {
+            self.detail = *version;
+            let lcd = Some((detail.detail.robot, detail.lcd_version));
+            news.push(News::Detail(detail.clone(), self.lcd != lcd));
+            self.lcd = lcd;
+        }
+        self.take_events(state, look, &mut news);
+        news
+    }
+
+    fn take_events(&mut self, state: &State, look: Option<Look>, news: &mut Vec<News>) {
+        let mut missed = state.lost.saturating_sub(self.events);
+        let from = usize::try_from(self.events.max(state.lost) - state.lost).unwrap_or(usize::MAX);
+        let wanted: Vec<_> =
+            state.events.iter().skip(from).filter(|event| is_wanted(&event.value, look)).cloned().collect();
+        self.events = state.lost + state.events.len() as u64;
+        for batch in wanted.chunks(BATCH) {
+            news.push(News::Events(batch.to_vec(), std::mem::take(&mut missed)));
+        }
+        if missed > 0 {
+            news.push(News::Events(Vec::new(), missed));
+        }
+    }
+}
+
+/// RoBIOS calls go only to pages that want those of this robot.
+fn is_wanted(event: &Event, look: Option<Look>) -> bool {
+    event.kind != "call" || look.is_some_and(|look| look.calls && Some(look.robot) == event.robot)
+}
+
+enum News {
+    Message(Arc<Shown<Message>>),
+    Detail(Arc<ShownDetail>, bool),
+    Events(Vec<Arc<Shown<Event>>>, u64),
+}
+
+impl News {
+    fn text(self) -> Utf8Bytes {
+        match self {
+            News::Message(message) => message.text(text_of),
+            News::Detail(detail, with_lcd) => detail.text(with_lcd),
+            News::Events(events, missed) => {
+                // As `Message::Events` is written, from texts that are there already.
+                let texts: Vec<_> = events.iter().map(|event| event.text(text_of)).collect();
+                let texts: Vec<_> = texts.iter().map(Utf8Bytes::as_str).collect();
+                format!(r#"{{"type":"events","events":[{}],"missed":{missed}}}"#, texts.join(",")).into()
+            }
+        }
+    }
+}

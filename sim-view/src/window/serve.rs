@@ -1,0 +1,283 @@
+//! Requests and connections: what is served to whom, and how much of it.
+
+mod socket;
+
+use std::collections::{BTreeMap, VecDeque};
+use std::fmt;
+use std::net::SocketAddr;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use axum::Router;
+use axum::body::Body;
+use axum::extract::ws::WebSocketUpgrade;
+use axum::extract::{Path, Request, State};
+use axum::http::{HeaderName, HeaderValue, StatusCode, header};
+use axum::middleware::{Next, from_fn_with_state};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::watch;
+use tokio::task::AbortHandle;
+use tokio::time::{Instant, sleep, sleep_until, timeout};
+
+use super::access::refusal;
+use super::hub::{Hub, lock};
+use super::{Access, Options};
+use crate::page::Page;
+
+/// So many pages are shown at a time.
+const PAGES: usize = 64;
+/// So many more are told why they are not shown anything; others get an error of HTTP.
+const TURNED_AWAY: usize = 32;
+/// So many connections at a time that are not pages yet; the oldest gives way to a new one.
+const CONNECTIONS: usize = 128;
+/// So many connections are taken in each tenth of a second.
+const ACCEPTS: u32 = 100;
+/// A request's head must have come by then.
+const HEAD: Duration = Duration::from_secs(5);
+/// A connection that is no page ends by then, with all its requests.
+const REQUESTS: Duration = Duration::from_secs(300);
+
+/// Something that pages can download. Its content is made when it is asked for, on a thread of its own.
+#[derive(Clone)]
+pub struct Download {
+    media_type: &'static str,
+    content: Arc<Content>,
+}
+
+type Content = dyn Fn() -> Result<Vec<u8>, String> + Send + Sync;
+
+impl Download {
+    /// A download of a media type such as `application/toml`. Where `content` fails, the page gets its message.
+    pub fn new(
+        media_type: &'static str,
+        content: impl Fn() -> Result<Vec<u8>, String> + Send + Sync + 'static,
+    ) -> Download {
+        Download { media_type, content: Arc::new(content) }
+    }
+}
+
+impl fmt::Debug for Download {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Download").field("media_type", &self.media_type).finish_non_exhaustive()
+    }
+}
+
+/// What all connections share.
+pub(super) struct Server {
+    address: SocketAddr,
+    access: Access,
+    title: String,
+    version: String,
+    page: Page,
+    hub: Arc<Hub>,
+    files: Mutex<BTreeMap<String, Download>>,
+    /// Open sockets, with those that are being turned away.
+    sockets: AtomicUsize,
+    closing: watch::Sender<bool>,
+}
+
+impl Server {
+    pub(super) fn new(address: SocketAddr, options: Options, page: Page, hub: Arc<Hub>) -> Arc<Server> {
+        Arc::new(Server {
+            address,
+            access: options.access,
+            title: options.title,
+            version: options.version,
+            page,
+            hub,
+            files: Mutex::default(),
+            sockets: AtomicUsize::new(0),
+            closing: watch::Sender::new(false),
+        })
+    }
+
+    pub(super) fn offer(&self, name: &str, download: Download) {
+        lock(&self.files).insert(name.into(), download);
+    }
+
+    /// Says goodbye to all pages; then [`serve`] returns.
+    pub(super) fn close(&self) {
+        self.closing.send_replace(true);
+    }
+}
+
+/// Serves until [`Server::close`].
+pub(super) async fn serve(server: Arc<Server>, listener: std::net::TcpListener) {
+    let Ok(listener) = TcpListener::from_std(listener) else { return };
+    let routes = Router::new()
+        .route("/", get(index))
+        .route("/ws", get(open_socket))
+        .route("/recording.json", get(recording))
+        .route("/files/{name}", get(file))
+        .route("/{*path}", get(asset))
+        .layer(from_fn_with_state(server.clone(), guard))
+        .with_state(server.clone());
+    let mut closing = server.closing.subscribe();
+    tokio::select! {
+        () = accept(listener, routes) => {}
+        _ = closing.wait_for(|closing| *closing) => {}
+    }
+    let pages_left = async {
+        while server.sockets.load(Ordering::Relaxed) > 0 {
+            sleep(Duration::from_millis(5)).await;
+        }
+    };
+    let _ = timeout(Duration::from_millis(500), pages_left).await;
+}
+
+async fn accept(listener: TcpListener, routes: Router) {
+    let mut connections: VecDeque<AbortHandle> = VecDeque::new();
+    let mut accepted = 0;
+    let mut window = Instant::now();
+    loop {
+        let Ok((stream, _)) = listener.accept().await else {
+            // Out of file descriptors, or the other side has gone already.
+            sleep(Duration::from_millis(50)).await;
+            continue;
+        };
+        if window.elapsed() > Duration::from_millis(100) {
+            (window, accepted) = (Instant::now(), 0);
+        }
+        accepted += 1;
+        if accepted > ACCEPTS {
+            sleep_until(window + Duration::from_millis(100)).await;
+        }
+        connections.retain(|connection| !connection.is_finished());
+        if connections.len() == CONNECTIONS
+            && let Some(oldest) = connections.pop_front()
+        {
+            oldest.abort();
+        }
+        connections.push_back(tokio::spawn(timeout(REQUESTS, talk(stream, routes.clone()))).abort_handle());
+    }
+}
+
+/// Serves the requests of one connection. One that becomes a socket goes on in a task of its own.
+async fn talk(stream: TcpStream, routes: Router) {
+    let _ = stream.set_nodelay(true);
+    // An error is the other side's: it has gone, or speaks no HTTP and has been told.
+    let _ = hyper::server::conn::http1::Builder::new()
+        .timer(TokioTimer::new())
+        .header_read_timeout(HEAD)
+        .max_buf_size(64 * 1024)
+        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(routes))
+        .with_upgrades()
+        .await;
+}
+
+/// Refuses what does not come from this server's own page, and gives every answer its headers.
+async fn guard(State(server): State<Arc<Server>>, request: Request, next: Next) -> Response {
+    const HEADERS: [(HeaderName, HeaderValue); 4] = [
+        (
+            header::CONTENT_SECURITY_POLICY,
+            HeaderValue::from_static(
+                "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
+                 connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+            ),
+        ),
+        (header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff")),
+        (header::REFERRER_POLICY, HeaderValue::from_static("no-referrer")),
+        (HeaderName::from_static("cross-origin-resource-policy"), HeaderValue::from_static("same-origin")),
+    ];
+    let mut response = match refusal(request.headers(), server.address, request.uri().path() == "/ws") {
+        Some(why) => (StatusCode::FORBIDDEN, why).into_response(),
+        None => next.run(request).await,
+    };
+    for (name, value) in HEADERS {
+        response.headers_mut().insert(name, value);
+    }
+    response.headers_mut().entry(header::CACHE_CONTROL).or_insert(HeaderValue::from_static("no-cache"));
+    response
+}
+
+async fn index(State(server): State<Arc<Server>>) -> Response {
+    page_file(&server, "index.html")
+}
+
+async fn asset(State(server): State<Arc<Server>>, Path(path): Path<String>) -> Response {
+    page_file(&server, &path)
+}
+
+fn page_file(server: &Server, path: &str) -> Response {
+    if let Some((content, media_type)) = server.page.file(path) {
+        return ([(header::CONTENT_TYPE, media_type)], Body::from(content.to_vec())).into_response();
+    }
+    match server.page.why_missing() {
+        Some(why) if path == "index.html" => (StatusCode::SERVICE_UNAVAILABLE, why.to_owned()).into_response(),
+        _ => (StatusCode::NOT_FOUND, "there is no such file").into_response(),
+    }
+}
+
+async fn recording(State(server): State<Arc<Server>>) -> Response {
+    download(&server, "recording.json", false).await
+}
+
+async fn file(State(server): State<Arc<Server>>, Path(name): Path<String>) -> Response {
+    download(&server, &name, true).await
+}
+
+async fn download(server: &Server, name: &str, is_saved: bool) -> Response {
+    let found = lock(&server.files).get(name).cloned();
+    let Some(Download { media_type, content }) = found else {
+        return (StatusCode::NOT_FOUND, "there is no such file").into_response();
+    };
+    let content = tokio::task::spawn_blocking(move || content()).await;
+    let content = match content {
+        Ok(Ok(content)) => content,
+        Ok(Err(why)) => return (StatusCode::SERVICE_UNAVAILABLE, why).into_response(),
+        Err(_) => return (StatusCode::INTERNAL_SERVER_ERROR, "it could not be made").into_response(),
+    };
+    let mut response = ([(header::CONTENT_TYPE, media_type)], content).into_response();
+    if is_saved && let Ok(value) = HeaderValue::from_str(&format!("attachment; filename=\"{}\"", plain(name))) {
+        response.headers_mut().insert(header::CONTENT_DISPOSITION, value);
+    }
+    response
+}
+
+/// A name that needs no quoting in a header.
+fn plain(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_. ".contains(c) { c } else { '_' }).collect()
+}
+
+async fn open_socket(State(server): State<Arc<Server>>, upgrade: WebSocketUpgrade) -> Response {
+    let place = Place::take(server);
+    let open = place.server.sockets.load(Ordering::Relaxed);
+    if open > PAGES + TURNED_AWAY {
+        return (StatusCode::SERVICE_UNAVAILABLE, format!("{PAGES} pages are open already")).into_response();
+    }
+    upgrade
+        .max_message_size(socket::MESSAGE)
+        .max_frame_size(socket::MESSAGE)
+        .read_buffer_size(16 * 1024)
+        .write_buffer_size(0)
+        .on_upgrade(move |socket| async move {
+            if open > PAGES {
+                socket::turn_away(socket, &format!("{PAGES} pages are open already")).await;
+            } else {
+                socket::serve(socket, &place.server).await;
+            }
+        })
+}
+
+/// One of the open sockets.
+struct Place {
+    server: Arc<Server>,
+}
+
+impl Place {
+    fn take(server: Arc<Server>) -> Place {
+        server.sockets.fetch_add(1, Ordering::Relaxed);
+        Place { server }
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.server.sockets.fetch_sub(1, Ordering::Relaxed);
+    }
+}

@@ -1,0 +1,263 @@
+//! One page: what it says and what it is told.
+
+use std::time::Duration;
+
+use axum::extract::ws::{CloseFrame, Message as Frame, Utf8Bytes, WebSocket};
+use tokio::sync::mpsc;
+use tokio::time::{Instant, MissedTickBehavior, interval, sleep_until, timeout};
+
+use super::Server;
+use crate::protocol::{Answer, Command, Message, PROTOCOL, Request, Welcome};
+use crate::window::Look;
+use crate::window::hub::{Asked, Seen, text_of};
+
+/// Longest message of a page, in bytes.
+pub(super) const MESSAGE: usize = 64 * 1024;
+/// The first message must have come by then.
+const HELLO: Duration = Duration::from_secs(5);
+/// A wrong token costs so long, so that nobody tries many.
+const WRONG_TOKEN: Duration = Duration::from_millis(500);
+/// How often a page is asked whether it is there.
+const PING: Duration = Duration::from_secs(5);
+/// A page that takes nothing, or says nothing, for so long is gone.
+const STALLED: Duration = Duration::from_secs(15);
+/// News go out at most so often: 60 times a second.
+const NEWS: Duration = Duration::from_millis(16);
+/// Time for each message of a page, and how much of it a page may take at once: 200 messages a second, 100 at once.
+const READ: Duration = Duration::from_millis(5);
+const READS: Duration = Duration::from_millis(500);
+/// So many commands of one page wait at most for their answers.
+const UNANSWERED: usize = 32;
+
+/// Why the server ends a connection.
+#[derive(Debug)]
+struct Goodbye {
+    code: u16,
+    why: String,
+}
+
+/// Codes of the protocol, after those of RFC 6455.
+mod code {
+    pub(super) const GOING_AWAY: u16 = 1001;
+    pub(super) const NOT_TEXT: u16 = 1003;
+    pub(super) const TOO_BIG: u16 = 1009;
+    pub(super) const TRY_LATER: u16 = 1013;
+    pub(super) const MALFORMED: u16 = 4400;
+    pub(super) const TOKEN: u16 = 4401;
+    pub(super) const VERSION: u16 = 4406;
+    pub(super) const SILENT: u16 = 4408;
+}
+
+impl Goodbye {
+    fn new(code: u16, why: impl Into<String>) -> Goodbye {
+        Goodbye { code, why: why.into() }
+    }
+}
+
+/// How a conversation ends: with a goodbye, or none if nobody is there to hear it.
+type End = Option<Goodbye>;
+
+/// Serves one page until it goes or has to go.
+pub(super) async fn serve(mut socket: WebSocket, server: &Server) {
+    let mut closing = server.closing.subscribe();
+    let end = tokio::select! {
+        end = converse(&mut socket, server) => end,
+        _ = closing.wait_for(|closing| *closing) => Some(Goodbye::new(code::GOING_AWAY, "the simulator has ended")),
+    };
+    if let Some(goodbye) = end {
+        close(socket, goodbye).await;
+    }
+}
+
+/// Tells a page why it is not served.
+pub(super) async fn turn_away(socket: WebSocket, why: &str) {
+    close(socket, Goodbye::new(code::TRY_LATER, why)).await;
+}
+
+async fn close(mut socket: WebSocket, goodbye: Goodbye) {
+    // A close frame has room for 123 bytes.
+    let mut why = goodbye.why;
+    why.truncate(why.floor_char_boundary(123));
+    let farewell = async {
+        let frame = CloseFrame { code: goodbye.code, reason: why.into() };
+        if socket.send(Frame::Close(Some(frame))).await.is_ok() {
+            // What the page still says is read away, or the system would throw the goodbye away with the connection.
+            while let Some(Ok(_)) = socket.recv().await {}
+        }
+    };
+    let _ = timeout(Duration::from_secs(1), farewell).await;
+}
+
+async fn converse(socket: &mut WebSocket, server: &Server) -> End {
+    let may_act = match timeout(HELLO, hello(socket, server)).await {
+        Err(_) => return Some(Goodbye::new(code::SILENT, "no `hello` within 5 s")),
+        Ok(Err(end)) => return end,
+        Ok(Ok(may_act)) => may_act,
+    };
+    let welcome = Message::Welcome(Welcome {
+        protocol: PROTOCOL,
+        version: server.version.clone(),
+        title: server.title.clone(),
+        may_act,
+    });
+    let (answers, answered) = mpsc::unbounded_channel();
+    let mut page =
+        Page { id: server.hub.enter(), server, may_act, look: None, seen: Seen::default(), answers, unanswered: 0 };
+    match send(socket, text_of(&welcome)).await {
+        Ok(()) => page.run(socket, answered).await,
+        Err(end) => end,
+    }
+}
+
+/// Takes the first message; whether the page may act.
+async fn hello(socket: &mut WebSocket, server: &Server) -> Result<bool, End> {
+    let text = loop {
+        if let Some(text) = receive(socket.recv().await)? {
+            break text;
+        }
+    };
+    let Request::Hello { protocol, token } = parse(&text)? else {
+        return Err(Some(Goodbye::new(code::MALFORMED, "the first message is not `hello`")));
+    };
+    if protocol != PROTOCOL {
+        let why =
+            format!("the page speaks version {protocol} of the protocol, the server {PROTOCOL}: load the page again");
+        return Err(Some(Goodbye::new(code::VERSION, why)));
+    }
+    match server.access.may_act(token.as_deref()) {
+        Some(may_act) => Ok(may_act),
+        None => {
+            tokio::time::sleep(WRONG_TOKEN).await;
+            Err(Some(Goodbye::new(code::TOKEN, "the token is wrong")))
+        }
+    }
+}
+
+fn parse(text: &str) -> Result<Request, End> {
+    serde_json::from_str(text).map_err(|error| Some(Goodbye::new(code::MALFORMED, error.to_string())))
+}
+
+/// The text of a frame, if it has one.
+fn receive(frame: Option<Result<Frame, axum::Error>>) -> Result<Option<Utf8Bytes>, End> {
+    match frame {
+        Some(Ok(Frame::Text(text))) => Ok(Some(text)),
+        Some(Ok(Frame::Ping(_) | Frame::Pong(_))) => Ok(None),
+        Some(Ok(Frame::Binary(_))) => Err(Some(Goodbye::new(code::NOT_TEXT, "messages are texts"))),
+        Some(Ok(Frame::Close(_))) | None => Err(None),
+        // Errors of the connection are not told from those of the protocol: a connection that is lost hears nothing.
+        Some(Err(error)) if error.to_string().contains("too long") => {
+            Err(Some(Goodbye::new(code::TOO_BIG, format!("messages have at most {MESSAGE} bytes"))))
+        }
+        Some(Err(error)) => Err(Some(Goodbye::new(1002, error.to_string()))),
+    }
+}
+
+async fn send(socket: &mut WebSocket, text: Utf8Bytes) -> Result<(), End> {
+    send_frame(socket, Frame::Text(text)).await
+}
+
+async fn send_frame(socket: &mut WebSocket, frame: Frame) -> Result<(), End> {
+    // One that takes nothing would not hear a goodbye either.
+    timeout(STALLED, socket.send(frame)).await.ok().and_then(Result::ok).ok_or(None)
+}
+
+/// A page that has said hello.
+struct Page<'a> {
+    id: u64,
+    server: &'a Server,
+    may_act: bool,
+    look: Option<Look>,
+    seen: Seen,
+    answers: mpsc::UnboundedSender<Answer>,
+    unanswered: usize,
+}
+
+impl Drop for Page<'_> {
+    fn drop(&mut self) {
+        self.server.hub.look(self.id, None);
+    }
+}
+
+impl Page<'_> {
+    /// Reads nothing while it writes: so a page that takes nothing cannot fill anything here.
+    async fn run(&mut self, socket: &mut WebSocket, mut answered: mpsc::UnboundedReceiver<Answer>) -> End {
+        match self.talk(socket, &mut answered).await {
+            Ok(never) => match never {},
+            Err(end) => end,
+        }
+    }
+
+    async fn talk(
+        &mut self,
+        socket: &mut WebSocket,
+        answered: &mut mpsc::UnboundedReceiver<Answer>,
+    ) -> Result<std::convert::Infallible, End> {
+        let mut changes = self.server.hub.changes();
+        changes.mark_changed();
+        let mut ping = interval(PING);
+        ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        let mut heard = Instant::now();
+        let (mut next_news, mut next_read) = (heard, heard);
+        loop {
+            let now = Instant::now();
+            tokio::select! {
+                Ok(()) = changes.changed(), if now >= next_news => {
+                    for text in self.seen.news(&self.server.hub, self.look) {
+                        send(socket, text).await?;
+                    }
+                    next_news = now + NEWS;
+                }
+                () = sleep_until(next_news), if now < next_news => {}
+                frame = socket.recv(), if now + READS >= next_read => {
+                    heard = now;
+                    next_read = next_read.max(now) + READ;
+                    if let Some(text) = receive(frame)?
+                        && self.hear(parse(&text)?)?
+                    {
+                        changes.mark_changed();
+                    }
+                }
+                () = sleep_until(next_read - READS), if now + READS < next_read => {}
+                Some(answer) = answered.recv() => {
+                    self.unanswered -= 1;
+                    send(socket, text_of(&Message::Answer(answer))).await?;
+                }
+                _ = ping.tick() => {
+                    if heard.elapsed() > STALLED {
+                        return Err(None);
+                    }
+                    send_frame(socket, Frame::Ping(Vec::new().into())).await?;
+                }
+            }
+        }
+    }
+
+    /// Does what a request asks for; whether there may be news for the page because of it.
+    fn hear(&mut self, request: Request) -> Result<bool, End> {
+        match request {
+            Request::Hello { .. } => Err(Some(Goodbye::new(code::MALFORMED, "`hello` is the first message only"))),
+            Request::Look { robot, camera, calls } => {
+                self.look = robot.map(|robot| Look { robot, camera, calls });
+                self.seen.forget_detail();
+                self.server.hub.look(self.id, self.look);
+                Ok(true)
+            }
+            Request::Act { number, command } => {
+                self.act(number, command);
+                Ok(false)
+            }
+        }
+    }
+
+    fn act(&mut self, number: u32, command: Command) {
+        let asked = Asked { command, number, answers: Some(self.answers.clone()) };
+        self.unanswered += 1;
+        if !self.may_act {
+            asked.refuse("this page may only watch: it has no token");
+        } else if self.unanswered > UNANSWERED {
+            asked.refuse("too many commands of this page wait already");
+        } else if let Err(asked) = self.server.hub.ask(asked) {
+            asked.refuse("too many commands wait already");
+        }
+    }
+}
