@@ -27,6 +27,7 @@ use super::progress::{Building, Counts, Progress};
 use super::table::{self, Screen};
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM, EXIT_USAGE, check};
 use crate::executive::conductor::End;
+use crate::executive::pace::Pace;
 use crate::executive::program::Exec;
 use crate::executive::run::{Ended, Limits, Parts, RobotEnd, Run};
 use crate::executive::thread::ThreadExecutor;
@@ -306,10 +307,6 @@ fn simulate(args: &RunArgs, options: Options, files: DiskFiles, loaded: Loaded) 
     let limits = Limits {
         lanes: args.threads.map_or_else(processors, NonZeroUsize::get),
         until,
-        speed: match args.speed {
-            Speed::Max => None,
-            Speed::Factor(factor) => Some(factor),
-        },
         timeout: args.timeout,
         is_verbose: args.verbose,
     };
@@ -320,6 +317,10 @@ fn simulate(args: &RunArgs, options: Options, files: DiskFiles, loaded: Loaded) 
         robots,
         costs: options.costs.clone(),
         recorder: Recorder::new(options.seed, options.slot, all),
+        gate: match args.speed {
+            Speed::Max => None,
+            Speed::Factor(factor) => Some(Box::new(Pace::new(factor))),
+        },
     };
     let ended = Run::execute(parts, &limits, |run| progress.update(run.slot_start(), || counts(run)))
         .context("cannot start the robots")?;

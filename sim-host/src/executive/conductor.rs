@@ -7,7 +7,6 @@
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
-use std::time::{Duration, Instant};
 
 use parking_lot::MutexGuard;
 use sim_core::drive::Motion;
@@ -15,11 +14,13 @@ use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 
+use super::gate::{Boundary, Gate, Intervention, Pass};
+use super::intervene::{self, Effect, Refusal};
 use super::radio::Traffic;
 use super::run::Run;
 use super::signal;
 use crate::record::event::WORLD;
-use crate::record::{Event, Journal, RecordError, Recorder};
+use crate::record::{ActionText, Event, Journal, RecordError, Recorder};
 use crate::robios::robot::Robot;
 use crate::robios::truth::{Placeable, Placement};
 
@@ -40,10 +41,14 @@ pub struct Conductor {
     /// Robots with a program that has not ended.
     alive: usize,
     until: Time,
-    pace: Option<Pace>,
+    gate: Option<Box<dyn Gate>>,
+    /// Somebody has acted since the last slot: the present one is due.
+    has_acted: bool,
     recorder: Recorder<'static>,
-    /// Where the movable objects are recorded.
-    objects: Journal,
+    /// Where is recorded what belongs to no robot.
+    journal: Journal,
+    /// The movable objects have been recorded where they start.
+    has_recorded_starts: bool,
     traffic: Traffic,
     end: Option<End>,
 }
@@ -66,12 +71,6 @@ struct Wake {
     at: Time,
     robot: RobotId,
     number: u32,
-}
-
-/// Virtual seconds for each second of real time, since `start`.
-struct Pace {
-    factor: f64,
-    start: Instant,
 }
 
 /// Why the slot loop stopped.
@@ -108,13 +107,11 @@ pub struct Plan {
     pub lanes: usize,
     /// Simulated time at which the run ends.
     pub until: Time,
-    /// Virtual seconds for each second of real time; none for as fast as possible.
-    pub speed: Option<f64>,
 }
 
 impl Conductor {
-    /// The slot loop before the first slot: all robots with programs are due at 0. Without any, the run is over.
-    pub fn new(plan: &Plan, recorder: Recorder<'static>) -> Self {
+    /// The slot loop before the first slot: all robots with programs are due at 0.
+    pub fn new(plan: &Plan, recorder: Recorder<'static>, gate: Option<Box<dyn Gate>>) -> Self {
         let count = plan.has_program.len();
         let ids = |has_program| {
             let robots = plan.has_program.iter().enumerate().filter(move |(_, has)| **has == has_program);
@@ -132,15 +129,17 @@ impl Conductor {
             departed: plan.has_program.iter().map(|has_program| !has_program).collect(),
             alive,
             until: plan.until,
-            pace: plan.speed.map(|factor| Pace { factor, start: Instant::now() }),
+            gate,
+            has_acted: false,
             recorder,
-            objects: Journal::new(WORLD, false),
+            journal: Journal::new(WORLD, false),
+            has_recorded_starts: false,
             traffic: Traffic::default(),
-            end: (alive == 0).then_some(End::Finished),
+            end: None,
         };
         for (place, robot) in ids(true).enumerate() {
             conductor.homes[robot.index()] = (place % lanes) as u32;
-            conductor.make_ready(robot);
+            conductor.sleep_until(robot, Time::ZERO);
         }
         if alive > 0 {
             // The first slot records the start of those without a program, too.
@@ -164,8 +163,14 @@ impl Conductor {
         &mut self.recorder
     }
 
+    /// Gives what is left of the world's own record to the recorder, at the very end.
+    pub fn collect_world(&mut self) {
+        self.recorder.collect(&mut self.journal);
+    }
+
     /// Releases the first robots, if there are any with a program.
     pub fn begin(&mut self, run: &Run) -> HandOver {
+        self.begin_slot(run, &mut run.world.write());
         if self.is_over() {
             run.bell().ring();
         }
@@ -290,24 +295,67 @@ impl Conductor {
         if self.end.is_some() {
             return Ok(());
         }
-        let Some(start) = self.next_start(&world) else {
-            self.end_with(if self.alive == 0 { End::Finished } else { End::Stuck });
-            return Ok(());
-        };
-        if start >= self.until {
-            self.end_with(if self.alive == 0 { End::Finished } else { End::Until });
-            return Ok(());
-        }
-        if let Some(pace) = &self.pace
-            && pace.wait_for(start) == Waited::Interrupted
-        {
-            self.end_with(End::Interrupted);
-            return Ok(());
-        }
-        world.advance_to(start);
-        run.publish_slot(&world);
-        self.take_due(world.slot_end());
+        self.begin_slot(run, &mut world);
         Ok(())
+    }
+
+    /// Begins the next slot in which anything happens, once the gate lets the run go on; without one the run ends.
+    fn begin_slot(&mut self, run: &Run, world: &mut World) {
+        while self.end.is_none() {
+            let next = self.next_start(world);
+            let pass = match &mut self.gate {
+                Some(gate) => {
+                    let following = world.slot_start();
+                    gate.wait(&Boundary { run, world, following, next, until: self.until })
+                }
+                None => Pass::Begin,
+            };
+            match (pass, next) {
+                (Pass::Act { at, actions }, _) => self.act(at.min(next.unwrap_or(at)), actions, run, world),
+                (Pass::End(end), _) => self.end_with(end),
+                (Pass::Begin, None) => self.end_with(if self.alive == 0 { End::Finished } else { End::Stuck }),
+                // The first slot is run whatever the limit.
+                (Pass::Begin, Some(start)) if start >= self.until && start > Time::ZERO => {
+                    self.end_with(if self.alive == 0 { End::Finished } else { End::Until });
+                }
+                (Pass::Begin, Some(start)) => {
+                    self.has_acted = false;
+                    world.advance_to(start);
+                    run.publish_slot(world);
+                    return self.take_due(world.slot_end());
+                }
+            }
+        }
+    }
+
+    /// Lets these actions happen at the start of the slot that contains `at`; those that are refused change nothing.
+    fn act(&mut self, at: Time, actions: Vec<Intervention>, run: &Run, world: &mut World) {
+        let at = at.floor_to(world.slot()).max(world.slot_start());
+        for Intervention { action, answer } in actions {
+            let checked = if at < self.until { intervene::check(&action, run, world) } else { Err(Refusal::over()) };
+            answer(checked.map(|deed| {
+                world.advance_to(at);
+                self.has_acted = true;
+                let text = serde_json::to_string(&action).unwrap_or_default();
+                self.journal.record(at, &Event::Intervention { action: ActionText(&text) });
+                let effect = intervene::carry_out(deed, at, run, world, &mut self.journal);
+                self.take_effect(effect, at, run);
+            }));
+        }
+    }
+
+    /// Brings the list of wakes in line with what an action at `at` has changed.
+    fn take_effect(&mut self, effect: Effect, at: Time, run: &Run) {
+        match effect {
+            Effect::World => {}
+            Effect::Robot(id) => {
+                if let Some(wake) = run.robot(id).wake_after(at) {
+                    self.sleep_until(id, wake);
+                }
+                self.ran.push(id);
+            }
+            Effect::End => self.end_with(End::Interrupted),
+        }
     }
 
     /// Moves the bodies to the slot's end, resolves their contacts and records what the slot brought.
@@ -325,7 +373,7 @@ impl Conductor {
         }));
         active.sort_unstable();
         active.dedup();
-        if world.slot_start() == Time::ZERO {
+        if !std::mem::replace(&mut self.has_recorded_starts, true) {
             let all = (0..world.object_count()).map(ObjectId::from_index);
             self.record_objects(world, Time::ZERO, all);
         }
@@ -338,7 +386,7 @@ impl Conductor {
             world.advance(&mut motions)
         };
         self.record_objects(world, slot_end, world.moved_objects().iter().copied());
-        self.recorder.collect(&mut self.objects);
+        self.recorder.collect(&mut self.journal);
         for contact in contacts {
             if let Ok(place) = active.binary_search(&contact.robot) {
                 robots[place].record_contact(&contact);
@@ -375,7 +423,7 @@ impl Conductor {
                 let (x_m, y_m) = (pose.position.x, pose.position.y);
                 let event =
                     Event::ObjectPlaced { object: object.0, by: by.0, x_m, y_m, phi_rad: pose.heading.remainder() };
-                self.objects.record(slot_end, &event);
+                self.journal.record(slot_end, &event);
             }
         }
     }
@@ -391,7 +439,7 @@ impl Conductor {
                 phi_rad: pose.heading.remainder(),
                 turns: pose.heading.turns(),
             };
-            self.objects.record(at, &event);
+            self.journal.record(at, &event);
         }
     }
 
@@ -399,7 +447,7 @@ impl Conductor {
     fn next_start(&mut self, world: &World) -> Option<Time> {
         // The world has gone on to the slot after the one that was finished.
         let following = world.slot_start();
-        if world.is_object_moving() {
+        if self.has_acted || world.is_object_moving() {
             return Some(following);
         }
         if !self.moving.is_empty() {
@@ -459,29 +507,4 @@ fn save_files(robots: &mut [MutexGuard<'_, Robot>]) {
             robots[index].hint(&format!("`{}` cannot be written: {error}", file.path.display()));
         }
     }
-}
-
-impl Pace {
-    /// How long the pace sleeps without looking whether the user wants to stop.
-    const NAP: Duration = Duration::from_millis(20);
-
-    /// Sleeps until real time has reached simulated time `start`, or the user interrupts.
-    fn wait_for(&self, start: Time) -> Waited {
-        let due = self.start + Duration::try_from_secs_f64(start.seconds() / self.factor).unwrap_or(Duration::MAX / 4);
-        while !signal::is_interrupted() {
-            let left = due.saturating_duration_since(Instant::now());
-            if left.is_zero() {
-                return Waited::Due;
-            }
-            std::thread::sleep(left.min(Self::NAP));
-        }
-        Waited::Interrupted
-    }
-}
-
-/// How a wait for real time ended.
-#[derive(PartialEq, Eq)]
-enum Waited {
-    Due,
-    Interrupted,
 }

@@ -8,6 +8,9 @@
 pub mod bell;
 pub mod conductor;
 pub mod fault;
+pub mod gate;
+pub mod intervene;
+pub mod pace;
 pub mod process;
 pub mod program;
 pub mod radio;

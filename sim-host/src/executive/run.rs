@@ -15,6 +15,7 @@ use super::Executor;
 use super::bell::Bell;
 use super::conductor::{Conductor, End, HandOver, Plan};
 use super::fault::Broken;
+use super::gate::Gate;
 use super::program::{RobotProgram, Site};
 use super::standing::{Finish, Senders, Standing};
 use super::{signal, standing, watchdog};
@@ -62,6 +63,8 @@ pub struct Parts {
     pub costs: Costs,
     /// Where events go.
     pub recorder: Recorder<'static>,
+    /// Who decides when the run goes on; none where it goes as fast as possible and nobody takes part.
+    pub gate: Option<Box<dyn Gate>>,
 }
 
 /// What a run is told by its user.
@@ -71,8 +74,6 @@ pub struct Limits {
     pub lanes: usize,
     /// Simulated time at which the run ends.
     pub until: Time,
-    /// Virtual seconds for each second of real time; none for as fast as possible.
-    pub speed: Option<f64>,
     /// Processor time in seconds that a program may use within one slot.
     pub timeout: f64,
     /// True when every call is to be recorded.
@@ -140,7 +141,7 @@ impl Run {
         let has_program: Vec<bool> = parts.programs.iter().map(Option::is_some).collect();
         let with_program: Vec<_> =
             (0..has_program.len()).filter(|index| has_program[*index]).map(RobotId::from_index).collect();
-        let plan = Plan { has_program, lanes: limits.lanes, until: limits.until, speed: limits.speed };
+        let plan = Plan { has_program, lanes: limits.lanes, until: limits.until };
         let run = Arc::new(Self {
             slot_start: AtomicI64::new(parts.world.slot_start().0),
             slot_end: AtomicI64::new(parts.world.slot_end().0),
@@ -148,7 +149,7 @@ impl Run {
             robots: parts.robots.into_iter().map(Mutex::new).collect(),
             programs: parts.programs,
             with_program,
-            conductor: Mutex::new(Conductor::new(&plan, parts.recorder)),
+            conductor: Mutex::new(Conductor::new(&plan, parts.recorder, parts.gate)),
             executor: parts.executor,
             lost: Mutex::default(),
             costs: parts.costs,
@@ -180,6 +181,11 @@ impl Run {
     /// The state of robot `id`.
     pub fn robot(&self, id: RobotId) -> MutexGuard<'_, Robot> {
         self.robots[id.index()].lock()
+    }
+
+    /// Number of robots, of which the last has this id.
+    pub fn robot_count(&self) -> usize {
+        self.robots.len()
     }
 
     fn program(&self, id: RobotId) -> Option<&RobotProgram> {
@@ -419,6 +425,7 @@ impl Run {
         let senders = Senders::among(self.ids_with_program().map(|id| self.robot(id)));
         let finish = Finish { end: &end, time, robots: self.robots.len(), senders };
         let mut undecided = self.world.write().radio_mut().finish(time).into_iter().peekable();
+        conductor.collect_world();
         let mut robots = Vec::with_capacity(self.robots.len());
         for (index, program) in self.programs.iter().enumerate() {
             let id = RobotId::from_index(index);

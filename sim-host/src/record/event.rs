@@ -4,6 +4,7 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 use sim_core::RobotId;
 use sim_core::time::Time;
+use sim_view::protocol::Action;
 
 /// How a robot's program stands at the end of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -55,6 +56,26 @@ pub enum Obstacle {
     Robot(u32),
     /// The movable object with this number.
     Object(u32),
+}
+
+/// An [`Action`] as JSON text: the text itself in the canonical form, the object in the trace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub struct ActionText<'a>(pub &'a str);
+
+impl ActionText<'_> {
+    /// The action; none if the text is not one.
+    pub fn action(self) -> Option<Action> {
+        serde_json::from_str(self.0).ok()
+    }
+}
+
+impl Serialize for ActionText<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.action().filter(|_| serializer.is_human_readable()) {
+            Some(action) => action.serialize(serializer),
+            None => serializer.serialize_newtype_struct("ActionText", self.0),
+        }
+    }
 }
 
 /// Defines [`Event`] and what depends on the list of its variants.
@@ -446,6 +467,12 @@ events! {
         message: u64,
         /// The bytes, as they arrived.
         data: &'a [u8],
+    }
+    /// Somebody has taken part in the run from outside; of the world, not of a robot.
+    Intervention = "intervention" {
+        /// What was done.
+        #[serde(borrow)]
+        action: ActionText<'a>,
     }
     /// The program writes a line to its standard error. A note.
     Stderr = "stderr" {

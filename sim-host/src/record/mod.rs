@@ -16,7 +16,7 @@ pub mod trace;
 pub mod trail;
 
 pub use digest::Digest;
-pub use event::{Event, Kind, Obstacle, Outcome, Record};
+pub use event::{ActionText, Event, Kind, Obstacle, Outcome, Record};
 pub use journal::Journal;
 pub use log::Log;
 pub use recorder::{RecordError, Recorder, Sink};

@@ -136,7 +136,7 @@ mod tests {
     use sim_core::RobotId;
 
     use super::*;
-    use crate::record::event::{Event, Obstacle, Outcome};
+    use crate::record::event::{ActionText, Event, Obstacle, Outcome};
     use crate::record::{Journal, Recorder};
 
     /// Memory that tests can look at while the trace writes to it.
@@ -216,6 +216,7 @@ mod tests {
             Event::RadioArrived { from: 2, message: 7, arrived_s: 0.002, bit_errors: 3 },
             Event::RadioLost { from: 2, message: 8, arrived_s: 0.002, cause: "packet" },
             Event::RadioReceived { from: 2, message: 7, data: &[65] },
+            Event::Intervention { action: ActionText(r#"{"do":"press","robot":1,"key":"KEY1"}"#) },
             Event::Stderr { text: "thread main panicked" },
             Event::Fault { what: "SIGSEGV", location: "maze.c:88", last_call: "KEYGet" },
             Event::Reason { text: "fault" },

@@ -66,6 +66,12 @@ impl Remote {
         Self { presses: presses.into() }
     }
 
+    /// Adds a press at `at`.
+    pub fn press(&mut self, at: Time, code: i32) {
+        let place = self.presses.partition_point(|(earlier, _)| *earlier <= at);
+        self.presses.insert(place, (at, code));
+    }
+
     /// Takes the earliest press that has happened by `now`.
     fn take(&mut self, now: Time) -> Option<i32> {
         self.presses.pop_front_if(|(at, _)| *at <= now).map(|(_, code)| code)

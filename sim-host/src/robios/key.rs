@@ -224,7 +224,11 @@ fn parse_time(seconds: &str) -> Result<Time, ScriptError> {
     parsed.map(|seconds| Time((seconds * 1e6).round() as i64)).ok_or_else(|| ScriptError::Time(seconds.to_owned()))
 }
 
-fn parse_touch(key: &str) -> Result<Touch, ScriptError> {
+/// Reads a key, a place on the display or a key of a remote control, as in a script.
+///
+/// # Errors
+/// [`ScriptError::Key`].
+pub fn parse_touch(key: &str) -> Result<Touch, ScriptError> {
     let found = KEYS.iter().find(|(name, _)| name.eq_ignore_ascii_case(key)).map(|(_, code)| Touch::Key(*code));
     let remote = || irtv::code(key).map(Touch::Remote);
     found.or_else(|| parse_place(key).map(Touch::Place)).or_else(remote).ok_or_else(|| ScriptError::Key(key.to_owned()))

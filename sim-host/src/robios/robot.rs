@@ -13,6 +13,7 @@ use sim_core::world::{Contact, World};
 
 use super::Devices;
 use super::caller::Call;
+use super::key::Touch;
 use super::support::Generators;
 use super::task::{TaskWait, Tasks};
 use super::timer::Timers;
@@ -145,6 +146,15 @@ impl Robot {
             placements: Vec::new(),
             recorded_pose: Some(start),
         }
+    }
+
+    /// Somebody presses a key, touches the display or uses a remote control at `at`, the start of a slot.
+    pub fn press(&mut self, at: Time, touch: Touch) {
+        match touch.remote_key() {
+            Some(code) => self.devices.remote.press(at, code),
+            None => self.devices.keys.press(at, touch),
+        }
+        self.tasks.look_at_input(at);
     }
 
     /// Tells the user when the program has ended before a drive that it commanded.

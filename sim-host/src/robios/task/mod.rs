@@ -356,10 +356,17 @@ impl Tasks {
         self.look_from(visible, |waits_for| *waits_for == Waits::Message);
     }
 
+    /// Somebody gives input at `at`: the tasks that wait for some look then.
+    pub fn look_at_input(&mut self, at: Time) {
+        self.look_from(at, |waits_for| matches!(waits_for, Waits::Key(_) | Waits::Input(_)));
+    }
+
     /// When the first wait may be over, given when the drive ends; none unless the task that runs waits, and one of them for
-    /// something that the slot loop brings: the end of the drive, or a message.
+    /// something that the slot loop brings: the end of the drive, a message, or a hand's input.
     pub fn wake_with(&mut self, drive_end: Time) -> Option<Time> {
-        let is_meant = |task: &Task| task.waits_for(&Waits::Drive) || task.waits_for(&Waits::Message);
+        let is_brought =
+            |waits_for: &Waits| matches!(waits_for, Waits::Drive | Waits::Message | Waits::Key(_) | Waits::Input(_));
+        let is_meant = |task: &Task| task.waiting.as_ref().is_some_and(|waiting| is_brought(&waiting.waits_for));
         let is_waiting = if self.scheduler.is_some() { self.is_idle } else { self.current().waiting.is_some() };
         if !is_waiting || !self.list.iter().any(is_meant) {
             return None;
