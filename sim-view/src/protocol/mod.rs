@@ -1,7 +1,8 @@
 //! What server and page say to each other: JSON texts over a WebSocket, documented in `docs/window.md`.
 //!
 //! Lengths in metres, angles in radians, times in seconds, each with its unit in its name; world x to the right, y upwards, z
-//! above the floor. Colours are red, green and blue from 0 to 255. Names of the page's types are the same (`page/src/protocol/`).
+//! above the floor. Colours are red, green and blue from 0 to 255. The page's types are made from these
+//! (`page/src/protocol/`) by the tests of this crate with `UPDATE_TYPES=1`.
 
 mod action;
 mod event;
@@ -9,6 +10,8 @@ mod recording;
 mod request;
 mod scene;
 mod state;
+#[cfg(test)]
+mod typescript;
 
 pub use action::Action;
 pub use event::{Event, Events};
