@@ -1,13 +1,12 @@
 // The live source: a WebSocket to the server that has sent the page.
 
 import type { Look, Model, Source } from "./model";
-import type { Command, Message, Request } from "./protocol";
+import { type Command, type Message, PROTOCOL, type Request } from "./protocol";
 
-/** Version of the protocol, as in `sim-view/src/protocol/mod.rs`. */
-export const PROTOCOL = 1;
-
-/** Close code of the server for a page that it does not serve: a wrong token. */
-const POLICY = 1008;
+/** Close code of the server for a page whose token is wrong. */
+const WRONG_TOKEN = 4401;
+/** Close code of the server for a page that speaks another version of the protocol. */
+const WRONG_VERSION = 4406;
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 8000;
 /** A connection that has lasted this long counts as a good one. */
@@ -56,7 +55,8 @@ export class LiveSource implements Source {
     socket.onclose = (event) => {
       for (const { fail } of this.pending.values()) fail(new Error("the connection was lost"));
       this.pending.clear();
-      if (event.code === POLICY) {
+      if (event.code === WRONG_VERSION && reloadOnce(event.reason)) return;
+      if (event.code === WRONG_TOKEN || event.code === WRONG_VERSION) {
         this.model.setConnection({ is: "refused", why: event.reason || "the server refused this page" });
         return;
       }
@@ -79,10 +79,7 @@ export class LiveSource implements Source {
       else waiting?.fail(new Error(message.refused));
       return;
     }
-    if (message.type === "welcome") {
-      if (message.protocol !== PROTOCOL && reloadOnce(message.version)) return;
-      this.model.setConnection({ is: "open" });
-    }
+    if (message.type === "welcome") this.model.setConnection({ is: "open" });
     this.model.receive(message);
   }
 
@@ -101,10 +98,10 @@ function token(): string | null {
   return sessionStorage.getItem("token");
 }
 
-/** Loads the page of a server of another version, once for each version. */
-function reloadOnce(version: string): boolean {
-  if (sessionStorage.getItem("reloaded") === version) return false;
-  sessionStorage.setItem("reloaded", version);
+/** Loads the page of a server of another version, once for each reason. */
+function reloadOnce(why: string): boolean {
+  if (sessionStorage.getItem("reloaded") === why) return false;
+  sessionStorage.setItem("reloaded", why);
   location.reload();
   return true;
 }
