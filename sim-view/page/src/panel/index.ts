@@ -1,6 +1,44 @@
 import type { Model } from "../model";
+import { bannerPanel } from "./banner";
+import { buildPanel } from "./build";
+import { callsPanel } from "./calls";
+import { cameraPanel } from "./camera";
+import { editPanel } from "./edit";
+import { eventsPanel } from "./events";
+import { helpPanel } from "./help";
+import { listen } from "./keyboard";
+import { lcdPanel } from "./lcd";
+import { noisePanel } from "./noise";
+import { noticePanel } from "./notice";
+import { Picks } from "./picks";
+import { plotPanel } from "./plot";
+import { readingsPanel } from "./readings";
+import { robotsPanel } from "./robots";
+import { runPanel } from "./run";
+import { savePanel } from "./save";
+import { sensorsPanel } from "./sensors";
 
 /** All panels in the order in which they stand; those of class `bar` stand in the bar above the 3D view. */
-export function panels(_model: Model): HTMLElement[] {
-  return [];
+export function panels(model: Model): HTMLElement[] {
+  const picks = new Picks();
+  const made = [
+    runPanel(model),
+    helpPanel(model),
+    bannerPanel(model),
+    buildPanel(model),
+    robotsPanel(model),
+    lcdPanel(model),
+    cameraPanel(model),
+    readingsPanel(model, picks),
+    plotPanel(model, picks),
+    eventsPanel(model),
+    callsPanel(model),
+    sensorsPanel(model),
+    noisePanel(model),
+    editPanel(model),
+    savePanel(model),
+    noticePanel(model),
+  ];
+  listen();
+  return made;
 }

@@ -1,0 +1,124 @@
+// Native controls, each in one line.
+
+import { element } from "../dom";
+
+/** A button; its text is its name. */
+export function button(text: string, testid: string, click: () => void, title = ""): HTMLButtonElement {
+  return element("button", { type: "button", textContent: text, testid, title, onclick: click });
+}
+
+/** A control with its label before it. */
+export function labelled(text: string, control: HTMLElement): HTMLLabelElement {
+  return element("label", { className: "field" }, [element("span", { textContent: text }), control]);
+}
+
+/** A field for a number. */
+export function numberField(testid: string, properties: Partial<HTMLInputElement> = {}): HTMLInputElement {
+  return element("input", { type: "number", step: "any", testid, ...properties });
+}
+
+/** A choice. */
+export function choice(testid: string, label: string, change: () => void): HTMLSelectElement {
+  return element("select", { testid, label, onchange: change });
+}
+
+/** A checkbox with its label behind it. */
+export function checkbox(text: string, testid: string, checked: boolean, change: (checked: boolean) => void) {
+  const box = element("input", { type: "checkbox", testid, checked, onchange: () => change(box.checked) });
+  return element("label", { className: "check" }, [box, text]);
+}
+
+/** A section that folds, as it was left the last time. */
+export function section(title: string, testid: string, open: boolean, children: (Node | string)[]): HTMLDetailsElement {
+  const memory = `eyesim.open.${testid}`;
+  const summary = element("summary", {}, [element("h2", { textContent: title })]);
+  const made = element("details", { className: "panel", testid }, [summary, element("div", { className: "body" }, children)]);
+  made.open = recall(memory, open ? "1" : "0") === "1";
+  made.addEventListener("toggle", () => remember(memory, made.open ? "1" : "0"));
+  return made;
+}
+
+/** Calls `draw` when the section opens and, while it is open, soon after each call of what is returned. */
+export function whileOpen(panel: HTMLDetailsElement, draw: () => void, pause_ms = 100): () => void {
+  const soon = throttled(draw, pause_ms);
+  panel.addEventListener("toggle", () => panel.open && soon());
+  return () => panel.open && soon();
+}
+
+/** `f` at once, but at most once in a pause: what comes within one is done at its end. */
+export function throttled(f: () => void, pause_ms = 100): () => void {
+  let isPausing = false;
+  let isLate = false;
+  const run = () => {
+    isLate = false;
+    isPausing = true;
+    f();
+    setTimeout(() => {
+      isPausing = false;
+      if (isLate) run();
+    }, pause_ms);
+  };
+  return () => {
+    if (isPausing) isLate = true;
+    else run();
+  };
+}
+
+/** Changes a text only where it differs: assistive technology and layout have less to do. */
+export function setText(node: Element, text: string): void {
+  if (node.textContent !== text) node.textContent = text;
+}
+
+/** Fills a value in, unless somebody is typing there. */
+export function setValue(input: HTMLInputElement, value: string): void {
+  if (document.activeElement !== input && input.value !== value) input.value = value;
+}
+
+/** Makes the options of a choice anew where they differ; what was chosen stays chosen if it can. */
+export function setOptions(select: HTMLSelectElement, options: [value: string, text: string][]): void {
+  const key = JSON.stringify(options);
+  if (select.dataset["options"] === key) return;
+  select.dataset["options"] = key;
+  const chosen = select.value;
+  select.replaceChildren(...options.map(([value, textContent]) => element("option", { value, textContent })));
+  if (options.some(([value]) => value === chosen)) select.value = chosen;
+}
+
+/** Switches controls off with a reason, or on. */
+export function setReason(controls: readonly (HTMLButtonElement | HTMLInputElement | HTMLSelectElement)[], why: string): void {
+  for (const control of controls) {
+    control.disabled = why !== "";
+    control.dataset["title"] ??= control.title;
+    control.title = why || control.dataset["title"];
+  }
+}
+
+/** The number in a field; none where there is none. */
+export function numberOf(input: HTMLInputElement): number | undefined {
+  return input.value.trim() !== "" && Number.isFinite(input.valueAsNumber) ? input.valueAsNumber : undefined;
+}
+
+/** Gives a file to the user. */
+export function saveAs(name: string, content: Blob): void {
+  const href = URL.createObjectURL(content);
+  element("a", { href, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(href), 10_000);
+}
+
+/** What was remembered; storage may be forbidden, as in a page from disk. */
+export function recall(key: string, otherwise: string): string {
+  try {
+    return localStorage.getItem(key) ?? otherwise;
+  } catch {
+    return otherwise;
+  }
+}
+
+/** Remembers until the next visit, where that is allowed. */
+export function remember(key: string, value: string): void {
+  try {
+    localStorage.setItem(key, value);
+  } catch {
+    // Only convenience is lost.
+  }
+}

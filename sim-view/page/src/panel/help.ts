@@ -1,0 +1,32 @@
+// The keys of the page.
+
+import { element } from "../dom";
+import type { Model } from "../model";
+import { button } from "./control";
+import { allShortcuts, shortcut } from "./keyboard";
+
+/** Keys that work where the focus is. */
+const ELSEWHERE: [keys: string, what: string][] = [
+  ["Tab, Shift+Tab", "To the next or previous control"],
+  ["↑ ↓ Home End", "In the list of robots: choose; in lists: move"],
+  ["Enter", "In the list of events: jump there; in fields: do it"],
+  ["Escape", "Close this help"],
+];
+
+export function helpPanel(_model: Model): HTMLElement {
+  const list = element("dl");
+  const close = button("Close", "help-close", () => dialog.close());
+  const dialog = element("dialog", { testid: "help", label: "Keys" }, [element("h2", { textContent: "Keys" }), list, close]);
+  const open = button("?", "help-open", show, "Keys (?)");
+  open.ariaLabel = "Help: keys";
+  shortcut("?", "This help", show);
+  return element("div", { className: "bar" }, [open, dialog]);
+
+  function show(): void {
+    const rows = new Map<string, string[]>();
+    for (const { key, name, what } of allShortcuts()) rows.set(what, [...(rows.get(what) ?? []), name ?? key]);
+    const all = [...[...rows].map(([what, keys]): [string, string] => [keys.join(", "), what]), ...ELSEWHERE];
+    list.replaceChildren(...all.flatMap(([keys, what]) => [element("dt", {}, [element("kbd", { textContent: keys })]), element("dd", { textContent: what })]));
+    if (!dialog.open) dialog.showModal();
+  }
+}

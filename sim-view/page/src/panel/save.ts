@@ -1,0 +1,45 @@
+// What can be taken home.
+
+import { element } from "../dom";
+import type { Model } from "../model";
+import { button, saveAs, section } from "./control";
+import { notify } from "./notice";
+
+/** Files that the server may offer under `/files/`. */
+const FILES = [
+  { name: "scene.toml", text: "Scene as TOML", testid: "save-scene", title: "With everybody where they are now" },
+  { name: "trace.jsonl", text: "Trace", testid: "save-trace", title: "Events of this run so far, for `eyesim replay`" },
+  { name: "recording.json", text: "Recording", testid: "save-recording", title: "What a page plays" },
+];
+
+export function savePanel(model: Model): HTMLElement {
+  const picture = button("Screenshot", "save-picture", () => void screenshot(), "The 3D view as PNG");
+  const files = FILES.map(({ name, text, testid, title }) => button(text, testid, () => void save(name), title));
+  const panel = section("Save", "save-panel", false, [element("div", { className: "row" }, [picture, ...files])]);
+  model.subscribe("player", () => {
+    for (const file of files.slice(0, 2)) file.hidden = model.player !== null;
+  });
+  return panel;
+
+  function fileName(ending: string): string {
+    return `${(model.scene?.title ?? "eyesim").replaceAll(/[^\w.-]+/g, "-")}${ending}`;
+  }
+
+  async function screenshot(): Promise<void> {
+    const image = await model.screenshot?.();
+    if (image) saveAs(fileName(".png"), image);
+    else notify("There is no 3D view to take a picture of");
+  }
+
+  async function save(name: string): Promise<void> {
+    const embedded = name === "recording.json" ? document.getElementById("recording")?.textContent : undefined;
+    if (embedded) return saveAs(fileName(".recording.json"), new Blob([embedded], { type: "application/json" }));
+    try {
+      const response = await fetch(`files/${name}`);
+      if (response.ok) saveAs(fileName(name === "scene.toml" ? ".scene.toml" : `.${name}`), await response.blob());
+      else notify((await response.text()) || `eyesim does not offer ${name} of this run`);
+    } catch {
+      notify(`${name} was not saved: no answer from eyesim`);
+    }
+  }
+}
