@@ -5,6 +5,7 @@
 //! between bodies, makes public what has changed, and goes on to the next slot.
 
 mod objects;
+mod presence;
 mod settle;
 mod sight;
 mod space;
@@ -25,6 +26,7 @@ use crate::{
     time::Time,
 };
 use objects::Objects;
+pub use presence::Presence;
 use settle::{Settling, Truth};
 pub use sight::{Seen, Sighting};
 use space::Stage;
@@ -86,6 +88,8 @@ pub struct World {
     moving: Moving,
     /// Where the others stand.
     resting: Moving,
+    /// How many have been gone for longer than the world remembers.
+    forgotten: usize,
     /// For the next rebuild of an index.
     bounds: Vec<(RobotId, Bounds)>,
     truth: Truth,
@@ -123,6 +127,7 @@ impl World {
             tracks: Vec::new(),
             moving: Moving::default(),
             resting: Moving::default(),
+            forgotten: 0,
             bounds: Vec::new(),
             truth: Truth::default(),
             objects: None,
@@ -132,7 +137,7 @@ impl World {
         };
         for (index, motion) in motions.into_iter().enumerate() {
             assert_eq!(motion.id().index(), index, "robots are given in the order of their ids");
-            world.tracks.push(Track::new(motion, slot));
+            world.tracks.push(Track::new(motion, Presence::ALWAYS, (Time::ZERO, slot)));
         }
         world.refresh_index();
         world
@@ -176,7 +181,8 @@ impl World {
         if range.is_none() && !line_of_sight {
             return Vec::new();
         }
-        let others = (0..self.tracks.len()).map(RobotId::from_index).filter(|other| *other != robot);
+        let others = (0..self.tracks.len()).map(RobotId::from_index);
+        let others = others.filter(|other| *other != robot && self.is_robot_there(*other, at));
         let reached = |other: RobotId| {
             let way = self.tracks[other.index()].centre(at) - position;
             let distance = way.length();
@@ -190,7 +196,7 @@ impl World {
         others.filter_map(|other| Some((other, reached(other).err()?))).collect()
     }
 
-    /// Number of movable objects.
+    /// Number of movable objects, those that are gone included.
     pub fn object_count(&self) -> usize {
         self.objects.as_ref().map_or(0, |objects| objects.len())
     }
@@ -331,7 +337,7 @@ impl World {
             let Some(distance) = cast_disc(origin, direction, track.centre(at), track.radius()) else { return };
             let thing = Thing::Robot(robot);
             let is_nearer = |hit: RayHit| distance < hit.distance || (distance == hit.distance && thing < hit.thing);
-            if distance <= range && nearest.is_none_or(is_nearer) {
+            if distance <= range && nearest.is_none_or(is_nearer) && track.presence.holds(at) {
                 nearest = Some(RayHit { distance, thing });
             }
         };
@@ -353,7 +359,7 @@ impl World {
         let centre = motion.pose(at).position;
         let radius = motion.radius();
         let mut bodies = Vec::new();
-        self.for_each_near(Bounds::of_disc(centre, radius + TOUCH), |robot| {
+        self.for_each_near(Bounds::of_disc(centre, radius + TOUCH), at, |robot| {
             if robot != motion.id() {
                 let body = self.body(robot, at);
                 if (body.centre - centre).length() <= radius + body.radius + TOUCH {
@@ -457,6 +463,7 @@ impl World {
         for (index, track) in self.tracks.iter_mut().enumerate() {
             if !track.is_resting() {
                 track.refresh(from, to);
+                self.forgotten += usize::from(track.presence.until <= from);
                 has_rest_changed |= track.is_resting();
                 self.bounds.push((RobotId::from_index(index), track.bounds()));
             }
@@ -468,7 +475,7 @@ impl World {
             self.moving.rebuild(&self.bounds);
         }
         // A body that has set off is left in the index of those at rest only if that is built anew.
-        let count = self.tracks.len() - self.bounds.len();
+        let count = self.tracks.len() - self.forgotten - self.bounds.len();
         if has_rest_changed || count != self.resting.len() {
             self.bounds.clear();
             let at_rest = self.tracks.iter().enumerate().filter(|(_, track)| track.is_resting());
@@ -477,8 +484,13 @@ impl World {
         }
     }
 
-    /// Visits each robot whose public trajectory comes near `bounds`.
-    fn for_each_near(&self, bounds: Bounds, mut visit: impl FnMut(RobotId)) {
+    /// Visits each robot that is there at `at` whose public trajectory comes near `bounds`.
+    fn for_each_near(&self, bounds: Bounds, at: Time, mut visit: impl FnMut(RobotId)) {
+        let mut visit = |robot| {
+            if self.is_robot_there(robot, at) {
+                visit(robot);
+            }
+        };
         self.resting.for_each_in(bounds, &mut visit);
         self.moving.for_each_in(bounds, &mut visit);
     }

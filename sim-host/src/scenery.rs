@@ -2,28 +2,59 @@
 
 use std::sync::{Arc, OnceLock};
 
+use parking_lot::Mutex;
+use sim_core::build::{self, Looks};
 use sim_core::camera::{Light, Scenery, Sky};
-use sim_core::format::{Diagnostic, Files, InputFile, MeshReader, SceneSpec};
+use sim_core::format::{Diagnostic, Files, InputFile, MeshReader, ObjectType, RobiSpec, SceneSpec};
+use sim_core::{ObjectId, RobotId};
 
 /// The scenery of a run, which a run without cameras never builds: no mesh or image is read for it then.
 ///
-/// What is built is a function of the scene and its files, so it does not matter which robot asks first.
+/// What is built is a function of the scene and its files, and of who has come into the run, so it does not matter which robot asks
+/// first.
 pub struct LazyScenery {
-    build: Box<dyn Fn() -> Built + Send + Sync>,
+    /// The scene and its files; none for a black sky.
+    source: Option<Source>,
     built: OnceLock<Built>,
+    present: Mutex<Present>,
     /// What was read for the scene itself.
     of_scene: Vec<InputFile>,
 }
 
-/// A scenery, and what was read for it.
+struct Source {
+    scene: Arc<SceneSpec>,
+    files: Box<dyn Files + Send + Sync>,
+    /// What the user knows of the scene already.
+    told: Vec<Diagnostic>,
+}
+
+/// What was read for a scenery.
 #[derive(Debug)]
 pub struct Built {
-    /// What can be seen.
-    pub scenery: Scenery,
     /// What is wrong in meshes and images, as far as the user has not been told before.
     pub diagnostics: Vec<Diagnostic>,
     /// The files read, in order; those that the scene itself needed may be among them.
     pub inputs: Vec<InputFile>,
+}
+
+/// What can be seen now.
+#[derive(Default)]
+struct Present {
+    scenery: Option<Arc<Scenery>>,
+    looks: Looks,
+    /// Those who have come into the run since it was built.
+    newcomers: Vec<Newcomer>,
+    /// The types by whose addresses `looks` tells them apart.
+    types: Vec<Newcomer>,
+}
+
+/// Somebody who has come into a run.
+#[derive(Clone)]
+pub enum Newcomer {
+    /// A robot.
+    Robot(RobotId, Arc<RobiSpec>),
+    /// A movable object.
+    Object(ObjectId, Arc<ObjectType>),
 }
 
 impl LazyScenery {
@@ -35,22 +66,50 @@ impl LazyScenery {
         told: Vec<Diagnostic>,
         of_scene: Vec<InputFile>,
     ) -> Self {
-        let build = move || {
-            let mut reader = MeshReader::new(&files);
-            let scenery = sim_core::build::scenery(&scene, &mut reader);
-            let (mut diagnostics, inputs) = reader.finish();
-            diagnostics.retain(|diagnostic| !told.contains(diagnostic));
-            Built { scenery, diagnostics, inputs }
-        };
-        Self { build: Box::new(build), built: OnceLock::new(), of_scene }
+        let source = Some(Source { scene, files: Box::new(files), told });
+        Self { source, built: OnceLock::new(), present: Mutex::default(), of_scene }
     }
 
     /// What can be seen; whoever asks first builds it, and who asks meanwhile waits.
-    pub fn get(&self) -> &Scenery {
-        &self.built.get_or_init(&self.build).scenery
+    pub fn get(&self) -> Arc<Scenery> {
+        let mut present = self.present.lock();
+        let Present { scenery, looks, newcomers, types } = &mut *present;
+        let scenery = scenery.get_or_insert_with(|| Arc::new(self.build(looks)));
+        if let (false, Some(source)) = (newcomers.is_empty(), &self.source) {
+            // Their types are built in, or were read for the scene: there is nothing new to be told.
+            let mut reader = MeshReader::new(&*source.files);
+            let part = |newcomer: &Newcomer| match newcomer {
+                Newcomer::Robot(id, robi) => looks.robot(*id, robi, &mut reader),
+                Newcomer::Object(id, kind) => looks.object(*id, kind, &mut reader),
+            };
+            let parts = newcomers.iter().map(part).collect();
+            *scenery = Arc::new((**scenery).clone().with_parts(parts));
+        }
+        types.append(newcomers);
+        Arc::clone(scenery)
     }
 
-    /// What was built; `None` as long as nobody has asked for it.
+    fn build(&self, looks: &mut Looks) -> Scenery {
+        let Some(Source { scene, files, told }) = &self.source else {
+            self.built.get_or_init(|| Built { diagnostics: Vec::new(), inputs: Vec::new() });
+            let light = Light { towards: glam::DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
+            let sky = Sky { horizon: [0; 3], zenith: [0; 3] };
+            return Scenery::new(Vec::new(), None, light, sky);
+        };
+        let mut reader = MeshReader::new(&**files);
+        let scenery = build::scenery_with(scene, looks, &mut reader);
+        let (mut diagnostics, inputs) = reader.finish();
+        diagnostics.retain(|diagnostic| !told.contains(diagnostic));
+        self.built.get_or_init(|| Built { diagnostics, inputs });
+        scenery
+    }
+
+    /// Somebody has come into the run, who is seen from now on.
+    pub fn add(&self, newcomer: Newcomer) {
+        self.present.lock().newcomers.push(newcomer);
+    }
+
+    /// What was read; `None` as long as nobody has asked for it.
     pub fn built(&self) -> Option<&Built> {
         self.built.get()
     }
@@ -65,12 +124,7 @@ impl LazyScenery {
 impl Default for LazyScenery {
     /// Nothing but a black sky.
     fn default() -> Self {
-        let build = || {
-            let light = Light { towards: glam::DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
-            let sky = Sky { horizon: [0; 3], zenith: [0; 3] };
-            Built { scenery: Scenery::new(Vec::new(), None, light, sky), diagnostics: Vec::new(), inputs: Vec::new() }
-        };
-        Self { build: Box::new(build), built: OnceLock::new(), of_scene: Vec::new() }
+        Self { source: None, built: OnceLock::new(), present: Mutex::default(), of_scene: Vec::new() }
     }
 }
 

@@ -85,7 +85,7 @@ impl<'s> Reference<'s> {
     /// What the camera of robot `by` may see: not that robot's own body.
     pub fn new(still: &'s Still<'s>, by: Option<RobotId>) -> Self {
         let scenery = still.scenery();
-        let bodies = scenery.parts().iter().zip(still.poses()).enumerate().flat_map(|(number, (part, pose))| {
+        let bodies = still.parts().flat_map(|(number, part, pose)| {
             let mesh: &'s sim_core::scene::Mesh = &part.mesh;
             let faces =
                 mesh.triangles.iter().enumerate().filter(|(_, triangle)| mesh.material(triangle).opacity >= 0.5);

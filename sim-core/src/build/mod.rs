@@ -18,7 +18,7 @@ use crate::pose::{Pose, Pose3};
 use crate::scene::{Mesh, MeshIndex, Segment, Surface, WallId, Walls};
 use crate::sensor::{Link, RangeModel, RangeSensor};
 use crate::world::{Block, Space};
-pub use scenery::{MARKER_RADIUS, ROBOT_COLOURS, WALL_COLOUR, scenery, wheel_places};
+pub use scenery::{Looks, MARKER_RADIUS, ROBOT_COLOURS, WALL_COLOUR, scenery, scenery_with, wheel_places};
 
 /// Friction of an object against walls, robots and other objects. Source: our choice.
 const CONTACT_FRICTION: f64 = 0.3;
@@ -80,9 +80,7 @@ pub fn space(scene: &SceneSpec) -> Space {
         }
     }
     let mut robot = |robi: &Arc<RobiSpec>| {
-        let top = robi.colliders.iter().map(Collider::top).reduce(f64::max).unwrap_or(f64::INFINITY);
-        let new = || Arc::new(Figure::cylinder(0.5 * robi.diameter, top, robi.surface));
-        Arc::clone(of_robis.entry(Arc::as_ptr(robi)).or_insert_with(new))
+        Arc::clone(of_robis.entry(Arc::as_ptr(robi)).or_insert_with(|| Arc::new(robot_figure(robi))))
     };
     let robots = scene.robots.iter().map(|spec| robot(&spec.robi)).collect();
     Space {
@@ -94,6 +92,12 @@ pub fn space(scene: &SceneSpec) -> Space {
         robots,
         objects,
     }
+}
+
+/// The shape in space of a robot's type: see [`space`].
+pub fn robot_figure(robi: &RobiSpec) -> Figure {
+    let top = robi.colliders.iter().map(Collider::top).reduce(f64::max).unwrap_or(f64::INFINITY);
+    Figure::cylinder(0.5 * robi.diameter, top, robi.surface)
 }
 
 /// The shape in space of an object's type: that of its colliders, or of its mesh where that is solid; without any, that of

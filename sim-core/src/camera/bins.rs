@@ -28,7 +28,7 @@ impl Bins {
         let camera = view.world_from_camera();
         let camera_from_world = camera.rotation.transpose();
         let scenery = still.scenery();
-        for (number, (part, pose)) in scenery.parts().iter().zip(still.poses()).enumerate() {
+        for (number, part, pose) in still.parts() {
             if by.is_some_and(|by| part.label == Label::Robot(by)) {
                 continue;
             }

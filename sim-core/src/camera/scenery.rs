@@ -112,18 +112,18 @@ pub struct Spot {
 }
 
 /// All that cameras can see of a scene: immutable, and the same for all of them.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Scenery {
     parts: Vec<Part>,
     /// By part the place of its mesh in `forms`.
     form: Vec<usize>,
-    forms: Vec<Form>,
+    forms: Vec<Arc<Form>>,
     ground: Option<Ground>,
-    floor: Option<Pyramid>,
+    floor: Option<Arc<Pyramid>>,
     light: Light,
     sky: Sky,
     /// What stands always in the sun's way; made when it is asked for.
-    shadows: OnceLock<ShadowGrid>,
+    shadows: Arc<OnceLock<ShadowGrid>>,
 }
 
 /// A mesh made ready.
@@ -146,19 +146,28 @@ pub(super) struct Look {
 impl Scenery {
     /// The scenery of these parts over `ground` (`None`: there is none) in this light.
     pub fn new(parts: Vec<Part>, ground: Option<Ground>, light: Light, sky: Sky) -> Self {
-        let mut pyramids: BTreeMap<*const Texture, Arc<Pyramid>> = BTreeMap::new();
-        let mut of_meshes: BTreeMap<*const Mesh, usize> = BTreeMap::new();
-        let mut forms = Vec::new();
-        let form = parts.iter().map(|part| {
-            *of_meshes.entry(Arc::as_ptr(&part.mesh)).or_insert_with(|| {
-                forms.push(Form::new(&part.mesh, &mut pyramids));
-                forms.len() - 1
-            })
-        });
-        let form = form.collect();
         let image = ground.as_ref().and_then(|ground| ground.floor.as_ref()?.texture.as_ref());
-        let floor = image.map(|image| Pyramid::new(image, Wrap::Clamp));
-        Self { parts, form, forms, ground, floor, light, sky, shadows: OnceLock::new() }
+        let floor = image.map(|image| Arc::new(Pyramid::new(image, Wrap::Clamp)));
+        let (form, forms, shadows) = (Vec::new(), Vec::new(), Arc::default());
+        let nothing = Self { parts: Vec::new(), form, forms, ground, floor, light, sky, shadows };
+        nothing.with_parts(parts)
+    }
+
+    /// This scenery with more parts behind its own; all that is made ready is shared. Parts that always stand are to be given to
+    /// [`Scenery::new`]: others throw no shadows.
+    pub fn with_parts(mut self, parts: Vec<Part>) -> Self {
+        let mut pyramids: BTreeMap<*const Texture, Arc<Pyramid>> = BTreeMap::new();
+        let known = self.parts.iter().zip(&self.form).map(|(part, form)| (Arc::as_ptr(&part.mesh), *form));
+        let mut of_meshes: BTreeMap<*const Mesh, usize> = known.collect();
+        for part in &parts {
+            let form = *of_meshes.entry(Arc::as_ptr(&part.mesh)).or_insert_with(|| {
+                self.forms.push(Arc::new(Form::new(&part.mesh, &mut pyramids)));
+                self.forms.len() - 1
+            });
+            self.form.push(form);
+        }
+        self.parts.extend(parts);
+        self
     }
 
     /// The parts.
@@ -183,7 +192,7 @@ impl Scenery {
 
     /// The image on the floor.
     pub(super) fn floor(&self) -> Option<&Pyramid> {
-        self.floor.as_ref()
+        self.floor.as_deref()
     }
 
     /// The looks of a part's materials.
@@ -205,21 +214,25 @@ impl Scenery {
         &self.forms[self.form[part]].shape
     }
 
-    /// Where all parts stand at `at`, as it was public then: not more than 100 ms before the world's present slot.
+    /// Where all parts stand that are there at `at`, as it was public then: not more than 100 ms before the world's present slot.
     pub fn still(&self, world: &World, at: Time) -> Still<'_> {
         let pose = |part: &Part| match part.place {
-            Place::Fixed(pose) => pose,
-            Place::Object(object) => Pose3::from_planar(&world.object_pose(object, at), 0.0),
-            Place::Robot(robot) => Pose3::from_planar(&world.robot_pose(robot, at), 0.0),
+            Place::Fixed(pose) => Some(pose),
+            Place::Object(object) => {
+                world.is_object_there(object, at).then(|| Pose3::from_planar(&world.object_pose(object, at), 0.0))
+            }
+            Place::Robot(robot) => {
+                world.is_robot_there(robot, at).then(|| Pose3::from_planar(&world.robot_pose(robot, at), 0.0))
+            }
         };
         self.standing(self.parts.iter().map(pose).collect())
     }
 
-    /// The parts at these poses, in their order: those that another [`Still`] of this scenery had.
+    /// The parts at these poses, in their order, `None` for what is not there: those that another [`Still`] of this scenery had.
     ///
     /// # Panics
     /// If there is not a pose for each part.
-    pub fn standing(&self, poses: Vec<Pose3>) -> Still<'_> {
+    pub fn standing(&self, poses: Vec<Option<Pose3>>) -> Still<'_> {
         assert_eq!(poses.len(), self.parts.len(), "a pose for each part");
         Still { scenery: self, poses }
     }
@@ -229,7 +242,7 @@ impl Scenery {
 #[derive(Clone, Debug)]
 pub struct Still<'s> {
     scenery: &'s Scenery,
-    poses: Vec<Pose3>,
+    poses: Vec<Option<Pose3>>,
 }
 
 impl<'s> Still<'s> {
@@ -238,9 +251,15 @@ impl<'s> Still<'s> {
         self.scenery
     }
 
-    /// Poses of the parts, in their order: the part's frame in that of the world.
-    pub fn poses(&self) -> &[Pose3] {
+    /// Poses of the parts, in their order: the part's frame in that of the world. `None` for what is not there.
+    pub fn poses(&self) -> &[Option<Pose3>] {
         &self.poses
+    }
+
+    /// The parts that are there, each with its place among all and its pose.
+    pub fn parts(&self) -> impl Iterator<Item = (usize, &'s Part, &Pose3)> {
+        let parts = self.scenery.parts.iter().zip(&self.poses).enumerate();
+        parts.filter_map(|(number, (part, pose))| Some((number, part, pose.as_ref()?)))
     }
 }
 

@@ -114,10 +114,10 @@ impl ShadowGrid {
         let mut corners = Vec::new();
         for (number, part) in scenery.parts().iter().enumerate().filter(|(_, part)| counts(part)) {
             let pose = match (part.place, still) {
-                (Place::Fixed(pose), _) => pose,
-                (_, Some(still)) => still.poses()[number],
-                (_, None) => continue,
+                (Place::Fixed(pose), _) => Some(pose),
+                (_, still) => still.and_then(|still| still.poses()[number]),
             };
+            let Some(pose) = pose else { continue };
             let shape = scenery.shape(number);
             for cluster in &shape.clusters {
                 corners.clear();

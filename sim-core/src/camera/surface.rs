@@ -129,7 +129,7 @@ impl<'a> Looks<'a> {
         let part = &self.scenery.parts()[face.part as usize];
         let triangle = &part.mesh.triangles[face.triangle as usize];
         let look: &'a Look = self.scenery.look(face.part as usize, triangle.material);
-        let rotation = self.still.poses()[face.part as usize].rotation;
+        let rotation = self.still.poses()[face.part as usize].unwrap_or_default().rotation;
         let side = if face.is_outside { 1.0 } else { -1.0 };
         let flat = rotation * self.scenery.shape(face.part as usize).normals[face.triangle as usize] * side;
         let flat = shares(self.scenery.light(), flat);

@@ -151,6 +151,13 @@ impl Motion {
         }
     }
 
+    /// This motion, not yet commanded, of a robot that comes into the world at `start`, not at the start of the run.
+    pub fn starting_at(mut self, start: Time) -> Self {
+        self.stages.iter_mut().for_each(|stage| stage.piece.start = start);
+        self.committed = start;
+        self
+    }
+
     /// This motion, not yet commanded, with an imperfection whose random numbers are those of a run with `seed`.
     ///
     /// # Errors

@@ -70,6 +70,8 @@ struct Thing {
     handle: RigidBodyHandle,
     heading: Heading,
     is_held: bool,
+    /// How it was when it was taken out of the world.
+    gone: Option<State>,
 }
 
 /// The objects of a scene as rigid bodies, with its walls.
@@ -134,9 +136,37 @@ impl Bodies {
         };
         bodies.insert_walls(walls);
         for (properties, pose) in objects {
-            bodies.insert_object(properties, pose);
+            bodies.add(properties, pose);
         }
         bodies
+    }
+
+    /// One more object, at rest and awake; its id is the next one.
+    pub fn add(&mut self, properties: Arc<Properties>, pose: Pose) -> ObjectId {
+        self.insert_object(properties, pose);
+        ObjectId::from_index(self.things.len() - 1)
+    }
+
+    /// Takes an object out of the world; where it was last is kept.
+    pub fn remove(&mut self, object: ObjectId) {
+        let state = self.state(object);
+        let thing = &mut self.things[object.index()];
+        if thing.gone.replace(state).is_none() {
+            self.world.remove_body(thing.handle);
+        }
+    }
+
+    /// Takes the body of a robot out of the world, if it was among the objects.
+    pub fn remove_robot(&mut self, robot: RobotId) {
+        self.present.retain(|present| *present != robot);
+        if let Some(handle) = self.robots.remove(&robot) {
+            self.world.remove_body(handle);
+        }
+    }
+
+    /// Whether an object has been taken out of the world.
+    pub fn is_gone(&self, object: ObjectId) -> bool {
+        self.things[object.index()].gone.is_some()
     }
 
     fn insert_walls(&mut self, walls: &Walls) {
@@ -186,7 +216,14 @@ impl Bodies {
         }
         self.own(handle, Owner::Object(self.things.len()));
         let gyration_squared = properties.gyration_squared();
-        self.things.push(Thing { properties, gyration_squared, handle, heading: pose.heading, is_held: false });
+        self.things.push(Thing {
+            properties,
+            gyration_squared,
+            handle,
+            heading: pose.heading,
+            is_held: false,
+            gone: None,
+        });
     }
 
     fn own(&mut self, handle: RigidBodyHandle, owner: Owner) {
@@ -214,9 +251,12 @@ impl Bodies {
         &self.things[object.index()].properties
     }
 
-    /// Where an object is, and how it moves.
+    /// Where an object is, and how it moves; of one that is gone as it was last.
     pub fn state(&self, object: ObjectId) -> State {
         let thing = &self.things[object.index()];
+        if let Some(state) = thing.gone {
+            return state;
+        }
         let body = &self.world.bodies[thing.handle];
         State {
             world_from_object: Pose { position: plain(body.translation()), heading: thing.heading },
@@ -243,9 +283,10 @@ impl Bodies {
         body.set_angvel(0.0, true);
     }
 
-    /// True when an object sleeps: it has not moved for a while, and only a push wakes it.
+    /// True when an object sleeps: it has not moved for a while, and only a push wakes it; or it is gone.
     pub fn is_asleep(&self, object: ObjectId) -> bool {
-        self.world.bodies[self.things[object.index()].handle].is_sleeping()
+        let thing = &self.things[object.index()];
+        thing.gone.is_some() || self.world.bodies[thing.handle].is_sleeping()
     }
 
     /// The objects that do not sleep, in ascending order.
@@ -261,7 +302,7 @@ impl Bodies {
             0.5 * (thing.properties.mass * plain(body.linvel()).length_squared()
                 + inertia * body.angvel() * body.angvel())
         };
-        self.things.iter().map(of_thing).sum()
+        self.things.iter().filter(|thing| thing.gone.is_none()).map(of_thing).sum()
     }
 
     /// Goes on by one [`STEP`] with these robots among the objects, in the order of their ids; tells what becomes of each
@@ -339,6 +380,9 @@ impl Bodies {
         self.awake.clear();
         for index in 0..self.things.len() {
             let thing = &self.things[index];
+            if thing.gone.is_some() {
+                continue;
+            }
             let body = &self.world.bodies[thing.handle];
             if body.is_sleeping() {
                 if self.things[index].is_held {
@@ -402,7 +446,8 @@ impl Bodies {
     fn possible_impulse(&self, pair: &ContactPair, collider: ColliderHandle, restitution: f64) -> DVec2 {
         let is_first = pair.collider1 == collider;
         let other = if is_first { pair.collider2 } else { pair.collider1 };
-        let Some(parent) = self.world.colliders[other].parent() else { return DVec2::ZERO };
+        // Of a body that was taken out after the last step the pair is still there.
+        let Some(parent) = self.world.colliders.get(other).and_then(|other| other.parent()) else { return DVec2::ZERO };
         let body = &self.world.bodies[parent];
         if body.is_fixed() || body.locked_axes() == LockedAxes::all() {
             return DVec2::ZERO;
@@ -450,7 +495,7 @@ impl Bodies {
 
     /// Counts the objects' turns.
     fn turn(&mut self) {
-        for thing in &mut self.things {
+        for thing in self.things.iter_mut().filter(|thing| thing.gone.is_none()) {
             let body = &self.world.bodies[thing.handle];
             if !body.is_sleeping() {
                 let angle = crate::math::atan2(body.rotation().sin(), body.rotation().cos());

@@ -94,6 +94,12 @@ impl Properties {
         self.parts.iter().map(reach).fold(0.0, f64::max)
     }
 
+    /// Distance from `point`, in the object's frame, to the nearest point of the footprint, m; 0 inside.
+    pub fn distance(&self, point: DVec2) -> f64 {
+        let to_part = |part: &Part| part.shape.distance(part.object_from_part.inverse_transform_point(point));
+        self.parts.iter().map(to_part).fold(f64::INFINITY, f64::min)
+    }
+
     /// The rectangle around the footprint of an object at `world_from_object`.
     pub fn bounds(&self, world_from_object: &Pose) -> Bounds {
         let of_part = |part: &Part| part.shape.bounds(&world_from_object.compose(&part.object_from_part));

@@ -64,6 +64,11 @@ impl Figure {
         Self { solids: vec![solid], surface }
     }
 
+    /// A rough upright cylinder around the body's origin, as high as it takes.
+    pub fn upright(radius: f64) -> Self {
+        Self::cylinder(radius, f64::INFINITY, Surface::default())
+    }
+
     /// The footprint of `properties`, as high as it takes.
     pub fn endless(properties: &Properties, surface: Surface) -> Arc<Self> {
         let solids = properties.parts.iter().map(|part| Solid::Prism {

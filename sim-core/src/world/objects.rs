@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
+use super::Presence;
 use crate::{
     ObjectId, RobotId,
     drive::HISTORY,
@@ -20,11 +21,25 @@ const NEAR: f64 = 5e-3;
 /// What is public of one object.
 #[derive(Clone, Debug)]
 struct ObjectTrack {
+    presence: Presence,
     /// Trajectories with the slots' starts from which on they hold; never empty.
     publications: VecDeque<(Time, Drift)>,
     /// Rectangle of the object in the time that the world remembers and publishes.
     bounds: Bounds,
+    /// It stays where it is, or it is gone, and has been so for as long as the world remembers.
     is_resting: bool,
+}
+
+impl ObjectTrack {
+    fn new(bodies: &Bodies, object: ObjectId, presence: Presence, until: Time) -> Self {
+        let drift = Drift::new(Time(i64::MIN), bodies.state(object), bodies.properties(object));
+        Self {
+            presence,
+            publications: VecDeque::from([(Time(i64::MIN), drift)]),
+            bounds: drift.bounds(bodies.properties(object), until),
+            is_resting: true,
+        }
+    }
 }
 
 /// The movable objects of a world.
@@ -48,17 +63,8 @@ pub(super) struct Objects {
 impl Objects {
     pub fn new(walls: &Walls, objects: impl IntoIterator<Item = (Arc<Properties>, Pose)>) -> Self {
         let bodies = Bodies::new(walls, objects);
-        let tracks = (0..bodies.len())
-            .map(|index| {
-                let object = ObjectId::from_index(index);
-                let drift = Drift::new(Time(i64::MIN), bodies.state(object), bodies.properties(object));
-                ObjectTrack {
-                    publications: VecDeque::from([(Time(i64::MIN), drift)]),
-                    bounds: drift.bounds(bodies.properties(object), Time::ZERO),
-                    is_resting: true,
-                }
-            })
-            .collect();
+        let ids = (0..bodies.len()).map(ObjectId::from_index);
+        let tracks = ids.map(|object| ObjectTrack::new(&bodies, object, Presence::ALWAYS, Time::ZERO)).collect();
         let mut objects = Self {
             bodies,
             tracks,
@@ -75,6 +81,47 @@ impl Objects {
 
     pub fn len(&self) -> usize {
         self.tracks.len()
+    }
+
+    /// One more object at `world_from_object` from `now` on, at rest and awake; its id is the next one.
+    pub fn add(&mut self, properties: Arc<Properties>, world_from_object: Pose, now: Time) -> ObjectId {
+        let object = self.bodies.add(properties, world_from_object);
+        let track = ObjectTrack::new(&self.bodies, object, Presence::since(now), now);
+        self.tracks.push(ObjectTrack { is_resting: false, ..track });
+        self.unsettled.insert(object);
+        self.rebuild_index();
+        object
+    }
+
+    /// Takes an object out of the world: it is gone from `now` on.
+    pub fn remove(&mut self, object: ObjectId, now: Time) {
+        let track = &mut self.tracks[object.index()];
+        track.presence.until = track.presence.until.min(now);
+        track.is_resting = false;
+        self.bodies.remove(object);
+        self.unsettled.remove(&object);
+        self.places.retain(|(placed, _)| *placed != object);
+        self.moved.retain(|moved| *moved != object);
+    }
+
+    /// The body of a robot is gone.
+    pub fn remove_robot(&mut self, robot: RobotId) {
+        self.bodies.remove_robot(robot);
+    }
+
+    /// When an object is in the world.
+    pub fn presence(&self, object: ObjectId) -> Presence {
+        self.tracks[object.index()].presence
+    }
+
+    /// The first of the objects that are there whose footprint is nearer than `radius` to `centre`, at the start of the slot.
+    pub fn first_within(&self, centre: DVec2, radius: f64) -> Option<ObjectId> {
+        let ids = (0..self.len()).map(ObjectId::from_index);
+        ids.filter(|object| !self.bodies.is_gone(*object)).find(|object| {
+            let world_from_object = self.state(*object).world_from_object;
+            let centre = world_from_object.inverse_transform_point(centre);
+            self.properties(*object).distance(centre) < radius
+        })
     }
 
     pub fn properties(&self, object: ObjectId) -> &Arc<Properties> {
@@ -131,27 +178,36 @@ impl Objects {
             let Some(distance) = self.properties(object).cast(&self.pose(object, at), origin, direction) else {
                 return;
             };
-            if distance <= reach && nearest.is_none_or(|first| (distance, object) < first) {
+            let is_there = || self.presence(object).holds(at);
+            if distance <= reach && nearest.is_none_or(|first| (distance, object) < first) && is_there() {
                 nearest = Some((distance, object));
             }
         });
         nearest
     }
 
-    /// Visits each object whose public rectangle meets a ray, once.
-    pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, mut visit: impl FnMut(ObjectId)) {
-        self.index.along_ray(origin, direction, range, |RobotId(number)| visit(ObjectId(number)));
+    /// Visits each object that is there at `at` whose public rectangle meets a ray, once.
+    pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, at: Time, mut visit: impl FnMut(ObjectId)) {
+        self.index.along_ray(origin, direction, range, |RobotId(number)| self.visit_if_there(number, at, &mut visit));
     }
 
-    /// Visits each object whose public rectangle meets `bounds`, once, in ascending order.
-    pub fn for_each_in(&self, bounds: Bounds, mut visit: impl FnMut(ObjectId)) {
-        self.index.for_each_in(bounds, |RobotId(number)| visit(ObjectId(number)));
+    /// Visits each object that is there at `at` whose public rectangle meets `bounds`, once, in ascending order.
+    pub fn for_each_in(&self, bounds: Bounds, at: Time, mut visit: impl FnMut(ObjectId)) {
+        self.index.for_each_in(bounds, |RobotId(number)| self.visit_if_there(number, at, &mut visit));
+    }
+
+    fn visit_if_there(&self, number: u32, at: Time, mut visit: impl FnMut(ObjectId)) {
+        if self.presence(ObjectId(number)).holds(at) {
+            visit(ObjectId(number));
+        }
     }
 
     /// Whether an object that sleeps, or is there at the slot's start, may come near `bounds`.
     pub fn is_near(&self, bounds: Bounds) -> bool {
         let mut is_near = false;
-        self.index.for_each_in(bounds.grown(NEAR), |_| is_near = true);
+        self.index.for_each_in(bounds.grown(NEAR), |RobotId(number)| {
+            is_near |= !self.bodies.is_gone(ObjectId(number));
+        });
         is_near
     }
 
@@ -196,6 +252,12 @@ impl Objects {
         for (index, track) in self.tracks.iter_mut().enumerate() {
             let object = ObjectId::from_index(index);
             if track.is_resting && self.bodies.is_asleep(object) {
+                continue;
+            }
+            if self.bodies.is_gone(object) {
+                if track.presence.until <= now - HISTORY {
+                    (track.bounds, track.is_resting, has_changed) = (Bounds::EMPTY, true, true);
+                }
                 continue;
             }
             let properties = self.bodies.properties(object);

@@ -284,7 +284,7 @@ impl<'a, 'm> Settling<'a, 'm> {
         self.truth.index.pairs(|a, b| pairs.push((a, b)));
         if self.active.len() < self.world.tracks.len() {
             for &(a, bounds) in &self.truth.bounds {
-                self.world.for_each_near(bounds, |b| {
+                self.world.for_each_near(bounds, self.start, |b| {
                     if self.is_passive(b) {
                         pairs.push((a, b));
                     }
@@ -465,7 +465,7 @@ impl<'a, 'm> Settling<'a, 'm> {
         self.truth.index.for_each_in(bounds, |other| {
             others.insert(other);
         });
-        self.world.for_each_near(bounds, |other| {
+        self.world.for_each_near(bounds, self.start, |other| {
             if self.is_passive(other) {
                 others.insert(other);
             }

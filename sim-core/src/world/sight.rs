@@ -190,7 +190,7 @@ impl World {
             look_at(Seen::Fixed(number - 1), pose, figure);
         });
         let mut look_at_robot = |robot: RobotId| {
-            if robot != by {
+            if robot != by && self.is_robot_there(robot, at) {
                 let (pose, figure) = self.robot_figure(robot, at);
                 look_at(Seen::Robot(robot), &pose, &figure);
             }
@@ -201,13 +201,13 @@ impl World {
         let mut look_at_object = |object, figure: &Figure| {
             look_at(Seen::Object(object), &objects.pose(object, at), figure);
         };
-        objects.along_ray(origin, trace, reach, |object| {
+        objects.along_ray(origin, trace, reach, at, |object| {
             let figure = self.object_figure(object);
             if !figure.has_mesh() {
                 look_at_object(object, &figure);
             }
         });
-        for object in &self.stage.mesh_objects {
+        for object in self.stage.mesh_objects.iter().filter(|object| objects.presence(**object).holds(at)) {
             look_at_object(*object, &self.object_figure(*object));
         }
     }
@@ -217,7 +217,7 @@ impl World {
         let body = self.body(robot, at);
         let pose = Pose { position: body.centre, ..Pose::default() };
         let figure = self.stage.space.robots.get(robot.index()).map(Arc::clone);
-        (pose, figure.unwrap_or_else(|| Arc::new(Figure::cylinder(body.radius, f64::INFINITY, Surface::default()))))
+        (pose, figure.unwrap_or_else(|| Arc::new(Figure::upright(body.radius))))
     }
 
     fn object_figure(&self, object: ObjectId) -> Arc<Figure> {
@@ -269,14 +269,14 @@ impl World {
             let (pose, figure) = &self.stage.space.fixed[number as usize - 1];
             figure.for_each_nearest(pose, point, &mut visit);
         });
-        self.for_each_near(near, |robot| {
+        self.for_each_near(near, at, |robot| {
             if robot != by {
                 let (pose, figure) = self.robot_figure(robot, at);
                 figure.for_each_nearest(&pose, point, &mut visit);
             }
         });
         let Some(objects) = &self.objects else { return };
-        objects.for_each_in(near, |object| {
+        objects.for_each_in(near, at, |object| {
             self.object_figure(object).for_each_nearest(&objects.pose(object, at), point, &mut visit);
         });
     }

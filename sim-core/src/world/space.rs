@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use crate::{
     ObjectId, RobotId, math,
-    object::{Figure, Shape, Solid},
+    object::{Figure, Properties, Shape, Solid},
     pose::Pose,
     scene::{Bounds, Moving, Segment, Surface, WallId, Walls},
 };
@@ -100,6 +100,30 @@ impl Stage {
         let objects = (1..).map(ObjectId).zip(&space.objects);
         let mesh_objects = objects.filter(|(_, figure)| figure.has_mesh()).map(|(object, _)| object).collect();
         Self { space, fixed, blocks, plain_below, has_meshes, mesh_objects }
+    }
+
+    /// One more robot has this shape; `radii` are those of the robots before.
+    pub fn add_robot(&mut self, figure: Arc<Figure>, radii: impl Iterator<Item = f64>) {
+        let without = radii.skip(self.space.robots.len());
+        self.space.robots.extend(without.map(|radius| Arc::new(Figure::upright(radius))));
+        self.count(&figure);
+        self.space.robots.push(figure);
+    }
+
+    /// One more movable object has this shape; `properties` are those of the objects before.
+    pub fn add_object<'a>(&mut self, figure: Arc<Figure>, properties: impl Iterator<Item = &'a Arc<Properties>>) {
+        let without = properties.skip(self.space.objects.len());
+        self.space.objects.extend(without.map(|properties| Figure::endless(properties, Surface::default())));
+        self.count(&figure);
+        self.space.objects.push(figure);
+        if self.space.objects.last().is_some_and(|figure| figure.has_mesh()) {
+            self.mesh_objects.push(ObjectId::from_index(self.space.objects.len() - 1));
+        }
+    }
+
+    fn count(&mut self, figure: &Figure) {
+        self.has_meshes |= figure.has_mesh();
+        self.plain_below = self.plain_below.min(figure.prism_top());
     }
 
     /// The surface of a wall.

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use glam::DVec2;
 
-use super::leg_at;
+use super::{Presence, leg_at};
 use crate::{
     drive::{Leg, Motion},
     pose::Pose,
@@ -23,6 +23,7 @@ struct Publication {
 /// The publications of one robot, and its disc.
 #[derive(Clone, Debug)]
 pub(super) struct Track {
+    pub presence: Presence,
     radius: f64,
     /// Never empty.
     publications: VecDeque<Publication>,
@@ -37,11 +38,13 @@ pub(super) struct Track {
 }
 
 impl Track {
-    pub fn new(motion: &mut Motion, until: Time) -> Self {
+    /// That of a body with this motion, which is public from `from` to `until`.
+    pub fn new(motion: &mut Motion, presence: Presence, (from, until): (Time, Time)) -> Self {
         let mut legs = Vec::new();
-        motion.legs(Time::ZERO, until, &mut legs);
+        motion.legs(from, until, &mut legs);
         let publications = VecDeque::from([Publication { since: Time(i64::MIN), legs }]);
         Self {
+            presence,
             radius: motion.radius(),
             publications,
             revision: motion.revision(),
@@ -100,18 +103,30 @@ impl Track {
         self.bounds
     }
 
+    /// The body is gone from `at` on.
+    pub fn end(&mut self, at: Time) {
+        self.presence.until = at;
+        self.is_resting = false;
+    }
+
     /// True when the body stays where it is, as of the last [`Track::refresh`], and nothing has been published since.
     pub fn is_resting(&self) -> bool {
         self.is_resting
     }
 
-    /// Finds the bounds of what is public from `from` to `to`, and forgets what is older. A resting track has no need.
+    /// Finds the bounds of what is public from `from` to `to`, and forgets what is older. A resting track has no need, unless it is
+    /// gone.
     pub fn refresh(&mut self, from: Time, to: Time) {
+        if self.presence.until <= from {
+            self.bounds = Bounds::EMPTY;
+            self.is_resting = true;
+            return;
+        }
         while self.publications.len() > 1 && self.publications[1].since <= from {
             self.spare = self.publications.pop_front().expect("more than one publication").legs;
         }
         let mut bounds = Bounds::EMPTY;
-        self.is_resting = self.publications.len() == 1;
+        self.is_resting = self.publications.len() == 1 && self.presence.until == Time::NEVER;
         for (index, publication) in self.publications.iter().enumerate() {
             let next = self.publications.get(index + 1).map_or(to, |next| next.since);
             let (from, to) = (from.max(publication.since), to.min(next));

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use robios_sys::robios7::{CAM_BODY, CAM_FLOOR, CAM_SKY, CAM_WALL};
 use robios_sys::{OutFloats, OutInts};
 use sim_core::RobotId;
-use sim_core::camera::{Camera as Renderer, Label, Lens, Picture, View, ViewError};
+use sim_core::camera::{Camera as Renderer, Label, Lens, Picture, Scenery, View, ViewError};
 use sim_core::drive::HISTORY;
 use sim_core::format::{JointSpec, RobiSpec};
 use sim_core::math;
@@ -83,7 +83,8 @@ struct Exposure {
     number: u64,
     at: Time,
     view: View,
-    poses: Vec<Pose3>,
+    scenery: Arc<Scenery>,
+    poses: Vec<Option<Pose3>>,
 }
 
 /// Why there is no image.
@@ -196,9 +197,9 @@ pub(super) fn take_bayer(robot: &mut Robot, world: &World, size: [u32; 2]) -> Re
 /// How far away what each pixel of the last image shows is, mm along the line of sight; infinite for the sky.
 fn take_depth(robot: &mut Robot) -> Result<Vec<f32>, NoImage> {
     setting(robot)?;
-    let Camera { scenery, last, renderer, .. } = &mut robot.devices.camera;
-    let Exposure { view, poses, .. } = last.as_ref().ok_or(NoImage::NotTaken)?;
-    let depth = renderer.depth(&scenery.get().standing(poses.clone()), view, Some(robot.id));
+    let Camera { last, renderer, .. } = &mut robot.devices.camera;
+    let Exposure { view, scenery, poses, .. } = last.as_ref().ok_or(NoImage::NotTaken)?;
+    let depth = renderer.depth(&scenery.standing(poses.clone()), view, Some(robot.id));
     let (size, depth) = (view.size(), mm_of_depth(&depth));
     tell(robot, size, Pixels::Depth(&depth));
     Ok(depth)
@@ -207,9 +208,9 @@ fn take_depth(robot: &mut Robot) -> Result<Vec<f32>, NoImage> {
 /// The number of what each pixel of the last image shows.
 fn take_labels(robot: &mut Robot) -> Result<Vec<i32>, NoImage> {
     setting(robot)?;
-    let Camera { scenery, last, renderer, .. } = &mut robot.devices.camera;
-    let Exposure { view, poses, .. } = last.as_ref().ok_or(NoImage::NotTaken)?;
-    let labels = renderer.labels(&scenery.get().standing(poses.clone()), view, Some(robot.id));
+    let Camera { last, renderer, .. } = &mut robot.devices.camera;
+    let Exposure { view, scenery, poses, .. } = last.as_ref().ok_or(NoImage::NotTaken)?;
+    let labels = renderer.labels(&scenery.standing(poses.clone()), view, Some(robot.id));
     let (size, labels) = (view.size(), numbers_of_labels(&labels, &robot.devices.census));
     tell(robot, size, Pixels::Labels(&labels));
     Ok(labels)
@@ -296,9 +297,11 @@ fn expose(robot: &mut Robot, world: &World, size: [u32; 2]) -> Result<(Exposure,
     let [view, exposed] = [view(robot, at, None)?, view(robot, at, Some(size))?];
     let samples = samples(robot);
     let Camera { scenery, renderer, taken, .. } = &mut robot.devices.camera;
-    let still = scenery.get().still(world, at);
+    let scenery = scenery.get();
+    let still = scenery.still(world, at);
     let picture = renderer.colour(&still, &exposed, Some(robot.id), samples);
-    Ok((Exposure { number: *taken + 1, at, view, poses: still.poses().to_vec() }, picture))
+    let poses = still.poses().to_vec();
+    Ok((Exposure { number: *taken + 1, at, view, scenery, poses }, picture))
 }
 
 /// Makes of what the camera sees image `number`.

@@ -11,12 +11,15 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::ObjectId;
 use crate::camera::{Floor, Ground, Label, Light, Part, Place, Scenery, Sky, Spot};
-use crate::format::{DEFAULT_FLOOR_COLOUR, LightSpec, MeshReader, RobiSpec, SceneSpec, SkySpec, WallSpec, WorldSpec};
+use crate::format::{
+    DEFAULT_FLOOR_COLOUR, LightSpec, MeshReader, ObjectSpec, ObjectType, RobiSpec, SceneSpec, SkySpec, WallSpec,
+    WorldSpec,
+};
 use crate::math;
 use crate::pose::Pose3;
 use crate::scene::{Mesh, Segment};
+use crate::{ObjectId, RobotId};
 pub use body::{ROBOT_COLOURS, wheel_places};
 use sketch::Sketch;
 
@@ -29,19 +32,58 @@ pub const MARKER_RADIUS: f64 = 0.05;
 /// Share of the light that is not ambient which comes from the side opposite to the sun. Source: our choice.
 const FILL: f64 = 0.35;
 
+/// Meshes of types of robots and objects, each made once. Types are told apart by their addresses: who keeps this keeps them, too.
+#[derive(Debug, Default)]
+pub struct Looks {
+    of_objects: BTreeMap<usize, Arc<Mesh>>,
+    /// Of robot types with a mesh of their own.
+    of_robots: BTreeMap<usize, Option<Arc<Mesh>>>,
+    /// Of the others, by colour.
+    bodies: BTreeMap<(usize, usize), Arc<Mesh>>,
+}
+
+impl Looks {
+    /// What cameras see of a movable object of this type.
+    pub fn object(&mut self, id: ObjectId, kind: &Arc<ObjectType>, reader: &mut MeshReader<'_>) -> Part {
+        Part { mesh: self.of_type(kind, reader), label: Label::Object(id), place: Place::Object(id) }
+    }
+
+    fn of_type(&mut self, kind: &Arc<ObjectType>, reader: &mut MeshReader<'_>) -> Arc<Mesh> {
+        let looks = || reader.object(kind).unwrap_or_else(|| object::looks(kind));
+        Arc::clone(self.of_objects.entry(Arc::as_ptr(kind).addr()).or_insert_with(looks))
+    }
+
+    /// What cameras see of a robot of this type.
+    pub fn robot(&mut self, id: RobotId, robi: &Arc<RobiSpec>, reader: &mut MeshReader<'_>) -> Part {
+        let address = Arc::as_ptr(robi).addr();
+        let own = self.of_robots.entry(address).or_insert_with(|| reader.robot(robi)).clone();
+        let mesh = own.unwrap_or_else(|| {
+            let colour = id.index() % ROBOT_COLOURS.len();
+            let new = || body::looks(robi, ROBOT_COLOURS[colour]);
+            Arc::clone(self.bodies.entry((address, colour)).or_insert_with(new))
+        });
+        Part { mesh, label: Label::Robot(id), place: Place::Robot(id) }
+    }
+}
+
 /// All that cameras see of a scene: its ground, walls and objects, and its robots.
 ///
 /// Meshes and textures are read by `reader`, to which they say what is wrong in them. An object without a mesh is shown by its
 /// colliders, a robot without one gets a body with wheels, lamps and a nose, in a colour by its number.
 pub fn scenery(scene: &SceneSpec, reader: &mut MeshReader<'_>) -> Scenery {
+    scenery_with(scene, &mut Looks::default(), reader)
+}
+
+/// The same, with the looks of its types, which more of them can share.
+pub fn scenery_with(scene: &SceneSpec, looks: &mut Looks, reader: &mut MeshReader<'_>) -> Scenery {
     let world = &scene.world;
     let mut parts: Vec<Part> = (0..).zip(&world.walls).map(|(number, wall)| part_of_wall(number, wall)).collect();
     let terrain = world.terrain.as_ref().and_then(|terrain| terrain.mesh.clone());
     let ground = terrain.is_none().then(|| ground(scene, reader));
     let fixed = |mesh, label| Part { mesh, label, place: Place::Fixed(Pose3::IDENTITY) };
     parts.extend(terrain.map(|mesh| fixed(mesh, Label::Ground)));
-    parts.extend(parts_of_objects(scene, reader));
-    parts.extend(parts_of_robots(scene, reader));
+    parts.extend(parts_of_objects(scene, looks, reader));
+    parts.extend(scene.robots.iter().map(|robot| looks.robot(robot.id, &robot.robi, reader)));
     Scenery::new(parts, ground, light(&world.looks.light), sky(&world.looks.sky))
 }
 
@@ -87,38 +129,15 @@ fn part_of_wall(number: u32, wall: &WallSpec) -> Part {
     Part { mesh: sketch.finish(), label: Label::Wall(number), place: Place::Fixed(Pose3::IDENTITY) }
 }
 
-fn parts_of_objects(scene: &SceneSpec, reader: &mut MeshReader<'_>) -> Vec<Part> {
-    let mut of_types: BTreeMap<_, Arc<Mesh>> = BTreeMap::new();
+fn parts_of_objects(scene: &SceneSpec, looks: &mut Looks, reader: &mut MeshReader<'_>) -> Vec<Part> {
     let mut movable = 0;
-    let mut parts = Vec::with_capacity(scene.objects.len());
-    for (number, object) in (0..).zip(&scene.objects) {
-        let kind = &object.kind;
-        let looks = || reader.object(kind).unwrap_or_else(|| object::looks(kind));
-        let mesh = Arc::clone(of_types.entry(Arc::as_ptr(kind)).or_insert_with(looks));
-        let (label, place) = if kind.is_fixed {
-            (Label::Fixed(number), Place::Fixed(Pose3::from_planar(&object.pose, 0.0)))
-        } else {
-            let id = ObjectId::from_index(movable);
-            movable += 1;
-            (Label::Object(id), Place::Object(id))
-        };
-        parts.push(Part { mesh, label, place });
-    }
-    parts
-}
-
-fn parts_of_robots(scene: &SceneSpec, reader: &mut MeshReader<'_>) -> Vec<Part> {
-    let mut of_types: BTreeMap<*const RobiSpec, Option<Arc<Mesh>>> = BTreeMap::new();
-    let mut bodies: BTreeMap<(*const RobiSpec, usize), Arc<Mesh>> = BTreeMap::new();
-    let part = |robot: &crate::format::RobotSpec| {
-        let (robi, id) = (&robot.robi, robot.id);
-        let own = of_types.entry(Arc::as_ptr(robi)).or_insert_with(|| reader.robot(robi)).clone();
-        let mesh = own.unwrap_or_else(|| {
-            let colour = id.index() % ROBOT_COLOURS.len();
-            let new = || body::looks(robi, ROBOT_COLOURS[colour]);
-            Arc::clone(bodies.entry((Arc::as_ptr(robi), colour)).or_insert_with(new))
-        });
-        Part { mesh, label: Label::Robot(id), place: Place::Robot(id) }
+    let part = |(number, object): (u32, &ObjectSpec)| {
+        if object.kind.is_fixed {
+            let place = Place::Fixed(Pose3::from_planar(&object.pose, 0.0));
+            return Part { mesh: looks.of_type(&object.kind, reader), label: Label::Fixed(number), place };
+        }
+        movable += 1;
+        looks.object(ObjectId(movable), &object.kind, reader)
     };
-    scene.robots.iter().map(part).collect()
+    (0..).zip(&scene.objects).map(part).collect()
 }

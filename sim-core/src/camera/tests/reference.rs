@@ -6,6 +6,7 @@ use crate::RobotId;
 use crate::camera::texture::{Pyramid, Wrap};
 use crate::camera::{Label, Picture, Still, View};
 use crate::math;
+use crate::pose::Pose3;
 use crate::scene::Texture;
 
 /// What a pixel shows.
@@ -67,7 +68,11 @@ fn direction(view: &View, at: DVec2) -> Option<DVec3> {
 
 fn corners(still: &Still, part: usize, triangle: usize) -> [DVec3; 3] {
     let mesh = &still.scenery().parts()[part].mesh;
-    mesh.corners(&mesh.triangles[triangle]).map(|corner| still.poses()[part].transform_point(corner))
+    mesh.corners(&mesh.triangles[triangle]).map(|corner| pose(still, part).transform_point(corner))
+}
+
+fn pose(still: &Still, part: usize) -> Pose3 {
+    still.poses()[part].expect("only of parts that are there")
 }
 
 fn meet(still: &Still, eye: DVec3, ray: DVec3, by: Option<RobotId>) -> Meeting {
@@ -75,7 +80,7 @@ fn meet(still: &Still, eye: DVec3, ray: DVec3, by: Option<RobotId>) -> Meeting {
     if still.scenery().ground().is_some() && eye.z > 0.0 && ray.z < 0.0 {
         best = Meeting { shown: Shown::Ground, distance: eye.z / -ray.z, ..best };
     }
-    for (number, part) in still.scenery().parts().iter().enumerate() {
+    for (number, part, _) in still.parts() {
         if by.is_some_and(|by| part.label == Label::Robot(by)) {
             continue;
         }
@@ -168,7 +173,7 @@ fn colour_of(still: &Still, view: &View, at: DVec2, ray: DVec3, meeting: &Meetin
             };
             let [a, b, c] = corners;
             let flat = (b - a).cross(c - a).normalize_or_zero();
-            let turned = |normal: glam::Vec3| still.poses()[number].rotation * normal.as_dvec3();
+            let turned = |normal: glam::Vec3| pose(still, number).rotation * normal.as_dvec3();
             let normal = triangle.normals.map_or(flat, |normals| {
                 (0..3).map(|corner| turned(normals[corner]) * meeting.shares[corner]).sum::<DVec3>().normalize_or(flat)
             });
@@ -186,11 +191,11 @@ fn is_in_sun(still: &Still, place: DVec3, own: Shown) -> bool {
             && on_plane(corners(still, number, triangle), place, light.towards)
                 .is_some_and(|(distance, shares)| distance > 1e-6 && shares.iter().all(|share| *share >= 0.0))
     };
-    let of_part = |(number, part): (usize, &crate::camera::Part)| {
+    let of_part = |(number, part, _): (usize, &crate::camera::Part, &Pose3)| {
         let is_seen = |triangle: usize| part.mesh.material(&part.mesh.triangles[triangle]).opacity >= 0.5;
         (0..part.mesh.triangles.len()).any(|triangle| is_seen(triangle) && covers(number, triangle))
     };
-    !light.shadows || !still.scenery().parts().iter().enumerate().any(of_part)
+    !light.shadows || !still.parts().any(of_part)
 }
 
 fn lit(still: &Still, colour: [f64; 3], normal: DVec3, (place, own): (DVec3, Shown)) -> [f64; 3] {

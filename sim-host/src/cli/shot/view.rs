@@ -100,7 +100,8 @@ impl Shot<'_> {
             }
             Eye::Point((pose, lens)) => (View::new(*pose, *lens, self.size.unwrap_or(SIZE))?, None),
         };
-        let still = ran.scenery.get().still(&world, time);
+        let scenery = ran.scenery.get();
+        let still = scenery.still(&world, time);
         let mut renderer = Camera::default();
         let size = view.size();
         let file = match self.content {
