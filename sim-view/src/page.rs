@@ -1,39 +1,133 @@
-//! The page as it is served: files that Vite has built.
+//! The page as it is served: files that Vite has built, embedded in release builds, else built when they are needed.
+
+mod build;
 
 use std::collections::BTreeMap;
+use std::path::Path;
+
+use axum::body::Bytes;
+
+/// The files of the page that release builds hold; none in others.
+static EMBEDDED: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/embedded.rs"));
 
 /// The files of the page, or why there are none.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Page {
-    files: BTreeMap<String, Vec<u8>>,
-    missing: String,
+    files: Result<BTreeMap<String, Bytes>, String>,
 }
 
 impl Page {
-    /// A page of these files, by their paths below the page's folder.
+    /// The page of this program: that which is embedded; else, in a checkout, that which is built there, which may have to be
+    /// built first. That takes some seconds to a minute, so `say` hears about it.
     #[must_use]
-    pub fn of(files: BTreeMap<String, Vec<u8>>) -> Page {
-        Page { files, missing: String::new() }
+    pub fn load(mut say: impl FnMut(&str)) -> Page {
+        if !EMBEDDED.is_empty() {
+            let files = EMBEDDED.iter().map(|(name, content)| ((*name).to_owned(), Bytes::from_static(content)));
+            return Page { files: Ok(files.collect()) };
+        }
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("page");
+        if !folder.is_dir() {
+            return Page::missing("this eyesim was built without its page, and its sources are not here");
+        }
+        match build::built(&folder, &mut say) {
+            Ok(files) => Page::of(files),
+            Err(why) => Page::missing(&why),
+        }
+    }
+
+    /// A page of these files, by their paths; `index.html` is the first that is asked for.
+    #[must_use]
+    pub fn of(files: impl IntoIterator<Item = (String, Vec<u8>)>) -> Page {
+        Page { files: Ok(files.into_iter().map(|(name, content)| (name, content.into())).collect()) }
     }
 
     /// No page: who asks for it reads `why`.
     #[must_use]
     pub fn missing(why: &str) -> Page {
-        Page { files: BTreeMap::new(), missing: why.into() }
-    }
-
-    /// The content and the media type of the file at a path such as `index.html`.
-    #[must_use]
-    pub fn file(&self, path: &str) -> Option<(&[u8], &'static str)> {
-        let content = self.files.get(path)?;
-        Some((content, media_type(path)))
+        Page { files: Err(why.into()) }
     }
 
     /// Why there is no page; none if there is one.
     #[must_use]
     pub fn why_missing(&self) -> Option<&str> {
-        self.files.is_empty().then_some(self.missing.as_str())
+        self.files.as_ref().err().map(String::as_str)
     }
+
+    /// The content and the media type of the file at a path such as `index.html`.
+    pub(crate) fn file(&self, path: &str) -> Option<(Bytes, &'static str)> {
+        Some((self.files.as_ref().ok()?.get(path)?.clone(), media_type(path)))
+    }
+
+    /// The page as one HTML text: scripts and style sheets are within it.
+    ///
+    /// # Errors
+    /// Why there is no page.
+    pub fn inlined(&self) -> Result<String, String> {
+        let text = |path: &str| {
+            let (content, _) = self.file(path)?;
+            Some(String::from_utf8_lossy(&content).into_owned())
+        };
+        if let Some(why) = self.why_missing() {
+            return Err(why.into());
+        }
+        let html = text("index.html").ok_or("the page has no `index.html`")?;
+        let mut inlined = String::with_capacity(html.len());
+        let mut rest = html.as_str();
+        while let Some(start) = rest.find("<script").into_iter().chain(rest.find("<link")).min() {
+            let (before, tag) = rest.split_at(start);
+            let end = tag.find('>').map_or(tag.len(), |end| end + 1);
+            let (tag, after) = tag.split_at(end);
+            inlined.push_str(before);
+            let path = |name| attribute(tag, name).map(|path| path.trim_start_matches("./"));
+            rest = if let Some(script) = path("src").and_then(text) {
+                inlined.push_str(&format!("<script type=\"module\">{}</script>", safe_script(&script)));
+                after.strip_prefix("</script>").unwrap_or(after)
+            } else if let Some(style) = path("href").and_then(text) {
+                inlined.push_str(&format!("<style>{}</style>", style.replace("</", "<\\/")));
+                after
+            } else {
+                inlined.push_str(tag);
+                after
+            };
+        }
+        inlined.push_str(rest);
+        Ok(inlined)
+    }
+
+    /// The page as one HTML text that plays a recording, which is the JSON text of a
+    /// [`Recording`](crate::protocol::Recording).
+    ///
+    /// # Errors
+    /// Why there is no page.
+    pub fn with_recording(&self, recording: &str) -> Result<String, String> {
+        let page = self.inlined()?;
+        // A `<` stands only within strings of JSON.
+        let recording = recording.replace('<', "\\u003c");
+        let element = format!("<script type=\"application/json\" id=\"recording\">{recording}</script>\n");
+        let place = page.rfind("</body>").ok_or("the page has no `</body>`")?;
+        Ok(format!("{}{element}{}", &page[..place], &page[place..]))
+    }
+}
+
+/// The value of an attribute in a tag that Vite has written.
+fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
+    let (_, value) = tag.split_once(&format!(" {name}=\""))?;
+    value.split_once('"').map(|(value, _)| value)
+}
+
+/// A script in which HTML sees no end and no comment: `\x3c` is `<` in all texts and patterns of JavaScript, and minified code
+/// has `</` and `<!--` nowhere else.
+fn safe_script(script: &str) -> String {
+    let mut safe = String::with_capacity(script.len());
+    let mut rest = script;
+    while let Some(start) = rest.find('<') {
+        let (before, tail) = rest.split_at(start);
+        safe.push_str(before);
+        let begins = |with: &str| tail.get(..with.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(with));
+        safe.push_str(if begins("</script") || begins("<!--") { "\\x3c" } else { "<" });
+        rest = &tail[1..];
+    }
+    safe + rest
 }
 
 fn media_type(path: &str) -> &'static str {
@@ -48,5 +142,94 @@ fn media_type(path: &str) -> &'static str {
         Some("woff2") => "font/woff2",
         Some("txt") => "text/plain; charset=utf-8",
         _ => "application/octet-stream",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A page whose building appends a line to `built`, outside of what it is made from.
+    fn write_page(folder: &Path) {
+        let package = r#"{"name":"p","version":"1.0.0","scripts":{"build":"node build.cjs"}}"#;
+        let lock =
+            r#"{"name":"p","version":"1.0.0","lockfileVersion":3,"packages":{"":{"name":"p","version":"1.0.0"}}}"#;
+        let build = "const fs = require('fs'); fs.appendFileSync('built', '.'); fs.rmSync('dist', { recursive: true, force: true });
+            fs.mkdirSync('dist/sub', { recursive: true }); fs.writeFileSync('dist/sub/a.js', '1');
+            fs.copyFileSync('src/main.ts', 'dist/index.html');";
+        std::fs::create_dir(folder.join("src")).unwrap();
+        for (name, content) in [
+            ("package.json", package),
+            ("package-lock.json", lock),
+            ("build.cjs", build),
+            ("index.html", ""),
+            ("tsconfig.json", ""),
+            ("vite.config.ts", ""),
+            ("src/main.ts", "one"),
+        ] {
+            std::fs::write(folder.join(name), content).unwrap();
+        }
+    }
+
+    #[test]
+    fn built_when_it_has_changed_and_by_one_at_a_time() {
+        if std::process::Command::new("npm").arg("--version").output().is_err() {
+            eprintln!("skipped: there is no npm");
+            return;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        write_page(folder);
+        let built = || build::built(folder, &mut |_| {}).unwrap();
+        let times = || std::fs::read(folder.join("built")).unwrap().len();
+        let expected =
+            |main: &str| vec![("index.html".to_owned(), main.into()), ("sub/a.js".to_owned(), b"1".to_vec())];
+        std::thread::scope(|scope| {
+            let both = [scope.spawn(built), scope.spawn(built)];
+            for one in both {
+                assert_eq!(one.join().unwrap(), expected("one"));
+            }
+        });
+        assert_eq!(times(), 1, "the second waits for the first and takes what it has built");
+
+        std::fs::write(folder.join("src/main.ts"), "two").unwrap();
+        assert_eq!(built(), expected("two"));
+        assert_eq!((built(), times()), (expected("two"), 2));
+
+        std::fs::write(folder.join("package.json"), "{").unwrap();
+        let mut said = String::new();
+        assert_eq!(build::built(folder, &mut |text| said += text).unwrap(), expected("two"), "the older page does");
+        assert!(said.contains("` failed in `") && said.contains("older"), "{said}");
+        std::fs::remove_dir_all(folder.join("dist")).unwrap();
+        let why = build::built(folder, &mut |_| {}).unwrap_err();
+        assert!(why.contains("` failed in `"), "{why}");
+    }
+
+    #[test]
+    fn one_file() {
+        let html = concat!(
+            "<html><head><link rel=\"icon\" href=\"data:,\" />",
+            "<script type=\"module\" crossorigin src=\"./page.js\"></script>",
+            "<link rel=\"stylesheet\" crossorigin href=\"./page.css\"></head><body></body></html>"
+        );
+        let files = [
+            ("index.html", html),
+            ("page.js", "let a = '</script><!--', b = /<\\/SCRIPT/, c = '</SCRIPT>', d = 1<2, e = '$&$1';"),
+            ("page.css", "a::after { content: '</style>' }"),
+        ];
+        let page = Page::of(files.map(|(name, content)| (name.to_owned(), content.into())));
+        let one = page.with_recording(r#"{"title":"</script><b>"}"#).unwrap();
+        assert_eq!(
+            one,
+            concat!(
+                "<html><head><link rel=\"icon\" href=\"data:,\" />",
+                "<script type=\"module\">let a = '\\x3c/script>\\x3c!--', b = /<\\/SCRIPT/, c = '\\x3c/SCRIPT>', ",
+                "d = 1<2, e = '$&$1';</script>",
+                "<style>a::after { content: '<\\/style>' }</style></head><body>",
+                "<script type=\"application/json\" id=\"recording\">{\"title\":\"\\u003c/script>\\u003cb>\"}</script>\n",
+                "</body></html>"
+            )
+        );
+        assert_eq!(Page::missing("why").inlined(), Err("why".into()));
     }
 }

@@ -10,7 +10,6 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use axum::Router;
-use axum::body::Body;
 use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::{Path, Request, State};
 use axum::http::{HeaderName, HeaderValue, StatusCode, header};
@@ -205,7 +204,7 @@ async fn asset(State(server): State<Arc<Server>>, Path(path): Path<String>) -> R
 
 fn page_file(server: &Server, path: &str) -> Response {
     if let Some((content, media_type)) = server.page.file(path) {
-        return ([(header::CONTENT_TYPE, media_type)], Body::from(content.to_vec())).into_response();
+        return ([(header::CONTENT_TYPE, media_type)], content).into_response();
     }
     match server.page.why_missing() {
         Some(why) if path == "index.html" => (StatusCode::SERVICE_UNAVAILABLE, why.to_owned()).into_response(),
