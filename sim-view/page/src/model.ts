@@ -244,10 +244,11 @@ export class Model {
 
   private takeDetail(detail: Detail): void {
     detail.lcd ??= this.details.get(detail.robot)?.lcd ?? null;
+    detail.readings = [...truths(detail), ...detail.readings].map(asShown);
     this.details.set(detail.robot, detail);
     let curves = this.history.get(detail.robot);
     if (!curves) this.history.set(detail.robot, (curves = new Map()));
-    for (const reading of [...truths(detail), ...detail.readings]) addSample(curves, reading);
+    for (const reading of detail.readings) addSample(curves, reading);
     this.tell("history");
   }
 
@@ -271,17 +272,24 @@ function cut(events: Event[], most: number): number {
 }
 
 /** The pose of a robot and where it believes to be, as readings. */
-export function truths({ pose, odometry, t_s }: Detail): Reading[] {
+function truths({ pose, odometry, t_s }: Detail): Reading[] {
   const reading = (name: string, value: number, unit: string) => ({ name, value, unit, at_s: t_s });
-  const degrees = (angle: number) => (angle * 180) / Math.PI;
   return [
-    reading("true x", pose.x_m * 1000, "mm"),
-    reading("true y", pose.y_m * 1000, "mm"),
-    reading("true heading", degrees(pose.phi_rad), "deg"),
-    reading("believed x", odometry.x_m * 1000, "mm"),
-    reading("believed y", odometry.y_m * 1000, "mm"),
-    reading("believed heading", degrees(odometry.phi_rad), "deg"),
+    reading("true x", pose.x_m, "m"),
+    reading("true y", pose.y_m, "m"),
+    reading("true heading", pose.phi_rad, "rad"),
+    reading("believed x", odometry.x_m, "m"),
+    reading("believed y", odometry.y_m, "m"),
+    reading("believed heading", odometry.phi_rad, "rad"),
   ];
+}
+
+/** In millimetres and degrees. */
+function asShown(reading: Reading): Reading {
+  const [base, per] = reading.unit.split("/");
+  const [factor, shown] = base === "m" ? [1000, "mm"] : base === "rad" ? [180 / Math.PI, "°"] : [1, base];
+  const value = reading.value === null ? null : reading.value * factor;
+  return { ...reading, value, unit: per === undefined ? (shown ?? "") : `${shown}/${per}` };
 }
 
 function addSample(curves: Map<string, Curve>, reading: Reading): void {

@@ -173,7 +173,7 @@ export function snapshot(t_s = 0, state = { is: "running" }) {
 }
 
 export function detail(robot, t_s) {
-  const reading = (name, value, unit = "mm") => ({ name, value, unit, at_s: t_s });
+  const reading = (name, value, unit = "m") => ({ name, value, unit, at_s: t_s });
   const parameter = (name, what, value, range, unit) => ({ name, what, value, range, unit });
   const { size_px, has_colours } = scene().robots[robot - 1].lcd;
   return {
@@ -186,8 +186,8 @@ export function detail(robot, t_s) {
     lcd_text: has_colours ? ["Hello", "GO | STOP |  | END"] : ["Hello", "", "", "", "", "", "GO  STOP    END "],
     camera: { url: picture([160, 120], "#7aa", "#a31"), size_px: [160, 120] },
     readings: [
-      reading("PSD_FRONT", 300 + 200 * Math.sin(t_s)),
-      reading("PSD_LEFT", 200 + 50 * Math.cos(3 * t_s)),
+      reading("PSD_FRONT", 0.3 + 0.2 * Math.sin(t_s)),
+      reading("PSD_LEFT", 0.2 + 0.05 * Math.cos(3 * t_s)),
       reading("PSD_RIGHT", null),
       reading("QUAD_LEFT", Math.round(t_s * 100), ""),
     ],

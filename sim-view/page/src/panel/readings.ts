@@ -1,7 +1,7 @@
 // A table of what the chosen robot has read and commanded; what is ticked is plotted.
 
 import { element } from "../dom";
-import { type Model, truths } from "../model";
+import type { Model } from "../model";
 import type { Reading } from "../protocol";
 import { button, section, setText, whileOpen } from "./control";
 import type { Picks } from "./picks";
@@ -29,7 +29,7 @@ export function readingsPanel(model: Model, picks: Picks): HTMLElement {
 
   function draw(): void {
     const detail = model.chosen === null ? undefined : model.details.get(model.chosen);
-    const readings = detail ? [...truths(detail), ...detail.readings] : [];
+    const readings = detail?.readings ?? [];
     none.hidden = readings.length > 0;
     table.hidden = clear.hidden = readings.length === 0;
     const names = new Set(readings.map(({ name }) => name));

@@ -37,7 +37,8 @@ export function savePanel(model: Model): HTMLElement {
     try {
       const response = await fetch(`files/${name}`);
       if (response.ok) saveAs(fileName(name === "scene.toml" ? ".scene.toml" : `.${name}`), await response.blob());
-      else notify((await response.text()) || `eyesim does not offer ${name} of this run`);
+      else if (response.status === 404) notify(`eyesim keeps no ${name} of this run`);
+      else notify(`${name} was not saved: ${await response.text()}`);
     } catch {
       notify(`${name} was not saved: no answer from eyesim`);
     }

@@ -1,0 +1,159 @@
+// What browser tests share: Chromium, pages with what they hear from the server, and `eyesim` itself.
+
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { once } from "node:events";
+import { existsSync } from "node:fs";
+import { chromium } from "playwright-core";
+
+const PATIENCE_MS = 20_000;
+const FLAGS = [
+  "--no-sandbox",
+  "--use-angle=swiftshader",
+  "--enable-unsafe-swiftshader",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+  "--no-first-run",
+];
+
+/** Debian's Chromium, or the one that `CHROMIUM` names. */
+export const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
+
+/** Why browser tests cannot run here; false when they can. */
+export const skip = existsSync(CHROMIUM) ? false : `there is no ${CHROMIUM}: apt install chromium, or set CHROMIUM`;
+
+/** A browser; the caller closes it. */
+export function launch() {
+  return chromium.launch({ executablePath: CHROMIUM, args: FLAGS });
+}
+
+/** What a page has heard from the server, and waits for: not what it shows, but what the simulation says. */
+export class Heard {
+  scene;
+  snapshot;
+  events = [];
+  details = new Map();
+  answers = [];
+  builds = [];
+  welcomes = [];
+  errors = [];
+  #waiting = new Set();
+
+  constructor(page) {
+    page.on("pageerror", (error) => this.errors.push(error));
+    page.on("websocket", (socket) => socket.on("framereceived", ({ payload }) => this.#hear(JSON.parse(String(payload)))));
+  }
+
+  /** Waits until `is` holds of what was heard; its value. */
+  async until(what, is) {
+    const deadline = Date.now() + PATIENCE_MS;
+    for (;;) {
+      const value = is(this);
+      if (value) return value;
+      let wake;
+      const heard = new Promise((done) => this.#waiting.add((wake = done)));
+      const timer = setTimeout(wake, deadline - Date.now());
+      await heard;
+      clearTimeout(timer);
+      this.#waiting.delete(wake);
+      assert(Date.now() < deadline, `never heard: ${what}; ${this}`);
+    }
+  }
+
+  robot(id) {
+    return this.snapshot?.robots.find((robot) => robot.id === id);
+  }
+
+  reading(robot, name) {
+    return this.details.get(robot)?.readings.find((reading) => reading.name === name);
+  }
+
+  /** Where a robot is. */
+  pose(id) {
+    return this.robot(id)?.legs[0]?.from;
+  }
+
+  toString() {
+    const { t_s, state, speed, robots } = this.snapshot ?? {};
+    const last = this.events.slice(-5).map(({ kind, text }) => `${kind} ${text}`);
+    const refused = this.answers.filter((answer) => answer.refused !== null);
+    return JSON.stringify({ t_s, state, speed, robots, last, refused });
+  }
+
+  #hear(message) {
+    switch (message.type) {
+      case "welcome":
+        this.welcomes.push(message);
+        break;
+      case "scene":
+        if (message.run !== this.scene?.run) this.events = [];
+        this.scene = message;
+        break;
+      case "snapshot":
+        this.snapshot = message;
+        break;
+      case "detail":
+        this.details.set(message.robot, { ...message, lcd: message.lcd ?? this.details.get(message.robot)?.lcd });
+        break;
+      case "events":
+        this.events.push(...message.events);
+        break;
+      case "build":
+        this.builds.push(message);
+        break;
+      case "answer":
+        this.answers.push(message);
+        break;
+    }
+    for (const wake of this.#waiting) wake();
+  }
+}
+
+/** A page of its own, with what it hears. */
+export async function open(browser, url, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1000, height: 700 }, ...options });
+  context.setDefaultTimeout(PATIENCE_MS);
+  const page = await context.newPage();
+  const heard = new Heard(page);
+  await page.goto(url);
+  return { page, heard, control: (testid) => page.getByTestId(testid), close: () => context.close() };
+}
+
+/** Opens sections that are folded. */
+export async function unfold(page, ...testids) {
+  for (const testid of testids) await page.getByTestId(testid).evaluate((section) => (section.open = true));
+}
+
+/** A running `eyesim`; the binary is that of the variable `EYESIM`. */
+export class Eyesim {
+  output = "";
+
+  static async start(args, options = {}) {
+    const eyesim = new Eyesim();
+    eyesim.child = spawn(process.env.EYESIM, args, { stdio: ["ignore", "pipe", "pipe"], ...options });
+    eyesim.ended = once(eyesim.child, "exit");
+    const address = new Promise((done, fail) => {
+      const hear = (data) => {
+        eyesim.output += data;
+        const found = eyesim.output.match(/https?:\/\/[\w.:[\]-]+\/(#token=\w+)?/);
+        if (found) done(found[0]);
+      };
+      eyesim.child.stdout.on("data", hear);
+      eyesim.child.stderr.on("data", hear);
+      eyesim.ended.then(([code]) => fail(new Error(`eyesim ended with ${code}:\n${eyesim.output}`)));
+    });
+    eyesim.url = await address;
+    return eyesim;
+  }
+
+  get port() {
+    return new URL(this.url).port;
+  }
+
+  /** Ends it, as Ctrl+C does. */
+  async stop() {
+    if (this.child.exitCode === null && this.child.signalCode === null) this.child.kill("SIGINT");
+    await this.ended;
+  }
+}

@@ -1,0 +1,176 @@
+// Panels, with a server that says what is hard to provoke with the real one.
+
+import assert from "node:assert/strict";
+import { after, before, beforeEach, afterEach, test } from "node:test";
+import { launch, open, skip, unfold } from "./browser.mjs";
+import { detail, events, Mock, snapshot } from "./mock.mjs";
+
+let browser, mock, page, control, heard, close;
+
+if (!skip) {
+  before(async () => (browser = await launch()));
+  after(() => browser.close());
+  beforeEach(async () => {
+    mock = await Mock.open();
+    ({ page, control, heard, close } = await open(browser, mock.url));
+    await heard.until("a snapshot", ({ snapshot }) => snapshot);
+  });
+  afterEach(async () => {
+    await close();
+    mock.close();
+    assert.deepEqual(heard.errors, []);
+  });
+}
+
+const texts = (locator) => locator.allTextContents();
+
+test("20,000 events are no problem", { skip }, async () => {
+  for (let from = 1; from <= 20_000; from += 1000) mock.send({ type: "events", ...events(1000, from) });
+  const last = page.locator("#events-20000");
+  await last.waitFor();
+  assert((await control("events").locator("[role=option]").count()) < 60, "only lines in sight are elements");
+  assert.match(await control("events-count").textContent(), /^20000 of 20000 events$/);
+  await control("events").press("Home");
+  await page.locator("#events-1").waitFor();
+  await control("events-kind").selectOption("contact");
+  await control("events-robot").selectOption("1");
+  const shown = control("events").locator("[role=option]").first();
+  await page.waitForFunction(() => document.querySelector("[data-testid=events] [role=option]")?.dataset.kind === "contact");
+  assert.match(await shown.textContent(), /eve contact/);
+  await control("events-words").fill("event 19945");
+  await page.waitForFunction(() => document.querySelector("[data-testid=events-count]").textContent.startsWith("1 of 20000"));
+});
+
+test("an event jumps to its robot", { skip }, async () => {
+  mock.send({ type: "events", ...events(8) });
+  await control("events").press("Home");
+  await control("events").press("ArrowDown");
+  await control("events").press("Enter");
+  await mock.request(({ type, robot }) => type === "look" && robot === 2);
+  assert.equal(await control("robot-2").getAttribute("aria-selected"), "true");
+});
+
+test("what the compiler says stays until it is built", { skip }, async () => {
+  assert(await control("build").isHidden());
+  mock.send({ type: "build", state: "failed", output: "drive.c:3: error: expected `;` <b>\n" });
+  await control("build").waitFor();
+  assert.equal(await control("build-output").textContent(), "drive.c:3: error: expected `;` <b>\n");
+  mock.send({ type: "build", state: "running" });
+  await control("build-output").waitFor({ state: "hidden" });
+  mock.send({ type: "build", state: "done" });
+  await control("build").waitFor({ state: "hidden" });
+});
+
+test("a refusal is a notice with its reason", { skip }, async () => {
+  mock.answers = () => "the run is over";
+  await control("step").click();
+  await control("notice").waitFor();
+  assert.match(await control("notice").textContent(), /the run is over/);
+  await control("close-notice").click();
+  await control("notice").waitFor({ state: "detached" });
+});
+
+test("curves are drawn, zoomed, and saved as SVG and CSV", { skip }, async () => {
+  const send = (from, to) => {
+    for (let slot = from; slot < to; slot++) {
+      mock.send({ type: "snapshot", ...snapshot(slot / 20) });
+      mock.send({ type: "detail", ...detail(1, slot / 20) });
+    }
+  };
+  send(1, 41);
+  for (const name of ["PSD_FRONT", "PSD_LEFT", "true heading"]) await page.getByLabel(`Plot ${name}`, { exact: true }).check();
+  await control("plot").locator("canvas").waitFor();
+  const ink = () =>
+    control("plot").locator("canvas").evaluate((canvas) => {
+      const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+      const colours = new Set();
+      for (let at = 0; at < data.length; at += 4) if (data[at + 3] === 255) colours.add(data.slice(at, at + 3).join());
+      return colours.size;
+    });
+  await page.waitForFunction(() => document.querySelector("[data-testid=plot]").getAttribute("aria-label").includes("true heading"));
+  assert((await ink()) >= 3, "each curve has its colour");
+
+  const download = async (button) => {
+    const [file] = await Promise.all([page.waitForEvent("download"), control(button).click()]);
+    const parts = [];
+    for await (const part of await file.createReadStream()) parts.push(part);
+    return Buffer.concat(parts).toString();
+  };
+  const rows = (await download("plot-csv")).trim().split("\n");
+  assert.equal(rows[0], "t_s,PSD_FRONT (mm),PSD_LEFT (mm),true heading (°)");
+  assert.equal(rows.length, 41);
+  const [t_s, front] = rows[20].split(",").map(Number);
+  assert.equal(t_s, 1);
+  assert(Math.abs(front - (300 + 200 * Math.sin(1))) < 1e-9);
+  const svg = await download("plot-svg");
+  assert.equal(svg.match(/<path fill="none"/g).length, 6, "three curves and their keys");
+  await control("plot-in").click();
+  assert((await download("plot-csv")).trim().split("\n").length < 30);
+
+  await control("plot-pause").click();
+  await control("plot-clear").click();
+  assert.equal((await download("plot-csv")).trim(), "t_s");
+});
+
+test("error models: by slider, by number, for all, and back", { skip }, async () => {
+  await unfold(page, "noise-panel");
+  mock.send({ type: "detail", ...detail(1, 1) });
+  await page.locator("[data-group=psd] > summary").click();
+  const asked = (value, robot = 1) =>
+    mock.request(({ command }) => {
+      const action = command?.action;
+      return action?.do === "set_noise" && action.robot === robot && Math.abs(action.value - value) < 1e-9;
+    });
+  await control("noise-psd.sigma_mm").fill("7.5");
+  await control("noise-psd.sigma_mm").press("Enter");
+  assert.equal((await asked(7.5)).command.action.parameter, "psd.sigma_mm");
+  await control("noise-slider-psd.dropout").press("End");
+  assert.equal((await asked(1)).command.action.parameter, "psd.dropout");
+  await control("noise-whom").selectOption("all");
+  await control("noise-psd.sigma_mm").fill("9");
+  await control("noise-psd.sigma_mm").press("Enter");
+  await asked(9, null);
+  await control("noise-whom").selectOption("this");
+  const changed = detail(1, 2);
+  changed.noise[0].value = 9;
+  mock.send({ type: "detail", ...changed });
+  await page.waitForFunction(() => document.querySelector("[data-testid='noise-psd.sigma_mm']").value === "9");
+  await control("noise-reset").click();
+  assert.equal((await asked(2)).command.action.parameter, "psd.sigma_mm");
+});
+
+test("a page of another version says so", { skip }, async () => {
+  mock.welcome = { ...mock.welcome, protocol: 99, version: "9.9.9" };
+  mock.cut();
+  await control("banner").getByText("version").waitFor();
+  assert.match(await control("banner-text").textContent(), /9\.9\.9/);
+});
+
+test("a page that may only watch says so and offers nothing", { skip }, async () => {
+  mock.welcome = { ...mock.welcome, may_act: false };
+  mock.cut();
+  await control("banner").getByText("watching").waitFor();
+  for (const testid of ["run-pause", "step", "speed", "restart", "restart-new", "key1"]) {
+    assert(await control(testid).isDisabled(), testid);
+    assert.match(await control(testid).getAttribute("title"), /only watches/);
+  }
+});
+
+test("the help lists the keys and gives the focus back", { skip }, async () => {
+  await control("robots").focus();
+  await page.keyboard.press("?");
+  await control("help").waitFor();
+  const keys = await texts(control("help").locator("dt"));
+  for (const key of ["Space", ".", "1", "?"]) assert(keys.includes(key), `${key} in ${keys}`);
+  await page.keyboard.press("Escape");
+  await control("help").waitFor({ state: "hidden" });
+  assert(await control("robots").evaluate((list) => list === document.activeElement));
+});
+
+test("the page fits in 320 pixels, as at 400 % zoom", { skip }, async () => {
+  await page.setViewportSize({ width: 320, height: 600 });
+  mock.send({ type: "detail", ...detail(2, 1) });
+  await unfold(page, "noise-panel", "edit-panel", "save-panel", "calls-panel", "sensors-panel");
+  const [room, needed] = await page.evaluate(() => [innerWidth, document.documentElement.scrollWidth]);
+  assert(needed <= room, `${needed} pixels wide in ${room}`);
+});
