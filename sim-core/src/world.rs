@@ -20,7 +20,7 @@ use crate::{
     contact::{Body, TOUCH, Thing},
     drive::{HISTORY, Leg, Motion},
     object::{Properties, State, cast_disc},
-    pose::{PlaceError, Pose},
+    pose::{PlaceError, Pose, Twist},
     radio::{Channel, Loss, Model},
     scene::{Bounds, Hit, Moving, Walls},
     time::Time,
@@ -74,6 +74,19 @@ pub struct Contact {
     pub with: Thing,
     /// The touched point, in the world.
     pub point: DVec2,
+}
+
+/// A stretch of a robot's public motion: constant rates, then rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// When it starts.
+    pub start: Time,
+    /// Pose of the robot's centre then.
+    pub from: Pose,
+    /// Twist of its centre, in its own frame.
+    pub twist: Twist,
+    /// Seconds from the start until it comes to rest; may be infinite.
+    pub after: f64,
 }
 
 /// The static walls and the public trajectories of all robots, for the present slot and the 100 ms before.
@@ -289,6 +302,22 @@ impl World {
     /// A robot that asks for itself has the truth in [`Motion::pose`].
     pub fn robot_pose(&self, robot: RobotId, at: Time) -> Pose {
         self.tracks[robot.index()].pose(at)
+    }
+
+    /// How a robot moves in the present slot, as far as that is public: at least one stretch, in the order of time, of which the
+    /// first holds at the slot's start.
+    pub fn stretches(&self, robot: RobotId) -> impl Iterator<Item = Stretch> {
+        let legs = self.tracks[robot.index()].legs();
+        // A leg without an end is the last one.
+        let first = legs.iter().position(|leg| leg.until > self.now).unwrap_or(legs.len() - 1);
+        let in_slot =
+            legs[first..].iter().enumerate().take_while(|(index, leg)| *index == 0 || leg.start < self.slot_end());
+        in_slot.map(|(_, leg)| Stretch {
+            start: leg.start,
+            from: leg.pose(leg.start),
+            twist: leg.path.twist,
+            after: leg.after,
+        })
     }
 
     /// What a ray from `origin` along the unit vector `direction` meets first within `range` metres at the instant `at`: a

@@ -9,3 +9,4 @@ pub mod record;
 pub mod robios;
 pub mod scenery;
 pub mod setup;
+pub mod window;

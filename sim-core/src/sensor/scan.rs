@@ -98,6 +98,19 @@ impl Scan {
         bearing(self.rays.len() as u32, self.spacing, ray)
     }
 
+    /// Height of the scanner above the floor where it sits on the body, m.
+    pub fn height(&self) -> f64 {
+        self.slope.height
+    }
+
+    /// Direction of ray `ray` in the sensor's frame, a unit vector: x along the line of sight, z up.
+    ///
+    /// # Panics
+    /// If there is no such ray.
+    pub fn direction(&self, ray: u32) -> DVec3 {
+        DVec3::from((self.rays[ray as usize] * self.cos_tilt, self.sin_tilt))
+    }
+
     /// What each ray of the scanner of robot `by`, whose centre is at `world_from_robot` at the instant `at`, measures:
     /// metres along the ray to what it meets first, `None` when nothing lies within range. All rays belong to one instant.
     ///

@@ -192,6 +192,11 @@ impl Run {
         self.programs[id.index()].as_ref()
     }
 
+    /// True for a robot that has a program, be it over.
+    pub fn has_program(&self, id: RobotId) -> bool {
+        self.program(id).is_some()
+    }
+
     /// The robots that have a program.
     pub fn ids_with_program(&self) -> impl Iterator<Item = RobotId> {
         self.with_program.iter().copied()

@@ -135,6 +135,20 @@ fn waits_in_words(robot: &mut Robot, program: &RobotProgram, finish: &Finish<'_>
     words.collect::<Vec<_>>().join("; ")
 }
 
+/// What the tasks of a robot wait for while it runs, in words without places: `waits for KEY4 since 2.310 s`; empty where one of
+/// them does not wait.
+pub fn waits_now(robot: &Robot) -> String {
+    if !robot.tasks.are_waiting() {
+        return String::new();
+    }
+    let waits: Vec<_> = robot.tasks.iter().filter_map(|task| Some((task.number, task.waiting.as_ref()?))).collect();
+    let words = waits.iter().map(|(task, waiting)| {
+        let words = format!("waits for {} since {}", waiting.waits_for, waiting.since);
+        if waits.len() == 1 { words } else { format!("{} {words}", robot.tasks.name(*task)) }
+    });
+    words.collect::<Vec<_>>().join("; ").replace("waits for to be", "waits to be")
+}
+
 /// What each task of RoBIOS 6 waits for: `` task `left` waits for semaphore 2 (made at deadlock.c:12), last passed by task `right`
 /// (deadlock.c:31), since 0.500 s at deadlock.c:20; ... ``.
 pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: Senders) -> String {

@@ -9,7 +9,7 @@ pub mod event;
 pub mod frame;
 pub mod journal;
 pub mod log;
-mod png;
+pub mod png;
 pub mod recorder;
 pub mod report;
 pub mod trace;

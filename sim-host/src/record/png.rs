@@ -10,6 +10,11 @@ pub fn colour(size: [u32; 2], bytes: &[u8]) -> Vec<u8> {
     encode(size, ColorType::Rgb, BitDepth::Eight, None, bytes)
 }
 
+/// Red, green, blue and opacity of each pixel.
+pub fn colour_and_opacity(size: [u32; 2], bytes: &[u8]) -> Vec<u8> {
+    encode(size, ColorType::Rgba, BitDepth::Eight, None, bytes)
+}
+
 /// A level of each pixel.
 pub fn grey(size: [u32; 2], bytes: &[u8]) -> Vec<u8> {
     encode(size, ColorType::Grayscale, BitDepth::Eight, None, bytes)

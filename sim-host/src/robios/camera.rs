@@ -13,7 +13,7 @@ use robios_sys::{OutFloats, OutInts};
 use sim_core::RobotId;
 use sim_core::camera::{Camera as Renderer, Label, Lens, Picture, Scenery, View, ViewError};
 use sim_core::drive::HISTORY;
-use sim_core::format::{JointSpec, RobiSpec};
+use sim_core::format::{CameraSpec, JointSpec, RobiSpec};
 use sim_core::math;
 use sim_core::noise::{ImageErrors, Profile};
 use sim_core::pose::Pose3;
@@ -39,7 +39,7 @@ pub const READ_OUT: Time = Time(16_667);
 pub const DEFAULT_SIZE: [u32; 2] = [320, 240];
 
 /// The camera among the devices of its robot, whose errors are drawn by this name.
-const NAME: &str = "CAMERA";
+pub const NAME: &str = "CAMERA";
 
 /// The camera of a robot.
 #[derive(Default)]
@@ -253,10 +253,15 @@ pub fn view(robot: &mut Robot, at: Time, size: Option<[u32; 2]>) -> Result<View,
     let Robot { motion, spec, devices, .. } = robot;
     let camera = spec.camera.as_ref().ok_or_else(|| NoImage::NoCamera(spec.file.clone()))?;
     let setting = devices.camera.setting.unwrap_or_default();
-    let [pan, tilt] = [&camera.pan, &camera.tilt].map(|joint| angle(joint, spec, &devices.servos, at));
-    let robot_from_camera = Pose3::from_angles(camera.position, 0.0, tilt, pan);
+    let robot_from_camera = mount(spec, camera, &devices.servos, at);
     let world_from_camera = Pose3::from_planar(&motion.pose(at), 0.0).then(&robot_from_camera);
     Ok(View::new(world_from_camera, zoomed(camera.lens, setting.zoom), size.unwrap_or(setting.size))?)
+}
+
+/// Pose of the camera of a robot of this type in the robot's frame, as its servos hold it just before `at`.
+pub fn mount(spec: &RobiSpec, camera: &CameraSpec, servos: &Servos, at: Time) -> Pose3 {
+    let [pan, tilt] = [&camera.pan, &camera.tilt].map(|joint| angle(joint, spec, servos, at));
+    Pose3::from_angles(camera.position, 0.0, tilt, pan)
 }
 
 /// Rays per side of a pixel.

@@ -4,11 +4,28 @@
 
 use robios_sys::Robios6Call as Call;
 use robios_sys::robios6::hdt_type::HDT_IR;
+use sim_core::format::InfraredSpec;
+use sim_core::pose::Pose3;
 use sim_core::sensor::{Beam, Mount};
+use sim_core::time::Time;
 use sim_core::world::World;
 
+use super::range::Sight;
 use super::robot::Robot;
 use crate::record::Event;
+
+/// Where each infrared sensor of the robot looks from at `at`, in the world, and how far away what it sees is.
+pub fn sights(robot: &mut Robot, world: &World, at: Time) -> Vec<Sight> {
+    let world_from_robot = robot.motion.pose(at);
+    let sight = |infrared: &InfraredSpec| {
+        let mount = Mount::new(infrared.position.x, infrared.position.y, infrared.angle);
+        let beam = Beam { mount, range: infrared.range };
+        let world_from_sensor =
+            Pose3::from_planar(&world_from_robot.compose(&mount.robot_from_sensor), infrared.position.z);
+        Sight { world_from_sensor, reach: beam.range, distance: beam.distance(world, robot.id, &world_from_robot, at) }
+    };
+    robot.spec.infrareds.iter().map(sight).collect()
+}
 
 /// `IRInit`
 pub fn init(robot: &mut Robot, semantics: i32) -> i32 {

@@ -6,8 +6,10 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use glam::DVec3;
 use robios_sys::robios7::MAX_LIDAR_POINTS;
 use robios_sys::{OutInts, Robios6Call as Call6, Robios7Call as Call};
+use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::Devices;
@@ -23,6 +25,26 @@ use crate::record::Event;
 pub struct Lidar {
     /// Its rays, once a scan was set or taken.
     scanner: Option<Scanner>,
+}
+
+/// Where the robot's scanner is at `at`, in the world, and the points that it would measure then without errors; `None` where it
+/// has no scanner.
+pub fn points(robot: &mut Robot, world: &World, at: Time) -> Option<(DVec3, Vec<DVec3>)> {
+    let Robot { spec, motion, devices, .. } = robot;
+    let lidar = spec.lidar.as_ref()?;
+    let as_described;
+    let scanner = match &devices.lidar.scanner {
+        Some(scanner) => scanner,
+        None => {
+            as_described = Scanner::new(spec, lidar, [lidar.sweep, lidar.tilt], lidar.points);
+            &as_described
+        }
+    };
+    let (world_from_scanner, distances) = devices.ranges.exact_scan(scanner, &devices.servos, motion, world, at);
+    let point = |(ray, distance): (u32, Option<f64>)| {
+        Some(world_from_scanner.transform_point(scanner.fan().direction(ray) * distance?))
+    };
+    Some((world_from_scanner.position, (0..).zip(distances).filter_map(point).collect()))
 }
 
 /// `LIDARGet`

@@ -23,7 +23,7 @@ mod hdt;
 pub mod hint;
 pub mod image;
 mod image7;
-mod ir;
+pub mod ir;
 pub mod irtv;
 pub mod key;
 pub mod latch;

@@ -44,6 +44,17 @@ const NOTHING: Reading = Reading { distance: None, signal: 0.0 };
 /// A laser scanner measures when it is told to.
 const SCAN: Time = Time(1);
 
+/// What a sensor looks at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// Its pose: x is where it looks.
+    pub world_from_sensor: Pose3,
+    /// How far it sees, m.
+    pub reach: f64,
+    /// The distance that it would read, m; `None` for nothing.
+    pub distance: Option<f64>,
+}
+
 /// A laser scanner of a robot.
 #[derive(Clone, Debug)]
 pub enum Scanner {
@@ -95,6 +106,44 @@ impl Ranges {
         errors.map_or(reading, |(errors, _)| errors.reading_of(event, at, &sensor.model, reading))
     }
 
+    /// Where each sensor looks from at `at`, in the world, and what it would read without errors.
+    pub fn sights(&self, servos: &Servos, motion: &mut Motion, world: &World, at: Time) -> Vec<Sight> {
+        let angles = self.all_angles(servos, at);
+        let posture = Posture { world_from_robot: motion.pose(at), links: &self.links, angles: &angles };
+        let sight = |sensor: &RangeSensor| {
+            let Reading { distance, signal } = sensor.read(world, motion.id(), &posture, at, 0.0);
+            let world_from_sensor = sensor.world_from_sensor(&posture);
+            Sight { world_from_sensor, reach: sensor.model.limits()[1], distance: distance.filter(|_| signal > 0.0) }
+        };
+        self.sensors.iter().map(sight).collect()
+    }
+
+    /// Where the scanner looks from at `at`, in the world, and what each of its rays would measure without errors.
+    pub fn exact_scan(
+        &self,
+        scanner: &Scanner,
+        servos: &Servos,
+        motion: &mut Motion,
+        world: &World,
+        at: Time,
+    ) -> (Pose3, Vec<Option<f64>>) {
+        let world_from_robot = motion.pose(at);
+        match scanner {
+            Scanner::Level(scan) => {
+                let planar = world_from_robot.compose(&scan.mount().robot_from_sensor);
+                let distances = scan.distances(world, motion.id(), &world_from_robot, at);
+                (Pose3::from_planar(&planar, scan.height()), distances)
+            }
+            Scanner::InSpace { scan, mount, link } => {
+                let angles = self.angles(*link, servos, at);
+                let posture = Posture { world_from_robot, links: &self.links, angles: &angles };
+                let world_from_scanner = posture.world_from(mount, *link);
+                let distances = scan.distances_from(world, motion.id(), &world_from_scanner, at);
+                (world_from_scanner, distances)
+            }
+        }
+    }
+
     /// What the rays of the scanner measure at `at`, in metres from left to right; `None` for nothing within range.
     pub fn scan(
         &self,
@@ -104,15 +153,7 @@ impl Ranges {
         world: &World,
         at: Time,
     ) -> Vec<Option<f64>> {
-        let world_from_robot = motion.pose(at);
-        let exact = match scanner {
-            Scanner::Level(scan) => scan.distances(world, motion.id(), &world_from_robot, at),
-            Scanner::InSpace { scan, mount, link } => {
-                let angles = self.angles(*link, servos, at);
-                let posture = Posture { world_from_robot, links: &self.links, angles: &angles };
-                scan.distances_from(world, motion.id(), &posture.world_from(mount, *link), at)
-            }
-        };
+        let (_, exact) = self.exact_scan(scanner, servos, motion, world, at);
         let Some(errors) = &self.errors else { return exact };
         let mut erring = errors.lidar.scan(Events::index(at, SCAN), at, [0.0, scanner.fan().range()]);
         exact.into_iter().map(|point| erring.point(point)).collect()
@@ -120,9 +161,13 @@ impl Ranges {
 
     /// Angles of all servos just before `at`; none where nothing asks for them.
     fn angles(&self, link: Option<usize>, servos: &Servos, at: Time) -> Vec<f64> {
-        let count = if link.is_some() { self.swings.len() } else { 0 };
+        if link.is_some() { self.all_angles(servos, at) } else { Vec::new() }
+    }
+
+    /// Angles of all servos just before `at`, rad.
+    pub fn all_angles(&self, servos: &Servos, at: Time) -> Vec<f64> {
         let angle = |(index, swing): (usize, &[f64; 2])| servos.angle_before(index, *swing, at);
-        self.swings[..count].iter().enumerate().map(angle).collect()
+        self.swings.iter().enumerate().map(angle).collect()
     }
 }
 

@@ -1,0 +1,34 @@
+//! The window of a run: what pages see of it, and what becomes of what they ask for.
+//!
+//! [`scene`], [`snapshot`] and [`detail`] fill the protocol of `sim_view` from a run at rest between two slots; [`feed`] tells what
+//! happens. Watching draws no random number and changes nothing.
+#![forbid(unsafe_code)]
+
+mod device;
+pub mod scene;
+pub mod snapshot;
+mod surface;
+
+use base64::Engine as _;
+use base64::prelude::BASE64_STANDARD;
+use glam::DQuat;
+use sim_core::pose::{Pose, Pose3};
+use sim_view::protocol;
+
+/// A file of PNG as the address of an image.
+fn png_url(file: &[u8]) -> String {
+    format!("data:image/png;base64,{}", BASE64_STANDARD.encode(file))
+}
+
+/// A pose in space as pages get it.
+fn point(pose: &Pose3) -> protocol::Point {
+    protocol::Point {
+        position_m: pose.position.to_array(),
+        rotation: DQuat::from_mat3(&pose.rotation).normalize().to_array(),
+    }
+}
+
+/// A pose in the plane as pages get it.
+fn planar(pose: &Pose) -> protocol::Pose {
+    protocol::Pose { x_m: pose.position.x, y_m: pose.position.y, phi_rad: pose.heading.radians() }
+}

@@ -1,0 +1,155 @@
+//! What there is to see in a run.
+
+use std::path::Path;
+
+use glam::DVec2;
+use sim_core::build;
+use sim_core::camera::{self, Label, Place, Scenery};
+use sim_core::format::{ObjectSpec, RobotSpec, SceneSpec};
+use sim_core::time::Time;
+use sim_core::{ObjectId, RobotId};
+use sim_view::protocol::{self, Body, Lcd, Part};
+
+use super::surface::Surfaces;
+use super::{device, point};
+use crate::robios::lcd;
+
+/// A run, as far as it does not change with every slot.
+pub struct Subject<'a> {
+    /// Number of the run since the window was opened, from 1.
+    pub run: u32,
+    /// Seed of the run.
+    pub seed: u64,
+    /// Length of a slot.
+    pub slot: Time,
+    /// Its scene.
+    pub spec: &'a SceneSpec,
+    /// What its cameras see.
+    pub scenery: &'a Scenery,
+    /// The robots that are in the world, in order of their ids, and whether each has the display of RoBIOS-7.
+    pub robots: Vec<(&'a RobotSpec, bool)>,
+    /// The movable objects that are in the world, in order of their ids.
+    pub objects: Vec<(ObjectId, &'a ObjectSpec)>,
+    /// What can be added.
+    pub workshop: protocol::Workshop,
+}
+
+impl Subject<'_> {
+    /// The scene as pages get it.
+    pub fn scene(&self) -> protocol::Scene {
+        let mut surfaces = Surfaces::default();
+        let parts = self.scenery.parts().iter().filter(|part| self.has(part.place));
+        let parts = parts.map(|part| Part { mesh: surfaces.mesh(&part.mesh), place: place(part) }).collect();
+        let ground = self.scenery.ground().map(|ground| ground_of(ground, &mut surfaces));
+        let camera::Light { towards, ambient, fill, diffuse, shadows } = *self.scenery.light();
+        let camera::Sky { horizon, zenith } = *self.scenery.sky();
+        protocol::Scene {
+            run: self.run,
+            title: title(self.spec),
+            seed: self.seed.to_string(),
+            slot_s: self.slot.seconds(),
+            bounds_m: self.bounds().map(|corner| corner.to_array()),
+            parts,
+            ground,
+            light: protocol::Light { towards: towards.to_array(), ambient: ambient + fill, diffuse, shadows },
+            sky: protocol::Sky { horizon, zenith },
+            robots: self.robots.iter().map(|(robot, has_colours)| robot_of(robot, *has_colours)).collect(),
+            objects: self.objects.iter().map(|(id, object)| object_of(*id, object)).collect(),
+            workshop: self.workshop.clone(),
+            images: surfaces.images,
+            meshes: surfaces.meshes,
+        }
+    }
+
+    fn has(&self, place: Place) -> bool {
+        match place {
+            Place::Fixed(_) => true,
+            Place::Robot(id) => self.robots.iter().any(|(robot, _)| robot.id == id),
+            Place::Object(id) => self.objects.iter().any(|(object, _)| *object == id),
+        }
+    }
+
+    /// Lower left and upper right corner of the floor, the walls, and what stands there.
+    fn bounds(&self) -> [DVec2; 2] {
+        let (low, high) = self.spec.world.bounds();
+        let discs = self.robots.iter().map(|(robot, _)| (robot.start.position, 0.5 * robot.robi.diameter));
+        let objects = self.objects.iter().map(|(_, object)| (object.pose.position, body_of(object).radius_m));
+        let discs = discs.chain(objects).flat_map(|(centre, radius)| [centre - radius, centre + radius]);
+        let terrain = self.spec.world.terrain.iter().filter_map(|terrain| terrain.mesh.as_ref()?.bounds());
+        let terrain = terrain.flat_map(|(low, high)| [low.truncate(), high.truncate()]);
+        let all = discs.chain(terrain).fold([low, high], |[low, high], point| [low.min(point), high.max(point)]);
+        // An empty scene has room to look at.
+        if (all[1] - all[0]).min_element() > 0.0 { all } else { [all[0] - 1.0, all[1] + 1.0] }
+    }
+}
+
+/// The name of a scene without folders and extension.
+pub fn title(spec: &SceneSpec) -> String {
+    let name = Path::new(&spec.file).file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let known = [".scene.toml", ".toml", ".sim"].into_iter().find_map(|extension| name.strip_suffix(extension));
+    known.map(str::to_owned).unwrap_or(name)
+}
+
+fn place(part: &camera::Part) -> protocol::Place {
+    match part.place {
+        Place::Robot(RobotId(robot)) => protocol::Place::Robot { robot },
+        Place::Object(ObjectId(object)) => protocol::Place::Object { object },
+        Place::Fixed(pose) => {
+            let what = match part.label {
+                Label::Wall(_) => "wall",
+                Label::Ground => "terrain",
+                _ => "object",
+            };
+            protocol::Place::World { what: what.to_owned(), at: point(&pose) }
+        }
+    }
+}
+
+fn ground_of(ground: &camera::Ground, surfaces: &mut Surfaces) -> protocol::Ground {
+    let floor = ground.floor.as_ref().map(|floor| protocol::Floor {
+        size_m: floor.size.to_array(),
+        colour: floor.colour,
+        image: floor.texture.as_ref().map(|texture| surfaces.image(texture)),
+    });
+    let spot = |spot: &camera::Spot| protocol::Spot {
+        centre_m: spot.centre.to_array(),
+        radius_m: spot.radius,
+        colour: spot.colour,
+    };
+    protocol::Ground { colour: ground.colour, floor, spots: ground.spots.iter().map(spot).collect() }
+}
+
+/// Height of a robot's body of which nothing says how high it is.
+const ROBOT_HEIGHT: f64 = 0.15;
+
+fn robot_of(robot: &RobotSpec, has_colours: bool) -> protocol::Robot {
+    let robi = &robot.robi;
+    let top = robi.colliders.iter().map(|collider| collider.top()).fold(0.0, f64::max);
+    let size_px = if has_colours {
+        [robi.lcd.width, robi.lcd.height].map(u32::from)
+    } else {
+        [lcd::WIDTH, lcd::HEIGHT].map(|side| side as u32)
+    };
+    protocol::Robot {
+        id: robot.id.0,
+        name: robi.name.clone(),
+        kind: robi.name.clone(),
+        program: robot.program_name().to_owned(),
+        colour: build::ROBOT_COLOURS[robot.id.index() % build::ROBOT_COLOURS.len()],
+        body: Body { radius_m: 0.5 * robi.diameter, height_m: if top > 0.0 { top } else { ROBOT_HEIGHT } },
+        sensors: device::sensors(robi),
+        camera: device::camera(robi),
+        lcd: Lcd { size_px, has_colours },
+    }
+}
+
+fn object_of(id: ObjectId, object: &ObjectSpec) -> protocol::Object {
+    protocol::Object { id: id.0, kind: object.kind.name.clone(), body: body_of(object) }
+}
+
+fn body_of(object: &ObjectSpec) -> Body {
+    let colliders = &object.kind.colliders;
+    let reach = colliders.iter().map(|collider| collider.reach()).fold(0.0, f64::max);
+    let top = colliders.iter().map(|collider| collider.top()).fold(0.0, f64::max);
+    Body { radius_m: reach, height_m: top }
+}

@@ -1,0 +1,89 @@
+//! Where everything is at the start of a slot.
+
+use sim_core::time::Time;
+use sim_core::world::{Stretch, World};
+use sim_core::{ObjectId, RobotId};
+use sim_view::protocol::{Beam, Leg, ObjectState, RobotState, Standing};
+
+use super::planar;
+use crate::executive::run::Run;
+use crate::executive::standing::waits_now;
+use crate::robios::ir;
+use crate::robios::range::Sight;
+use crate::robios::robot::{Ending, Robot};
+
+/// Most beams of a snapshot; those of the robots that are looked at come first.
+const MOST_BEAMS: usize = 1000;
+
+/// The robots of a run and how they stand.
+pub fn robots(run: &Run, world: &World, ids: impl Iterator<Item = RobotId>) -> Vec<RobotState> {
+    let at = world.slot_start();
+    let state = |id| {
+        let mut robot = run.robot(id);
+        let (standing, why) = standing(&robot, run.has_program(id));
+        let (now_s, is_stalled) = (robot.now.seconds(), robot.motion.is_stalled(at));
+        RobotState { id: id.0, legs: legs(world, id), standing, now_s, why, is_stalled }
+    };
+    ids.map(state).collect()
+}
+
+/// How the program of a robot stands, and why.
+fn standing(robot: &Robot, has_program: bool) -> (Standing, String) {
+    match &robot.ending {
+        _ if !has_program => (Standing::NoProgram, String::new()),
+        Some(Ending::Exited { code: 0 }) => (Standing::Finished, String::new()),
+        Some(Ending::Exited { code }) => (Standing::Failed, format!("exit code {code}")),
+        Some(Ending::Failed { reason } | Ending::Overdue { reason }) => (Standing::Failed, reason.clone()),
+        Some(Ending::Stopped) | None if !robot.tasks.are_waiting() => (Standing::Running, String::new()),
+        Some(Ending::Stopped) | None => (Standing::Waiting, waits_now(robot)),
+    }
+}
+
+/// How a robot moves to the end of the slot.
+fn legs(world: &World, id: RobotId) -> Vec<Leg> {
+    let end = world.slot_end();
+    let leg = |Stretch { start, from, twist, after }: Stretch| Leg {
+        t_s: start.seconds(),
+        from: planar(&from),
+        v_m_per_s: twist.vx,
+        left_m_per_s: twist.vy,
+        omega_rad_per_s: twist.omega,
+        lasts_s: after.min((end - start).seconds()),
+    };
+    world.stretches(id).map(leg).collect()
+}
+
+/// Where the movable objects are.
+pub fn objects(world: &World, ids: impl Iterator<Item = ObjectId>) -> Vec<ObjectState> {
+    let at = world.slot_start();
+    ids.map(|id| ObjectState { id: id.0, pose: planar(&world.object_pose(id, at)) }).collect()
+}
+
+/// What the range and infrared sensors of `ids` would measure without errors, in this order as far as there is room.
+pub fn beams(run: &Run, world: &World, ids: impl Iterator<Item = RobotId>) -> Vec<Beam> {
+    let at = world.slot_start();
+    let mut beams = Vec::new();
+    for id in ids {
+        let mut robot = run.robot(id);
+        let sights = sights(&mut robot, world, at);
+        if beams.len() + sights.len() > MOST_BEAMS {
+            break;
+        }
+        beams.extend((0..).zip(sights).map(|(sensor, sight)| beam(id, sensor, &sight)));
+    }
+    beams
+}
+
+/// What the sensors look at that come first among the robot's: ranges, then infrared.
+fn sights(robot: &mut Robot, world: &World, at: Time) -> Vec<Sight> {
+    let Robot { devices, motion, .. } = robot;
+    let mut sights = devices.ranges.sights(&devices.servos, motion, world, at);
+    sights.append(&mut ir::sights(robot, world, at));
+    sights
+}
+
+fn beam(RobotId(robot): RobotId, sensor: u32, sight: &Sight) -> Beam {
+    let from = sight.world_from_sensor.position;
+    let to = from + sight.world_from_sensor.forward() * sight.distance.unwrap_or(sight.reach);
+    Beam { robot, sensor, from_m: from.to_array(), to_m: to.to_array(), is_hit: sight.distance.is_some() }
+}
