@@ -76,6 +76,11 @@ impl Screen {
         Self::of(&Term::stderr(), std::io::stderr().is_terminal(), colour)
     }
 
+    /// A page of the window.
+    pub fn of_page() -> Self {
+        Self { is_terminal: false, width: DEFAULT_WIDTH, has_colour: false }
+    }
+
     fn of(term: &Term, is_terminal: bool, colour: Colour) -> Self {
         let variable = |name| std::env::var(name).unwrap_or_default();
         let is_terminal = is_terminal && variable("TERM") != "dumb";

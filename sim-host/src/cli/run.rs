@@ -14,10 +14,11 @@ use glam::DVec2;
 use parking_lot::Mutex;
 use sim_core::build;
 use sim_core::format::{
-    CostsRef, Diagnostic, Files, InputFile, Loaded, ObjectSpec, SceneSpec, Severity, decode, is_scene, load_scene_with,
+    CostsRef, Diagnostic, Files, InputFile, ObjectSpec, SceneSpec, Severity, decode, is_scene, load_scene_with,
 };
 use sim_core::pose::Pose;
 use sim_core::time::Time;
+use sim_core::world::World;
 
 use super::cc::parse_api;
 use super::diagnostic::{self, Colour, Format};
@@ -27,8 +28,9 @@ use super::progress::{Building, Counts, Progress};
 use super::table::{self, Screen};
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM, EXIT_USAGE, check};
 use crate::executive::conductor::End;
+use crate::executive::gate::Gate;
 use crate::executive::pace::Pace;
-use crate::executive::program::Exec;
+use crate::executive::program::{Exec, RobotProgram};
 use crate::executive::run::{Ended, Limits, Parts, RobotEnd, Run};
 use crate::executive::thread::ThreadExecutor;
 use crate::files::DiskFiles;
@@ -39,6 +41,7 @@ use crate::record::frame::{FrameFailures, Frames};
 use crate::record::report::{Input, ObjectReport, REPORT_SCHEMA, RobotReport};
 use crate::record::trace::{TraceHeader, TraceRobot};
 use crate::record::{Digest, Log, Outcome, Record, RecordError, Recorder, Report, Sink, Trace, Trails};
+use crate::robios::robot::Robot;
 use crate::scenery::LazyScenery;
 use crate::setup::{Debug, Programs, RobotOptions, build_world};
 
@@ -199,22 +202,51 @@ impl Ran {
 /// # Errors
 /// Files or arguments that are wrong, and what `check` finds.
 pub fn carry_out(args: &RunArgs, check: impl FnOnce(&SceneSpec) -> anyhow::Result<()>) -> anyhow::Result<Option<Ran>> {
-    ensure!(args.robot.is_none() || args.verbose, "--robot: it says whose calls are shown, and needs --verbose");
-    expect_scene(&args.sim)?;
-    let mut files = DiskFiles::of_environment();
-    let mut loaded = load_scene_with(&files.name(&args.sim), args.seed, &files);
-    if let Some(noise) = &args.noise {
-        give_noise(&mut loaded, noise, &mut files).context("--noise")?;
+    let built = Built::new(args, |scene| {
+        ensure!(!scene.robots.is_empty(), "`{}` has no robots: there is nothing to run", args.sim.display());
+        check(scene)
+    })?;
+    if built.programs.iter().next().is_none() {
+        eprintln!("no robot has a program, so no time passes: `--program FILE` gives them one");
     }
-    if let Some(CostsRef::Table(table)) = loaded.scene.run.costs.as_ref().filter(|_| args.costs.is_none()) {
-        loaded.diagnostics.extend(check::unknown_functions(table));
+    match built.load(args) {
+        Ok(ready) => ready.run(args, Company::of(args)).map(Some),
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            Ok(None)
+        }
     }
-    tell(&loaded.diagnostics, &loaded.inputs, args.strict)?;
-    let options = Options::new(args, &mut loaded.scene)?;
-    check(&loaded.scene)?;
-    let missing = check::missing_programs(&loaded.scene, Severity::Error, &*check::finder(&files, args.api)?);
-    tell(&missing, &loaded.inputs, args.strict)?;
-    simulate(args, options, files, loaded)
+}
+
+/// A scene whose programs have been built.
+pub struct Built {
+    options: Options,
+    scene: Arc<SceneSpec>,
+    scenery: Arc<LazyScenery>,
+    programs: Programs,
+    inputs: Vec<Input>,
+    frames: Option<Arc<Frames>>,
+    world: World,
+    robots: Vec<Robot>,
+}
+
+/// A run that can start.
+pub struct Ready {
+    built: Built,
+    programs: Vec<Option<RobotProgram>>,
+}
+
+/// Who takes part in a run beside its programs.
+#[derive(Default)]
+pub struct Company {
+    /// Who decides when it goes on.
+    pub gate: Option<Box<dyn Gate>>,
+    /// Who else wants to see its records.
+    pub sinks: Vec<Box<dyn Sink>>,
+    /// When it ends where neither the user nor the scene says it.
+    pub until: Option<Time>,
+    /// Where the messages of its programs and its progress go.
+    pub is_quiet: bool,
 }
 
 /// Shows what is wrong with the scene, and refuses to run it if it is an error or, when `strict`, anything.
@@ -225,9 +257,20 @@ pub(super) fn tell(diagnostics: &[Diagnostic], inputs: &[InputFile], strict: boo
     let screen = diagnostic::Screen::of_stderr(Colour::Auto);
     eprint!("{}", diagnostic::render(diagnostics, inputs, Format::Auto, screen)?);
     if check::is_rejected(diagnostics, strict) {
-        bail!("the scene is not run: {}", diagnostic::count(diagnostics));
+        let text = diagnostic::render(diagnostics, inputs, Format::Auto, diagnostic::Screen::of_page())?;
+        bail!(Rejected { count: diagnostic::count(diagnostics), text });
     }
     Ok(())
+}
+
+/// Why a scene is not run: what diagnostics say of it, of which the user has been told.
+#[derive(Debug, thiserror::Error)]
+#[error("the scene is not run: {count}")]
+pub struct Rejected {
+    /// How many there are.
+    pub count: String,
+    /// All of them.
+    pub text: String,
 }
 
 /// Refuses what is named in place of a scene, such as the program itself, before it is read as one.
@@ -250,89 +293,147 @@ fn expect_scene(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Builds, loads and runs the scene.
-fn simulate(args: &RunArgs, options: Options, files: DiskFiles, loaded: Loaded) -> anyhow::Result<Option<Ran>> {
-    let scene = &Arc::new(loaded.scene);
-    if scene.robots.is_empty() {
-        bail!("`{}` has no robots: there is nothing to run", args.sim.display());
-    }
-    let search = SearchPath {
-        sim_folder: Some(PathBuf::from(&scene.folder)),
-        working_folder: std::env::current_dir().context("no working folder")?,
-        folders: Vec::new(),
-        installation: files.home().map(PathBuf::from),
-    };
-    let programs = build_programs(args, scene, &search)?;
-    let mut inputs = inputs(&loaded.inputs, options.costs_input.as_ref(), &programs);
-    check_outputs(args, &inputs)?;
-    let frames = |folder: &PathBuf| {
-        let frames = Frames::create(folder, scene.robots.len());
-        frames.map(Arc::new).with_context(|| format!("--frames `{}`", folder.display()))
-    };
-    let frames = args.frames.as_ref().map(frames).transpose()?;
-    programs.remarks.iter().for_each(|remark| eprintln!("{remark}"));
-    if programs.iter().next().is_none() {
-        eprintln!("no robot has a program, so no time passes: `--program FILE` gives them one");
-    }
-    let loaded_programs = match programs.load(scene, args.exec, args.debug.as_ref()) {
-        Ok(loaded) => loaded,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            return Ok(None);
+impl Built {
+    /// Reads and builds what the arguments name, if `check` finds nothing wrong with the scene.
+    ///
+    /// # Errors
+    /// Files or arguments that are wrong, and what `check` finds; [`Rejected`] for what diagnostics say.
+    pub fn new(args: &RunArgs, check: impl FnOnce(&SceneSpec) -> anyhow::Result<()>) -> anyhow::Result<Self> {
+        ensure!(args.robot.is_none() || args.verbose, "--robot: it says whose calls are shown, and needs --verbose");
+        expect_scene(&args.sim)?;
+        let mut files = DiskFiles::of_environment();
+        let mut loaded = load_scene_with(&files.name(&args.sim), args.seed, &files);
+        if let Some(noise) = &args.noise {
+            give_noise(&mut loaded, noise, &mut files).context("--noise")?;
         }
-    };
-    let scenery = Arc::new(LazyScenery::new(Arc::clone(scene), files, loaded.diagnostics, loaded.inputs));
-    let robot_options = RobotOptions {
-        seed: options.seed,
-        slot: options.slot,
-        keys: &options.keys,
-        may_execute: args.allow_execute,
-        is_verbose: args.verbose,
-        scenery: Arc::clone(&scenery),
-        frames: frames.clone(),
-    };
-    let (world, robots) = build_world(scene, &programs, &robot_options)?;
+        if let Some(CostsRef::Table(table)) = loaded.scene.run.costs.as_ref().filter(|_| args.costs.is_none()) {
+            loaded.diagnostics.extend(check::unknown_functions(table));
+        }
+        tell(&loaded.diagnostics, &loaded.inputs, args.strict)?;
+        let options = Options::new(args, &mut loaded.scene)?;
+        check(&loaded.scene)?;
+        let missing = check::missing_programs(&loaded.scene, Severity::Error, &*check::finder(&files, args.api)?);
+        tell(&missing, &loaded.inputs, args.strict)?;
 
-    let until = options.until.unwrap_or(Time::from_seconds_ceil(DEFAULT_UNTIL));
-    let mut progress = if args.verbose || args.quiet { Progress::hidden() } else { Progress::new(until) };
-    let Sinks { mut all, trails } = sinks(args, &options, scene, &progress)?;
-    let remarks = SceneryRemarks {
-        scenery: Arc::clone(&scenery),
-        is_strict: args.strict,
-        is_told: false,
-        err: progress.stderr(),
-    };
-    all.insert(0, Box::new(remarks));
-    all.extend(frames.map(|frames| Box::new(FrameFailures(frames)) as Box<dyn Sink>));
-    let limits = Limits {
-        lanes: args.threads.map_or_else(processors, NonZeroUsize::get),
-        until,
-        timeout: args.timeout,
-        is_verbose: args.verbose,
-    };
-    let parts = Parts {
-        world,
-        programs: loaded_programs,
-        executor: Box::new(ThreadExecutor::new(robots.len(), programs.iter().count(), limits.lanes)),
-        robots,
-        costs: options.costs.clone(),
-        recorder: Recorder::new(options.seed, options.slot, all),
-        gate: match args.speed {
-            Speed::Max => None,
-            Speed::Factor(factor) => Some(Box::new(Pace::new(factor))),
-        },
-    };
-    let ended = Run::execute(parts, &limits, |run| progress.update(run.slot_start(), || counts(run)))
-        .context("cannot start the robots")?;
-    progress.clear();
-
-    if let Some(built) = scenery.built() {
-        let files = built.inputs.iter().map(|file| Input::new(Path::new(&file.path), &file.bytes));
-        let new: Vec<Input> = files.filter(|file| inputs.iter().all(|known| known.path != file.path)).collect();
-        inputs.extend(new);
+        let scene = Arc::new(loaded.scene);
+        let search = SearchPath {
+            sim_folder: Some(PathBuf::from(&scene.folder)),
+            working_folder: std::env::current_dir().context("no working folder")?,
+            folders: Vec::new(),
+            installation: files.home().map(PathBuf::from),
+        };
+        let programs = build_programs(args, &scene, &search)?;
+        let inputs = inputs(&loaded.inputs, options.costs_input.as_ref(), &programs);
+        check_outputs(args, &inputs)?;
+        let frames = |folder: &PathBuf| {
+            let frames = Frames::create(folder, scene.robots.len());
+            frames.map(Arc::new).with_context(|| format!("--frames `{}`", folder.display()))
+        };
+        let frames = args.frames.as_ref().map(frames).transpose()?;
+        programs.remarks.iter().for_each(|remark| eprintln!("{remark}"));
+        let scenery = Arc::new(LazyScenery::new(Arc::clone(&scene), files, loaded.diagnostics, loaded.inputs));
+        let robot_options = RobotOptions {
+            seed: options.seed,
+            slot: options.slot,
+            keys: &options.keys,
+            may_execute: args.allow_execute,
+            is_verbose: args.verbose,
+            scenery: Arc::clone(&scenery),
+            frames: frames.clone(),
+        };
+        let (world, robots) = build_world(&scene, &programs, &robot_options)?;
+        Ok(Self { options, scene, scenery, programs, inputs, frames, world, robots })
     }
-    let report = report(&options, scene, &ended, inputs);
-    Ok(Some(Ran { options, scene: Arc::clone(scene), scenery, ended, report, trails }))
+
+    /// Loads the programs.
+    ///
+    /// # Errors
+    /// A program that cannot be loaded.
+    pub fn load(self, args: &RunArgs) -> anyhow::Result<Ready> {
+        let programs = self.programs.load(&self.scene, args.exec, args.debug.as_ref())?;
+        Ok(Ready { built: self, programs })
+    }
+}
+
+impl Ready {
+    /// What the command line and the scene say of it.
+    pub fn options(&self) -> &Options {
+        &self.built.options
+    }
+
+    /// What is to be run.
+    pub fn scene(&self) -> &Arc<SceneSpec> {
+        &self.built.scene
+    }
+
+    /// What its cameras see.
+    pub fn scenery(&self) -> &Arc<LazyScenery> {
+        &self.built.scenery
+    }
+
+    /// Every file that decides what is run.
+    pub fn inputs(&self) -> &[Input] {
+        &self.built.inputs
+    }
+
+    /// Runs it from the first line of its record to the last line of its report.
+    ///
+    /// # Errors
+    /// Files that cannot be written, and a system without room for the robots.
+    pub fn run(self, args: &RunArgs, company: Company) -> anyhow::Result<Ran> {
+        let Self { built, programs: loaded } = self;
+        let Built { options, scene, scenery, programs, mut inputs, frames, world, robots } = built;
+        let until = options.until.or(company.until).unwrap_or(Time::from_seconds_ceil(DEFAULT_UNTIL));
+        let is_hidden = args.verbose || args.quiet || company.is_quiet;
+        let mut progress = if is_hidden { Progress::hidden() } else { Progress::new(until) };
+        let Sinks { mut all, trails } = sinks(args, &options, &scene, &progress)?;
+        let remarks = SceneryRemarks {
+            scenery: Arc::clone(&scenery),
+            is_strict: args.strict,
+            is_told: false,
+            err: progress.stderr(),
+        };
+        all.insert(0, Box::new(remarks));
+        all.extend(frames.map(|frames| Box::new(FrameFailures(frames)) as Box<dyn Sink>));
+        all.extend(company.sinks);
+        let limits = Limits {
+            lanes: args.threads.map_or_else(processors, NonZeroUsize::get),
+            until,
+            timeout: args.timeout,
+            is_verbose: args.verbose,
+        };
+        let parts = Parts {
+            world,
+            programs: loaded,
+            executor: Box::new(ThreadExecutor::new(robots.len(), programs.iter().count(), limits.lanes)),
+            robots,
+            costs: options.costs.clone(),
+            recorder: Recorder::new(options.seed, options.slot, all),
+            gate: company.gate,
+        };
+        let ended = Run::execute(parts, &limits, |run| progress.update(run.slot_start(), || counts(run)))
+            .context("cannot start the robots")?;
+        progress.clear();
+
+        if let Some(built) = scenery.built() {
+            let files = built.inputs.iter().map(|file| Input::new(Path::new(&file.path), &file.bytes));
+            let new: Vec<Input> = files.filter(|file| inputs.iter().all(|known| known.path != file.path)).collect();
+            inputs.extend(new);
+        }
+        let report = report(&options, &scene, &ended, inputs);
+        Ok(Ran { options, scene, scenery, ended, report, trails })
+    }
+}
+
+impl Company {
+    /// The pace that the arguments ask for, and nobody else.
+    fn of(args: &RunArgs) -> Self {
+        let gate = match args.speed {
+            Speed::Max => None,
+            Speed::Factor(factor) => Some(Box::new(Pace::new(factor)) as Box<dyn Gate>),
+        };
+        Self { gate, ..Self::default() }
+    }
 }
 
 /// Tells, in the slot in which the first camera is used, what is wrong in the meshes and images that are read then.

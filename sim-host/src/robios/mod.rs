@@ -80,7 +80,7 @@ use sim_core::world::World;
 use crate::record::Event;
 use caller::Call;
 use hint::Mistake;
-use panel::Panel;
+use panel::{Panel, PanelRef};
 use robot::Robot;
 use screen::Screen;
 
@@ -163,6 +163,11 @@ impl Devices {
         let compass = spec.compass.as_ref();
         self.compass.errors = compass.map(|it| AngleErrors::new(profile.compass, seed, robot, &it.name));
         self
+    }
+
+    /// The display.
+    pub fn panel(&self) -> PanelRef<'_> {
+        self.screen.as_deref().map_or(PanelRef::Classic(&self.lcd), PanelRef::Colour)
     }
 
     /// Takes the display out, at the end of the run.

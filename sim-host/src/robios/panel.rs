@@ -17,9 +17,38 @@ pub enum Panel {
     Colour(Box<Screen>),
 }
 
+/// The same, looked at where it is.
+#[derive(Clone, Copy)]
+pub enum PanelRef<'a> {
+    /// 128 x 64 pixels, black or white.
+    Classic(&'a Lcd),
+    /// The colour display of RoBIOS-7.
+    Colour(&'a Screen),
+}
+
 impl Panel {
+    /// Looks at it.
+    pub fn as_ref(&self) -> PanelRef<'_> {
+        match self {
+            Self::Classic(lcd) => PanelRef::Classic(lcd),
+            Self::Colour(screen) => PanelRef::Colour(screen),
+        }
+    }
+
     /// Its text, the menu last.
     pub fn lines(&self) -> Vec<String> {
+        self.as_ref().lines()
+    }
+
+    /// Its pixels.
+    pub fn picture(&self) -> Canvas {
+        self.as_ref().picture()
+    }
+}
+
+impl PanelRef<'_> {
+    /// Its text, the menu last.
+    pub fn lines(self) -> Vec<String> {
         match self {
             Self::Classic(lcd) => lcd.lines().to_vec(),
             Self::Colour(screen) => screen.lines(),
@@ -27,7 +56,7 @@ impl Panel {
     }
 
     /// Its pixels.
-    pub fn picture(&self) -> Canvas {
+    pub fn picture(self) -> Canvas {
         match self {
             Self::Classic(lcd) => classic_picture(lcd),
             Self::Colour(screen) => screen.picture(),

@@ -4,7 +4,10 @@
 //! happens. Watching draws no random number and changes nothing.
 #![forbid(unsafe_code)]
 
+pub mod control;
+pub mod detail;
 mod device;
+pub mod feed;
 pub mod scene;
 pub mod snapshot;
 mod surface;

@@ -1,0 +1,81 @@
+//! More of the robots that pages have chosen.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use glam::DVec3;
+use sim_core::RobotId;
+use sim_core::camera::Camera;
+use sim_core::world::World;
+use sim_view::protocol::{Detail, Picture, Scan};
+
+use super::{planar, png_url};
+use crate::executive::run::Run;
+use crate::record::frame::Pixels;
+use crate::robios::panel::PanelRef;
+use crate::robios::robot::Robot;
+use crate::robios::{camera, lidar};
+use crate::scenery::LazyScenery;
+
+/// Least time between two pictures of one camera.
+const CAMERA_PERIOD: Duration = Duration::from_millis(100);
+
+/// Makes details, and remembers what pages have got already.
+#[derive(Default)]
+pub struct Details {
+    /// By robot the hash of what its display showed.
+    displays: BTreeMap<RobotId, [u8; 32]>,
+    /// When each camera was looked through.
+    cameras: BTreeMap<RobotId, (Instant, Picture)>,
+    renderer: Camera,
+}
+
+impl Details {
+    /// What there is to say of robot `id` now; its display is `panel` where the run has taken it out.
+    pub fn of(&mut self, run: &Run, world: &World, id: RobotId, panel: Option<PanelRef<'_>>) -> Detail {
+        let at = world.slot_start();
+        let mut robot = run.robot(id);
+        let (pose, odometry) = (planar(&robot.motion.pose(at)), planar(&robot.motion.odometry(at)));
+        let points = |(from, points): (DVec3, Vec<DVec3>)| Scan {
+            from_m: from.to_array(),
+            points_m: points.iter().map(DVec3::to_array).collect(),
+        };
+        let scan = lidar::points(&mut robot, world, at).map(points);
+        let panel = panel.unwrap_or_else(|| robot.devices.panel());
+        let (lcd, lcd_text) = (self.display(id, panel), panel.lines());
+        let (robot, t_s) = (id.0, at.seconds());
+        Detail { robot, t_s, pose, odometry, lcd, lcd_text, scan, ..Detail::default() }
+    }
+
+    /// The picture of a display, unless it is that of the last time.
+    fn display(&mut self, id: RobotId, panel: PanelRef<'_>) -> Option<Picture> {
+        let canvas = panel.picture();
+        let hash = *blake3::hash(canvas.pixels().as_flattened()).as_bytes();
+        if self.displays.insert(id, hash) == Some(hash) {
+            return None;
+        }
+        Some(picture(canvas.size().map(|side| side as u32), canvas.pixels().as_flattened()))
+    }
+
+    /// What the camera of robot `id` sees now, without errors; what it saw just before, if that is not long ago. None if it has none.
+    pub fn camera(&mut self, run: &Run, world: &World, id: RobotId, scenery: &LazyScenery) -> Option<Picture> {
+        if let Some((_, picture)) = self.cameras.get(&id).filter(|(then, _)| then.elapsed() < CAMERA_PERIOD) {
+            return Some(picture.clone());
+        }
+        let seen = self.render(&mut run.robot(id), world, scenery)?;
+        self.cameras.insert(id, (Instant::now(), seen.clone()));
+        Some(seen)
+    }
+
+    fn render(&mut self, robot: &mut Robot, world: &World, scenery: &LazyScenery) -> Option<Picture> {
+        let at = world.slot_start();
+        let view = camera::view(robot, at, None).ok()?;
+        let still = scenery.get().still(world, at);
+        let seen = self.renderer.colour(&still, &view, Some(robot.id), camera::samples(robot));
+        Some(picture(seen.size(), seen.pixels().as_flattened()))
+    }
+}
+
+fn picture(size_px: [u32; 2], bytes: &[u8]) -> Picture {
+    Picture { url: png_url(&Pixels::Colour(bytes).png(size_px)), size_px }
+}
