@@ -70,7 +70,8 @@ impl Details {
     fn render(&mut self, robot: &mut Robot, world: &World, scenery: &LazyScenery) -> Option<Picture> {
         let at = world.slot_start();
         let view = camera::view(robot, at, None).ok()?;
-        let still = scenery.get().still(world, at);
+        let scenery = scenery.get();
+        let still = scenery.still(world, at);
         let seen = self.renderer.colour(&still, &view, Some(robot.id), camera::samples(robot));
         Some(picture(seen.size(), seen.pixels().as_flattened()))
     }
