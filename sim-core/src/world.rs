@@ -257,6 +257,24 @@ impl World {
         Ok(())
     }
 
+    /// Puts a movable object at `world_from_object` now, at the start of the slot, at rest and awake; everybody sees it there at once.
+    ///
+    /// Any place will do: in a wall or a body it is pushed out.
+    ///
+    /// # Errors
+    /// [`PlaceError`] for a position that is not finite or beyond 10^9 m.
+    ///
+    /// # Panics
+    /// If there is no such object.
+    pub fn place_object_now(&mut self, object: ObjectId, world_from_object: Pose) -> Result<(), PlaceError> {
+        self.place_object(object, world_from_object)?;
+        let (now, end) = (self.now, self.slot_end());
+        let objects = self.objects.as_mut().expect("the scene has this object");
+        objects.settle_places();
+        objects.publish(now, end);
+        Ok(())
+    }
+
     /// The movable objects that have moved in the slot that ended last, in ascending order.
     pub fn moved_objects(&self) -> &[ObjectId] {
         self.objects.as_ref().map_or(&[], |objects| objects.moved())
@@ -449,6 +467,14 @@ impl World {
         }
         self.refresh_index();
         contacts
+    }
+
+    /// Makes public what `motion` plans for the present slot, at its start, after it was [placed](Motion::place) or changed there.
+    pub fn republish(&mut self, motion: &mut Motion) {
+        let (now, end) = (self.now, self.slot_end());
+        self.tracks[motion.id().index()].publish(motion, now, end);
+        self.calm = Calm::default();
+        self.refresh_index();
     }
 
     /// There is one robot and nothing else that moves.

@@ -282,14 +282,9 @@ pub fn build_world(
         devices.storage = Storage::new(Path::new(&scene.folder));
         devices.os.may_execute = options.may_execute;
         devices.camera = devices.camera.in_run(Arc::clone(&options.scenery), options.frames.clone());
-        let mut motion = Motion::new(spec.id, Arc::clone(model), Arc::clone(&walls), spec.start);
+        let motion = Motion::new(spec.id, Arc::clone(model), Arc::clone(&walls), spec.start);
         let profile = profiles.of(spec);
         heard.push(profile.as_ref().map(|profile| profile.radio).unwrap_or_default());
-        if let Some(profile) = profile {
-            devices = devices.with_errors(&spec.robi, &profile, options.seed, spec.id);
-            let imperfection = profile.motion.imperfection(model.kind, options.seed, spec.id);
-            motion = motion.with_imperfection(options.seed, imperfection).context("noise of the drive")?;
-        }
         let mut robot = Robot::new(RobotParts {
             program: program.as_ref().map(|program| program.name.clone()).unwrap_or_default(),
             motion,
@@ -298,6 +293,9 @@ pub fn build_world(
             seed: options.seed,
             is_verbose: options.is_verbose,
         });
+        if let Some(profile) = profile {
+            robot = robot.with_noise(&profile).context("noise of the drive")?;
+        }
         robot.record_start();
         robots.push(robot);
     }

@@ -173,7 +173,12 @@ impl Vehicle {
 }
 
 impl Errors {
-    pub fn new(imperfection: Imperfection, seed: u64, robot: RobotId) -> Self {
+    /// The errors of `robot` in a run with `seed`, if there are any.
+    pub fn unless_perfect(imperfection: Imperfection, seed: u64, robot: RobotId) -> Option<Box<Self>> {
+        (imperfection != Imperfection::default()).then(|| Box::new(Self::new(imperfection, seed, robot)))
+    }
+
+    fn new(imperfection: Imperfection, seed: u64, robot: RobotId) -> Self {
         let events = |purpose, name| Events::new(seed, robot, purpose, name);
         Self {
             imperfection,

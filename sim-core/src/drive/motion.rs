@@ -164,9 +164,34 @@ impl Motion {
     /// The first number of the imperfection that makes no sense.
     pub fn with_imperfection(mut self, seed: u64, imperfection: Imperfection) -> Result<Self, ModelError> {
         imperfection.check()?;
-        let is_perfect = imperfection == Imperfection::default();
-        self.vehicle.errors = (!is_perfect).then(|| Box::new(Errors::new(imperfection, seed, self.id)));
+        self.vehicle.errors = Errors::unless_perfect(imperfection, seed, self.id);
         Ok(self)
+    }
+
+    /// From `at` on, the start of the present slot, it has this imperfection, whose random numbers are those of a run with `seed`.
+    ///
+    /// # Errors
+    /// The first number of the imperfection that makes no sense; nothing changes then.
+    pub fn set_imperfection(&mut self, at: Time, seed: u64, imperfection: Imperfection) -> Result<(), ModelError> {
+        imperfection.check()?;
+        // What has been until now is planned with the errors that there were.
+        let index = self.index_at(at);
+        let stage = &self.stages[index];
+        let at = at.max(stage.piece.start);
+        let (state, orders, before) = (stage.piece.state(at), stage.orders_at(at), stage.actuation_before(at));
+        let (grip, is_placed) = (stage.grip, stage.is_placed && stage.piece.start == at);
+        let blocker = stage.blocker().filter(|_| stage.piece.has_ended(at));
+        self.vehicle.errors = Errors::unless_perfect(imperfection, seed, self.id);
+        let mut next = Stage::open(&self.vehicle, at, state, orders, before, &[], grip);
+        if let Some(blocker) = blocker {
+            // Only a command tries to get past.
+            next.stop(0.0, blocker, false);
+        }
+        next.is_placed = is_placed;
+        self.stages.truncate(if self.stages[index].piece.start == at { index } else { index + 1 });
+        self.stages.push_back(next);
+        self.revision += 1;
+        Ok(())
     }
 
     /// Whose motion it is.

@@ -221,6 +221,22 @@ impl Quantity {
         (self.to_si)(value)
     }
 
+    /// A value in SI units in its own unit, to twelve digits, so that what was written comes back.
+    pub(super) fn from_si(&self, si: f64) -> f64 {
+        let value = si / (self.to_si)(1.0);
+        format!("{value:.11e}").parse().unwrap_or(value)
+    }
+
+    /// Its unit; empty for a pure number.
+    pub(super) const fn unit(&self) -> &'static str {
+        self.unit
+    }
+
+    /// Least and greatest value in its own unit.
+    pub(super) const fn bounds(&self) -> [f64; 2] {
+        [self.low, self.high]
+    }
+
     /// How bad a value out of bounds is.
     pub(super) fn severity(&self) -> Severity {
         if self.is_minor { Severity::Warning } else { Severity::Error }

@@ -46,8 +46,8 @@ pub use load::{
 pub use maze::read_maze;
 pub use mesh::MeshReader;
 pub use noise::{
-    LIDAR, NOISE_EXTENSION, NoiseEntry, NoiseRef, NoiseSection, NoiseSpec, Preset, is_noise, read_noise,
-    unknown_sensors,
+    LIDAR, NOISE_EXTENSION, NoiseEntry, NoiseRef, NoiseSection, NoiseSpec, Parameter, ParameterError, Preset, is_noise,
+    read_noise, unknown_sensors,
 };
 pub use robi::read_robi;
 pub use scene::{SCENE_EXTENSION, is_scene, read_costs, read_scene};

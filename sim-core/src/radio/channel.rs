@@ -97,6 +97,16 @@ impl Channel {
         self.has_changed = true;
     }
 
+    /// From the present slot on, this is what happens to messages on their way to `robot`; a token ring's tokens get lost by it from
+    /// the end of the slot on.
+    pub fn set_errors(&mut self, robot: RobotId, errors: Radio) {
+        if self.errors.len() <= robot.index() {
+            self.errors.resize(robot.index() + 1, Radio::default());
+        }
+        self.errors[robot.index()] = errors;
+        self.has_changed |= self.model.medium == Medium::TokenRing;
+    }
+
     /// Takes what was sent in the slot that ends at `slot_end`, in any order, and decides what can be decided by then: in order of
     /// (visible, receiver, arrives, sender, sequence).
     pub fn exchange(&mut self, slot_end: Time, mut sendings: Vec<Sending>) -> Vec<Delivery> {

@@ -10,6 +10,7 @@ use sim_core::time::Time;
 use super::handle::Handles;
 use super::os;
 use super::robot::Robot;
+use super::switch::Sensor;
 use crate::record::Event;
 
 /// The bumpers of a robot.
@@ -46,7 +47,8 @@ pub fn check(robot: &mut Robot, handle: i32, stamp: &mut Out<i32>) -> i32 {
     let Some(index) = robot.devices.bumpers.handles.one(handle) else { return robot.failed(Call::BUMPCheck, -1) };
     let since = robot.devices.bumpers.since[index];
     robot.devices.bumpers.since[index] = robot.now + Time(1);
-    let first = robot.spec.bumpers.get(index).and_then(|spec| {
+    let is_on = robot.devices.switches.is_on(Sensor::Bumper(index));
+    let first = robot.spec.bumpers.get(index).filter(|_| is_on).and_then(|spec| {
         let bumper = Bumper { bearing: 0.5 * (spec.from + spec.to), half_width: 0.5 * (spec.to - spec.from) };
         let impacts = robot.motion.impacts(since, robot.now);
         impacts.into_iter().find(|impact| impact.fresh && bumper.is_pressed_by(impact))

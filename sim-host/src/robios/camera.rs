@@ -26,6 +26,7 @@ use super::level::Levels;
 use super::picture;
 use super::robot::Robot;
 use super::servo::Servos;
+use super::switch::Sensor;
 use super::truth::{Census, Counted};
 use crate::record::frame::{Frame, Frames, Pixels};
 use crate::record::{Digest, Event};
@@ -85,6 +86,8 @@ struct Exposure {
     view: View,
     scenery: Arc<Scenery>,
     poses: Vec<Option<Pose3>>,
+    /// The camera was switched off by a hand: the image is black, and nothing of it is known.
+    is_dark: bool,
 }
 
 /// Why there is no image.
@@ -110,9 +113,9 @@ pub enum NoImage {
 }
 
 impl Camera {
-    /// This camera with the errors of `profile` on `robot`, in a run with `seed`.
-    pub fn with_errors(self, profile: &Profile, seed: u64, robot: RobotId) -> Self {
-        Self { errors: Some(Box::new(ImageErrors::new(profile.camera, seed, robot, NAME))), ..self }
+    /// Gives this camera the errors of `profile` on `robot`, in a run with `seed`.
+    pub fn set_errors(&mut self, profile: &Profile, seed: u64, robot: RobotId) {
+        self.errors = Some(Box::new(ImageErrors::new(profile.camera, seed, robot, NAME)));
     }
 
     /// This camera in a run that looks so; what programs take goes to `frames` too.
@@ -198,9 +201,12 @@ pub(super) fn take_bayer(robot: &mut Robot, world: &World, size: [u32; 2]) -> Re
 fn take_depth(robot: &mut Robot) -> Result<Vec<f32>, NoImage> {
     setting(robot)?;
     let Camera { last, renderer, .. } = &mut robot.devices.camera;
-    let Exposure { view, scenery, poses, .. } = last.as_ref().ok_or(NoImage::NotTaken)?;
+    let Exposure { view, scenery, poses, is_dark, .. } = last.as_ref().ok_or(NoImage::NotTaken)?;
     let depth = renderer.depth(&scenery.standing(poses.clone()), view, Some(robot.id));
-    let (size, depth) = (view.size(), mm_of_depth(&depth));
+    let (size, mut depth) = (view.size(), mm_of_depth(&depth));
+    if *is_dark {
+        depth.fill(f32::INFINITY);
+    }
     tell(robot, size, Pixels::Depth(&depth));
     Ok(depth)
 }
@@ -209,9 +215,12 @@ fn take_depth(robot: &mut Robot) -> Result<Vec<f32>, NoImage> {
 fn take_labels(robot: &mut Robot) -> Result<Vec<i32>, NoImage> {
     setting(robot)?;
     let Camera { last, renderer, .. } = &mut robot.devices.camera;
-    let Exposure { view, scenery, poses, .. } = last.as_ref().ok_or(NoImage::NotTaken)?;
+    let Exposure { view, scenery, poses, is_dark, .. } = last.as_ref().ok_or(NoImage::NotTaken)?;
     let labels = renderer.labels(&scenery.standing(poses.clone()), view, Some(robot.id));
-    let (size, labels) = (view.size(), numbers_of_labels(&labels, &robot.devices.census));
+    let (size, mut labels) = (view.size(), numbers_of_labels(&labels, &robot.devices.census));
+    if *is_dark {
+        labels.fill(CAM_SKY);
+    }
     tell(robot, size, Pixels::Labels(&labels));
     Ok(labels)
 }
@@ -301,12 +310,16 @@ fn expose(robot: &mut Robot, world: &World, size: [u32; 2]) -> Result<(Exposure,
     let at = (robot.now - READ_OUT).max(Time::ZERO);
     let [view, exposed] = [view(robot, at, None)?, view(robot, at, Some(size))?];
     let samples = samples(robot);
+    let is_dark = !robot.devices.switches.is_on(Sensor::Camera);
     let Camera { scenery, renderer, taken, .. } = &mut robot.devices.camera;
     let scenery = scenery.get();
     let still = scenery.still(world, at);
-    let picture = renderer.colour(&still, &exposed, Some(robot.id), samples);
+    let mut picture = renderer.colour(&still, &exposed, Some(robot.id), samples);
+    if is_dark {
+        picture.pixels_mut().fill([0; 3]);
+    }
     let poses = still.poses().to_vec();
-    Ok((Exposure { number: *taken + 1, at, view, scenery, poses }, picture))
+    Ok((Exposure { number: *taken + 1, at, view, scenery, poses, is_dark }, picture))
 }
 
 /// Makes of what the camera sees image `number`.

@@ -14,6 +14,7 @@ use sim_core::unit;
 
 use super::cycle::Cycle;
 use super::robot::Robot;
+use super::switch::Sensor;
 use crate::record::Event;
 
 /// Length of a measuring cycle.
@@ -98,7 +99,8 @@ pub fn start(robot: &mut Robot, is_continuous: bool) -> i32 {
 
 /// `COMPASSCheck`
 pub fn check(robot: &mut Robot) -> i32 {
-    robot.devices.compass.is_valid(robot.now).into()
+    let is_on = robot.devices.switches.is_on(Sensor::Compass);
+    (robot.devices.compass.is_valid(robot.now) && is_on).into()
 }
 
 /// `COMPASSStop`
@@ -139,9 +141,11 @@ pub fn settle(robot: &mut Robot) {
 
 fn read(robot: &mut Robot) -> Option<i32> {
     let Robot { now, motion, spec, devices, .. } = robot;
+    let is_on = devices.switches.is_on(Sensor::Compass);
     let compass = &mut devices.compass;
     let errors = compass.errors.clone();
-    compass.read(*now, |at| measure(spec.compass.as_ref(), motion, at, errors.as_ref()))
+    let degrees = compass.read(*now, |at| measure(spec.compass.as_ref(), motion, at, errors.as_ref()));
+    degrees.filter(|_| is_on)
 }
 
 fn measure(compass: Option<&CompassSpec>, motion: &mut Motion, at: Time, errors: Option<&AngleErrors>) -> i32 {

@@ -12,6 +12,7 @@ use sim_core::world::World;
 
 use super::range::Sight;
 use super::robot::Robot;
+use super::switch::Sensor;
 use crate::record::Event;
 
 /// Where each infrared sensor of the robot looks from at `at`, in the world, and how far away what it sees is.
@@ -51,7 +52,8 @@ pub fn read(robot: &mut Robot, world: &World, handle: i32) -> i32 {
     };
     let mount = Mount::new(infrared.position.x, infrared.position.y, infrared.angle);
     let beam = Beam { mount, range: infrared.range };
-    let value = i32::from(beam.is_interrupted(world, robot.id, &robot.motion.pose(robot.now), robot.now));
+    let is_on = robot.devices.switches.is_on(Sensor::Infrared(index));
+    let value = i32::from(is_on && beam.is_interrupted(world, robot.id, &robot.motion.pose(robot.now), robot.now));
     let device = robot.devices.table.name(HDT_IR, index);
     robot.journal.record(robot.now, &Event::Reading { device, value: value.into() });
     value

@@ -17,6 +17,7 @@ use super::caller::Call as AnyCall;
 use super::psd::mm_from_distance;
 use super::range::Scanner;
 use super::robot::Robot;
+use super::switch::Sensor;
 use super::unit7::radians;
 use crate::record::Event;
 
@@ -65,10 +66,14 @@ fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances
         return Err(robot.refused(call, failure, |_| "it takes room for the distances".to_owned()));
     }
     let Robot { now, motion, journal, devices, .. } = robot;
-    let Devices { lidar: state, servos, ranges, .. } = devices;
+    let Devices { lidar: state, servos, ranges, switches, .. } = devices;
     let as_described = || Scanner::new(&spec, lidar, [lidar.sweep, lidar.tilt], lidar.points);
     let scanner = state.scanner.get_or_insert_with(as_described);
-    let metres = ranges.scan(scanner, servos, motion, world, *now);
+    let metres = if switches.is_on(Sensor::Lidar) {
+        ranges.scan(scanner, servos, motion, world, *now)
+    } else {
+        vec![None; scanner.fan().len()]
+    };
     let numbers: Vec<i32> = metres.iter().map(|metres| mm_from_distance(*metres)).collect();
     distances.set(&numbers);
     let points = (0_u32..).zip(&metres).filter_map(|(ray, metres)| Some(((*metres)?, ray)));

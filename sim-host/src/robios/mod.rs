@@ -54,6 +54,7 @@ pub mod servo;
 mod servo7;
 pub mod storage;
 pub mod support;
+pub mod switch;
 pub mod table;
 pub mod task;
 #[cfg(test)]
@@ -139,6 +140,8 @@ pub struct Devices {
     pub census: Arc<truth::Census>,
     /// Keys of a remote control.
     pub remote: irtv::Remote,
+    /// Which sensors are off.
+    pub switches: switch::Switches,
     /// Hints that the program was given.
     pub hints: hint::Hints,
 }
@@ -156,13 +159,12 @@ impl Devices {
         Self { screen: Some(new_screen(spec)), ..Self::new(spec, keys) }
     }
 
-    /// These devices with the errors of `profile` on `robot`, in a run with `seed`.
-    pub fn with_errors(mut self, spec: &RobiSpec, profile: &Profile, seed: u64, robot: RobotId) -> Self {
-        self.ranges = self.ranges.with_errors(spec, profile, seed, robot);
-        self.camera = self.camera.with_errors(profile, seed, robot);
+    /// Gives them the errors of `profile` on `robot`, in a run with `seed`, in place of those that they have.
+    pub fn set_errors(&mut self, spec: &RobiSpec, profile: &Profile, seed: u64, robot: RobotId) {
+        self.ranges.set_errors(spec, profile, seed, robot);
+        self.camera.set_errors(profile, seed, robot);
         let compass = spec.compass.as_ref();
         self.compass.errors = compass.map(|it| AngleErrors::new(profile.compass, seed, robot, &it.name));
-        self
     }
 
     /// The display.

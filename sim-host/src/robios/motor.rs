@@ -7,6 +7,7 @@ use std::f64::consts::{PI, TAU};
 use robios_sys::Robios6Call as Call;
 use robios_sys::robios6::hdt_type::{HDT_MOTOR, HDT_QUAD};
 use sim_core::drive::Command;
+use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::handle::Handles;
@@ -38,6 +39,10 @@ pub struct Quads {
     count_start: [f64; 4],
     /// Wheel angles in radians at which the distances were set to 0.
     distance_start: [f64; 4],
+    /// Wheel angles in radians that encoders stay at which are switched off.
+    held: [Option<f64>; 4],
+    /// Radians that wheels turned while their encoders were switched off.
+    missed: [f64; 4],
 }
 
 /// `MOTORInit`
@@ -88,7 +93,7 @@ pub fn quad_init(robot: &mut Robot, semantics: i32) -> i32 {
         return robot.has_no(Call::QUADInit, 0, HDT_QUAD, semantics);
     };
     if !robot.devices.quads.handles.is_open(index) {
-        let angle = robot.motion.wheel_angles(robot.now)[index];
+        let angle = angle_of(robot, index);
         robot.devices.quads.count_start[index] = angle;
         robot.devices.quads.distance_start[index] = angle;
     }
@@ -124,7 +129,7 @@ pub(super) fn count(robot: &mut Robot, index: usize) -> i32 {
 
 /// Sets encoder `index` to 0.
 pub(super) fn reset(robot: &mut Robot, index: usize) {
-    robot.devices.quads.count_start[index] = robot.motion.wheel_angles(robot.now)[index];
+    robot.devices.quads.count_start[index] = angle_of(robot, index);
 }
 
 /// `QUADGetMotor`
@@ -151,8 +156,7 @@ pub fn odometer_read(robot: &mut Robot, handle: i32) -> f32 {
 /// `QUADODOReset`
 pub fn odometer_reset(robot: &mut Robot, handles: i32) -> i32 {
     let Some(quads) = robot.devices.quads.handles.all(handles) else { return robot.failed(Call::QUADODOReset, -1) };
-    let angles = robot.motion.wheel_angles(robot.now);
-    quads.for_each(|index| robot.devices.quads.distance_start[index] = angles[index]);
+    quads.for_each(|index| robot.devices.quads.distance_start[index] = angle_of(robot, index));
     0
 }
 
@@ -161,9 +165,27 @@ fn record_ticks(robot: &mut Robot, index: usize, value: i64) {
     robot.journal.record(robot.now, &Event::Reading { device, value });
 }
 
+/// Switches encoder `index` on or off at `at`: while it is off it counts nothing.
+pub(super) fn switch_encoder(robot: &mut Robot, index: usize, is_on: bool, at: Time) {
+    let turned = robot.motion.wheel_angles(at)[index];
+    let Quads { held, missed, .. } = &mut robot.devices.quads;
+    if is_on {
+        let held = held[index].take();
+        missed[index] = held.map_or(missed[index], |held| turned - held);
+    } else {
+        held[index].get_or_insert(turned - missed[index]);
+    }
+}
+
+/// Angle of a wheel as its encoder knows it, rad.
+fn angle_of(robot: &mut Robot, index: usize) -> f64 {
+    let Quads { held, missed, .. } = robot.devices.quads;
+    held[index].unwrap_or_else(|| robot.motion.wheel_angles(robot.now)[index] - missed[index])
+}
+
 /// Whole ticks of a wheel's encoder since it stood at `start`, towards 0.
 fn ticks_since(robot: &mut Robot, index: usize, start: f64) -> i64 {
-    let turned = robot.motion.wheel_angles(robot.now)[index] - start;
+    let turned = angle_of(robot, index) - start;
     let ticks = turned / TAU * robot.motion.model().ticks_per_turn;
     (ticks + EDGE.copysign(ticks)).trunc() as i64
 }

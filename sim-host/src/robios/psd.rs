@@ -17,6 +17,7 @@ use super::handle::{Handles, MAX_DEVICES};
 use super::hint::Mistake;
 use super::os;
 use super::robot::Robot;
+use super::switch::Sensor;
 use crate::record::Event;
 
 /// Length of a measuring cycle. Source: RoBIOS manual, about 60 ms.
@@ -293,8 +294,11 @@ fn with_sensors<R>(
     world: &World,
     act: impl FnOnce(&mut Psds, &mut dyn FnMut(usize, Time) -> Reading) -> R,
 ) -> R {
-    let Devices { psds, servos, ranges, .. } = devices;
-    act(psds, &mut |index, at| ranges.read(index, servos, motion, world, at))
+    let Devices { psds, servos, ranges, switches, .. } = devices;
+    act(psds, &mut |index, at| {
+        let is_on = switches.is_on(Sensor::Range(index));
+        if is_on { ranges.read(index, servos, motion, world, at) } else { ranges.nothing(index) }
+    })
 }
 
 /// Records that a program reads a distance.

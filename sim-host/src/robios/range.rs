@@ -82,15 +82,20 @@ impl Ranges {
         }
     }
 
-    /// These sensors, which `spec` describes, with the errors of `profile` on `robot` in a run with `seed`.
-    pub fn with_errors(self, spec: &RobiSpec, profile: &Profile, seed: u64, robot: RobotId) -> Self {
+    /// Gives these sensors, which `spec` describes, the errors of `profile` on `robot` in a run with `seed`.
+    pub fn set_errors(&mut self, spec: &RobiSpec, profile: &Profile, seed: u64, robot: RobotId) {
         let errors_of = |kind, name: &str| RangeErrors::new(profile.range(kind, name), seed, robot, name);
         let psds = spec.psds.iter().map(|psd| (errors_of(RangeKind::Psd, &psd.name), [0.0; 2]));
         let others = spec.ranges.iter();
         let others = others.map(|it| (errors_of((&it.model).into(), &it.name), [it.sigma, it.mean]));
         let sensors = psds.chain(others).collect();
         let errors = Errors { sensors, lidar: errors_of(RangeKind::Lidar, LIDAR) };
-        Self { errors: Some(Box::new(errors)), ..self }
+        self.errors = Some(Box::new(errors));
+    }
+
+    /// What sensor `index` reads while it is switched off.
+    pub fn nothing(&self, index: usize) -> Reading {
+        self.sensors.get(index).map_or(NOTHING, |sensor| sensor.model.nothing())
     }
 
     /// What sensor `index` reads at `at`, nothing if there is no such sensor. Its servos stand as they did just before.

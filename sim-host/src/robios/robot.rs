@@ -5,8 +5,9 @@ use std::sync::Arc;
 use robios_sys::{Robios6Call, SupportCall};
 use sim_core::RobotId;
 use sim_core::contact::Thing;
-use sim_core::drive::{Command, Motion};
-use sim_core::format::RobiSpec;
+use sim_core::drive::{Command, ModelError, Motion};
+use sim_core::format::{Parameter, RobiSpec};
+use sim_core::noise::{Profile, RangeKind};
 use sim_core::pose::Pose;
 use sim_core::time::Time;
 use sim_core::world::{Contact, World};
@@ -14,7 +15,9 @@ use sim_core::world::{Contact, World};
 use super::Devices;
 use super::caller::Call;
 use super::key::Touch;
+use super::motor;
 use super::support::Generators;
+use super::switch::{self, Sensor};
 use super::task::{TaskWait, Tasks};
 use super::timer::Timers;
 use super::truth::Placement;
@@ -49,6 +52,10 @@ pub struct Robot {
     pub ending: Option<Ending>,
     /// What its program has asked for in the present slot to be put elsewhere, in order.
     pub placements: Vec<Placement>,
+    /// The errors of its devices, its drive and its radio.
+    noise: Profile,
+    /// Seed of the run.
+    seed: u64,
     /// The pose that was recorded last.
     recorded_pose: Option<Pose>,
 }
@@ -144,6 +151,8 @@ impl Robot {
             tasks: Tasks::default(),
             ending: None,
             placements: Vec::new(),
+            noise: Profile::default(),
+            seed,
             recorded_pose: Some(start),
         }
     }
@@ -155,6 +164,68 @@ impl Robot {
             None => self.devices.keys.press(at, touch),
         }
         self.tasks.look_at_input(at);
+    }
+
+    /// This robot, to which nothing has happened yet, with these errors.
+    ///
+    /// # Errors
+    /// The first number that makes no sense for its drive.
+    pub fn with_noise(mut self, profile: &Profile) -> Result<Self, ModelError> {
+        self.set_noise(Time::ZERO, profile)?;
+        Ok(self)
+    }
+
+    /// From `at` on, the start of the present slot, it has these errors; those of its radio are the channel's.
+    ///
+    /// # Errors
+    /// The first number that makes no sense for its drive; nothing changes then.
+    pub fn set_noise(&mut self, at: Time, profile: &Profile) -> Result<(), ModelError> {
+        let imperfection = profile.motion.imperfection(self.motion.model().kind, self.seed, self.id);
+        if imperfection != self.motion.imperfection() {
+            self.motion.set_imperfection(at, self.seed, imperfection)?;
+        }
+        self.devices.set_errors(&self.spec, profile, self.seed, self.id);
+        self.noise = profile.clone();
+        Ok(())
+    }
+
+    /// The errors of its devices, its drive and its radio.
+    pub fn noise(&self) -> &Profile {
+        &self.noise
+    }
+
+    /// The numbers of its errors that concern what it has.
+    pub fn noise_parameters(&self) -> Vec<Parameter> {
+        let spec = &*self.spec;
+        let has_table = |table: &str| match table {
+            "psd" => !spec.psds.is_empty(),
+            "lidar" => spec.lidar.is_some(),
+            "compass" => spec.compass.is_some(),
+            "camera" => spec.camera.is_some(),
+            "drive" | "odometry" | "radio" => true,
+            kind => spec.ranges.iter().any(|range| RangeKind::from(&range.model).name() == kind),
+        };
+        let parameters = self.noise.parameters().into_iter();
+        parameters.filter(|parameter| has_table(parameter.table)).collect()
+    }
+
+    /// Its sensors by name, and whether they are switched on.
+    pub fn sensors_on(&self) -> Vec<(&str, bool)> {
+        switch::sensors(&self.spec).map(|(name, sensor)| (name, self.devices.switches.is_on(sensor))).collect()
+    }
+
+    /// Switches its sensors of this name on or off at `at`, the start of a slot; false if it has none.
+    pub fn switch_sensor(&mut self, at: Time, name: &str, is_on: bool) -> bool {
+        let spec = Arc::clone(&self.spec);
+        let mut has_any = false;
+        for (_, sensor) in switch::sensors(&spec).filter(|(known, _)| *known == name) {
+            has_any = true;
+            self.devices.switches.set(sensor, is_on);
+            if let Sensor::Encoder(index) = sensor {
+                motor::switch_encoder(self, index, is_on, at);
+            }
+        }
+        has_any
     }
 
     /// Tells the user when the program has ended before a drive that it commanded.

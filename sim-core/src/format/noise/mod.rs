@@ -5,6 +5,7 @@
 
 pub(super) mod form;
 mod keys;
+mod parameter;
 mod spec;
 
 use std::collections::BTreeSet;
@@ -14,6 +15,7 @@ use toml::de::DeValue;
 
 use keys::Key;
 pub(super) use keys::{CAMERA, COMPASS, DRIVE, Keys, ODOMETRY, OWN, RADIO, RANGE};
+pub use parameter::{Parameter, ParameterError};
 pub use spec::{NoiseEntry, NoiseRef, NoiseSection, NoiseSpec, Preset};
 
 use super::code::Code;

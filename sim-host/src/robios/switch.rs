@@ -1,0 +1,64 @@
+//! Sensors that somebody has switched off: they see nothing until they are switched on again.
+//!
+//! What each then tells its program is in `docs/window.md`; that it is so is our choice.
+
+use std::collections::BTreeSet;
+
+use sim_core::format::{LIDAR, RobiSpec};
+
+use super::camera;
+
+/// A sensor of a robot: which of its kind, in the order of the robi.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Sensor {
+    /// A PSD, or a range sensor of another kind: these come after the PSDs.
+    Range(usize),
+    /// An infrared proximity sensor.
+    Infrared(usize),
+    /// The laser scanner.
+    Lidar,
+    /// A bumper.
+    Bumper(usize),
+    /// The compass.
+    Compass,
+    /// The encoder of a motor.
+    Encoder(usize),
+    /// The camera.
+    Camera,
+}
+
+/// Which sensors of a robot are off; at the start none.
+#[derive(Clone, Debug, Default)]
+pub struct Switches {
+    off: BTreeSet<Sensor>,
+}
+
+impl Switches {
+    /// False while `sensor` is switched off.
+    pub fn is_on(&self, sensor: Sensor) -> bool {
+        self.off.is_empty() || !self.off.contains(&sensor)
+    }
+
+    /// Switches `sensor` on or off.
+    pub fn set(&mut self, sensor: Sensor, is_on: bool) {
+        if is_on {
+            self.off.remove(&sensor);
+        } else {
+            self.off.insert(sensor);
+        }
+    }
+}
+
+/// The sensors of a robot of this type with their names, by kinds.
+pub fn sensors(spec: &RobiSpec) -> impl Iterator<Item = (&str, Sensor)> {
+    let ranges = spec.psds.iter().map(|psd| &*psd.name).chain(spec.ranges.iter().map(|range| &*range.name));
+    let ranges = ranges.enumerate().map(|(index, name)| (name, Sensor::Range(index)));
+    let lidar = spec.lidar.iter().map(|_| (LIDAR, Sensor::Lidar));
+    let infrareds = spec.infrareds.iter().enumerate().map(|(index, it)| (&*it.name, Sensor::Infrared(index)));
+    let bumpers = spec.bumpers.iter().enumerate().map(|(index, it)| (&*it.name, Sensor::Bumper(index)));
+    let compass = spec.compass.iter().map(|it| (&*it.name, Sensor::Compass));
+    let encoders = spec.drive.motors.iter().enumerate();
+    let encoders = encoders.filter_map(|(index, motor)| Some((motor.encoder.as_deref()?, Sensor::Encoder(index))));
+    let camera = spec.camera.iter().map(|_| (camera::NAME, Sensor::Camera));
+    ranges.chain(infrareds).chain(lidar).chain(bumpers).chain(compass).chain(encoders).chain(camera)
+}
