@@ -332,29 +332,38 @@ impl Conductor {
     fn act(&mut self, at: Time, actions: Vec<Intervention>, run: &Run, world: &mut World) {
         let at = at.floor_to(world.slot()).max(world.slot_start());
         for Intervention { action, answer } in actions {
-            let checked = if at < self.until { intervene::check(&action, run, world) } else { Err(Refusal::over()) };
+            let checked = if at < self.until { intervene::check(&action, run, world) } else { Err(Refusal::Over) };
             answer(checked.map(|deed| {
                 world.advance_to(at);
                 self.has_acted = true;
+                self.record_starts(world);
                 let text = serde_json::to_string(&action).unwrap_or_default();
                 self.journal.record(at, &Event::Intervention { action: ActionText(&text) });
                 let effect = intervene::carry_out(deed, at, run, world, &mut self.journal);
-                self.take_effect(effect, at, run);
+                self.take_effect(effect, at, run, world);
             }));
         }
     }
 
     /// Brings the list of wakes in line with what an action at `at` has changed.
-    fn take_effect(&mut self, effect: Effect, at: Time, run: &Run) {
-        match effect {
-            Effect::World => {}
-            Effect::Robot(id) => {
-                if let Some(wake) = run.robot(id).wake_after(at) {
-                    self.sleep_until(id, wake);
-                }
-                self.ran.push(id);
+    fn take_effect(&mut self, effect: Effect, at: Time, run: &Run, world: &World) {
+        for id in effect.robots {
+            if let Some(wake) = run.robot(id).wake_after(at).filter(|_| !self.has_departed(id)) {
+                self.sleep_until(id, wake);
             }
-            Effect::End => self.end_with(End::Interrupted),
+            self.ran.push(id);
+        }
+        self.record_objects(world, at, effect.object.into_iter());
+        if effect.is_end {
+            self.end_with(End::Interrupted);
+        }
+    }
+
+    /// Records where the movable objects start, once.
+    fn record_starts(&mut self, world: &World) {
+        if !std::mem::replace(&mut self.has_recorded_starts, true) {
+            let all = (0..world.object_count()).map(ObjectId::from_index);
+            self.record_objects(world, Time::ZERO, all);
         }
     }
 
@@ -373,10 +382,7 @@ impl Conductor {
         }));
         active.sort_unstable();
         active.dedup();
-        if !std::mem::replace(&mut self.has_recorded_starts, true) {
-            let all = (0..world.object_count()).map(ObjectId::from_index);
-            self.record_objects(world, Time::ZERO, all);
-        }
+        self.record_starts(world);
         let mut robots: Vec<MutexGuard<'_, Robot>> = active.iter().map(|id| run.robot(*id)).collect();
         for placement in &placements {
             self.place(placement, world, &mut robots);
