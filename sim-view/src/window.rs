@@ -160,10 +160,16 @@ impl Window {
         self.hub.looks()
     }
 
+    /// How many pages watch.
+    #[must_use]
+    pub fn pages(&self) -> usize {
+        self.hub.pages()
+    }
+
     /// Whether anybody watches.
     #[must_use]
     pub fn has_pages(&self) -> bool {
-        self.hub.has_pages()
+        self.pages() > 0
     }
 
     /// What pages ask for, of those that may act.

@@ -182,8 +182,8 @@ impl Hub {
         self.changed.send_replace(());
     }
 
-    pub(super) fn has_pages(&self) -> bool {
-        self.changed.receiver_count() > 0
+    pub(super) fn pages(&self) -> usize {
+        self.changed.receiver_count()
     }
 
     pub(super) fn looks(&self) -> Vec<Look> {

@@ -1,0 +1,308 @@
+//! What server and page say to each other.
+
+mod common;
+
+use std::time::Duration;
+
+use common::*;
+use serde_json::json;
+use sim_view::protocol::{Action, Build, Command, PROTOCOL, Seed};
+use sim_view::{Asked, Look, Window};
+
+fn next(window: &Window) -> Asked {
+    let mut asked = None;
+    until("a command", || {
+        asked = window.commands().recv_timeout(Duration::from_millis(50));
+        asked.is_some()
+    });
+    asked.unwrap()
+}
+
+#[test]
+fn hello_is_answered_with_all_there_is_to_see() {
+    let window = local();
+    assert!(!window.has_pages());
+    window.show_scene(scene(1));
+    window.show(snapshot(2.5), vec![]);
+    window.tell(vec![event(1, "contact", 1)]);
+    let (mut page, welcome) = Client::hello(&window, None);
+    assert_eq!(
+        welcome,
+        json!({ "type": "welcome", "protocol": PROTOCOL, "version": "1.2.3", "title": "a scene", "may_act": true })
+    );
+    let shown = page.hear();
+    assert_eq!((&shown["type"], &shown["run"], &shown["robots"][0]["name"]), (&json!("scene"), &json!(1), &json!("one")));
+    let shown = page.hear();
+    assert_eq!((&shown["type"], &shown["t_s"]), (&json!("snapshot"), &json!(2.5)));
+    let told = page.hear();
+    let expected = json!({ "number": 1, "t_s": 1.0, "robot": 1, "kind": "contact", "text": "event \"1\"", "fields": { "n": 1 } });
+    assert_eq!(told, json!({ "type": "events", "events": [expected], "missed": 0 }));
+    assert!(window.has_pages());
+    window.build(Build::Failed { output: "no".into() });
+    assert_eq!(page.hear(), json!({ "type": "build", "state": "failed", "output": "no" }));
+    drop(page);
+    until("the page has gone", || !window.has_pages());
+}
+
+#[test]
+fn first_message_decides() {
+    let window = class();
+    let version = format!("the page speaks version 99 of the protocol, the server {PROTOCOL}: load the page again");
+    for (first, code, why) in [
+        (json!({ "type": "hello", "protocol": 99, "token": "wrong" }), 4406, version.as_str()),
+        (json!({ "type": "hello", "protocol": PROTOCOL, "token": "wrong" }), 4401, "the token is wrong"),
+        (json!({ "type": "hello", "protocol": PROTOCOL, "token": "" }), 4401, "the token is wrong"),
+        (json!({ "type": "look", "robot": 1, "camera": true, "calls": true }), 4400, "the first message is not `hello`"),
+    ] {
+        let mut page = Client::connect(&window);
+        page.say(&first);
+        assert_eq!(page.hear_close(), Some((code, why.into())), "{first}");
+    }
+    assert!(!window.has_pages());
+    assert!(window.looks().is_empty());
+    let mut silent = Client::connect(&window);
+    assert_eq!(silent.hear_close(), Some((4408, "no `hello` within 5 s".into())));
+}
+
+#[test]
+fn only_who_has_the_token_may_act() {
+    let window = class();
+    assert_eq!(window.url(), format!("http://{}/#token=secret", window.address()));
+    assert_eq!(window.public_url(), format!("http://{}/", window.address()));
+    let (mut watcher, welcome) = Client::hello(&window, None);
+    assert_eq!(welcome["may_act"], false);
+    watcher.act(7);
+    assert_eq!(watcher.hear_answer(), (7, Some("this page may only watch: it has no token".into())));
+    assert!(window.commands().try_recv().is_none());
+    let (mut teacher, welcome) = Client::hello(&window, Some("secret"));
+    assert_eq!(welcome["may_act"], true);
+    teacher.act(8);
+    let asked = next(&window);
+    assert_eq!(asked.command, Command::Step {});
+    asked.accept();
+    assert_eq!(teacher.hear_answer(), (8, None));
+    watcher.look(Some(1), false);
+    until("watchers may look", || !window.looks().is_empty());
+}
+
+#[test]
+fn commands_are_answered_by_their_numbers() {
+    let window = local();
+    let (mut page, _) = Client::hello(&window, None);
+    let place = json!({ "do": "place_robot", "robot": 1, "x_m": 0.1, "y_m": 0.2, "phi_rad": 0.3 });
+    for (number, command) in [
+        (1, json!({ "command": "act", "action": place })),
+        (2, json!({ "command": "speed", "factor": null })),
+        (3, json!({ "command": "restart", "seed": { "number": "18446744073709551615" } })),
+    ] {
+        page.say(&json!({ "type": "act", "number": number, "command": command }));
+    }
+    let asked = [next(&window), next(&window), next(&window)];
+    let action = Action::PlaceRobot { robot: 1, x_m: 0.1, y_m: 0.2, phi_rad: 0.3 };
+    assert_eq!(asked[0].command, Command::Act { action });
+    assert_eq!(asked[1].command, Command::Speed { factor: None });
+    assert_eq!(asked[2].command, Command::Restart { seed: Seed::Number("18446744073709551615".into()) });
+    let [first, second, third] = asked;
+    second.refuse("not now");
+    assert_eq!(page.hear_answer(), (2, Some("not now".into())));
+    first.accept();
+    assert_eq!(page.hear_answer(), (1, None));
+    drop(third);
+    assert_eq!(page.hear_answer(), (3, Some("the run took no more commands".into())));
+}
+
+#[test]
+fn looks_of_all_pages_are_merged() {
+    let window = local();
+    let (mut one, _) = Client::hello(&window, None);
+    let (mut other, _) = Client::hello(&window, None);
+    one.look(Some(2), true);
+    other.say(&json!({ "type": "look", "robot": 2, "camera": true, "calls": false }));
+    let both = vec![Look { robot: 2, camera: true, calls: true }];
+    until("both", || window.looks() == both);
+    other.look(Some(1), false);
+    let apart = vec![Look { robot: 1, camera: false, calls: false }, Look { robot: 2, camera: false, calls: true }];
+    until("apart", || window.looks() == apart);
+    drop(one);
+    until("one has gone", || window.looks() == apart[..1]);
+    other.look(None, false);
+    until("none", || window.looks().is_empty());
+}
+
+#[test]
+fn a_look_ends_the_wait_for_commands() {
+    let window = local();
+    let (mut page, _) = Client::hello(&window, None);
+    page.look(Some(1), false);
+    assert!(window.commands().recv_timeout(Duration::from_secs(3600)).is_none());
+    let commands = window.commands().clone();
+    std::thread::scope(|scope| {
+        scope.spawn(|| commands.wake());
+        assert!(window.commands().recv_timeout(Duration::from_secs(3600)).is_none());
+    });
+}
+
+#[test]
+fn display_comes_once_and_to_each_page() {
+    let window = local();
+    window.show(snapshot(0.0), vec![detail(1, 0.0, Some("data:a")), detail(2, 0.0, Some("data:b"))]);
+    let (mut page, _) = Client::hello(&window, None);
+    page.hear_type("snapshot");
+    page.look(Some(1), false);
+    let shown = page.hear_type("detail");
+    assert_eq!((&shown["robot"], &shown["lcd"]["url"]), (&json!(1), &json!("data:a")));
+    window.show(snapshot(1.0), vec![detail(1, 1.0, None)]);
+    let shown = page.hear_type("detail");
+    assert_eq!((&shown["t_s"], &shown["lcd"]), (&json!(1.0), &json!(null)));
+
+    let (mut late, _) = Client::hello(&window, None);
+    late.look(Some(1), false);
+    let shown = late.hear_type("detail");
+    assert_eq!((&shown["t_s"], &shown["lcd"]["url"]), (&json!(1.0), &json!("data:a")));
+
+    // A picture that a later detail without one overtakes is not lost.
+    window.show(snapshot(2.0), vec![detail(1, 2.0, Some("data:c"))]);
+    window.show(snapshot(3.0), vec![detail(1, 3.0, None)]);
+    for page in [&mut page, &mut late] {
+        let mut pictures = Vec::new();
+        loop {
+            let shown = page.hear_type("detail");
+            pictures.extend(shown["lcd"]["url"].as_str().map(String::from));
+            if shown["t_s"] == 3.0 {
+                break;
+            }
+        }
+        assert_eq!(pictures, ["data:c"]);
+    }
+
+    page.look(Some(2), false);
+    assert_eq!(page.hear_type("detail")["lcd"]["url"], "data:b");
+    page.look(Some(1), false);
+    assert_eq!(page.hear_type("detail")["lcd"]["url"], "data:c");
+
+    // Of another run nothing is kept.
+    window.show_scene(scene(2));
+    let mut of_next_run = detail(1, 0.0, None);
+    of_next_run.run = 2;
+    window.show(snapshot(0.0), vec![of_next_run]);
+    let shown = page.hear_type("detail");
+    assert_eq!((&shown["run"], &shown["lcd"]), (&json!(2), &json!(null)));
+}
+
+#[test]
+fn events_are_kept_and_counted() {
+    let window = local();
+    window.show_scene(scene(1));
+    window.tell((1..=25_000).map(|number| event(number, "contact", 1)).collect());
+    let (mut page, _) = Client::hello(&window, None);
+    let (mut missed, mut numbers) = (0, Vec::new());
+    while numbers.len() < 20_000 {
+        let told = page.hear_type("events");
+        missed += told["missed"].as_u64().unwrap();
+        let events = told["events"].as_array().unwrap();
+        assert!(events.len() <= 1_000);
+        numbers.extend(events.iter().map(|event| event["number"].as_u64().unwrap()));
+    }
+    assert_eq!(missed, 5_000);
+    assert!(numbers.iter().copied().eq(5_001..=25_000));
+
+    window.tell(vec![event(25_001, "contact", 1)]);
+    let told = page.hear_type("events");
+    assert_eq!((&told["events"][0]["number"], &told["missed"]), (&json!(25_001), &json!(0)));
+
+    window.show_scene(scene(2));
+    window.tell(vec![event(1, "contact", 1)]);
+    let (mut late, _) = Client::hello(&window, None);
+    for page in [&mut page, &mut late] {
+        assert_eq!(page.hear_type("scene")["run"], 2);
+        let told = page.hear_type("events");
+        assert_eq!(told["events"].as_array().unwrap().len(), 1);
+        assert_eq!((&told["events"][0]["number"], &told["missed"]), (&json!(1), &json!(0)));
+    }
+}
+
+#[test]
+fn calls_go_to_who_looks_at_them() {
+    let window = local();
+    let (mut page, _) = Client::hello(&window, None);
+    page.look(Some(2), true);
+    until("the look", || !window.looks().is_empty());
+    window.tell(vec![event(1, "call", 1), event(2, "call", 2), event(3, "contact", 1)]);
+    let told = page.hear_type("events");
+    let numbers: Vec<_> = told["events"].as_array().unwrap().iter().map(|event| event["number"].clone()).collect();
+    assert_eq!(numbers, [2, 3]);
+    let (mut other, _) = Client::hello(&window, None);
+    assert_eq!(other.hear_type("events")["events"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn who_comes_back_sees_everything_again() {
+    let window = local();
+    window.show_scene(scene(1));
+    window.show(snapshot(1.0), vec![]);
+    window.tell(vec![event(1, "contact", 1)]);
+    for _ in 0..3 {
+        let (mut page, _) = Client::hello(&window, None);
+        for kind in ["scene", "snapshot", "events"] {
+            assert_eq!(page.hear()["type"], kind);
+        }
+    }
+}
+
+#[test]
+fn a_page_that_stalls_holds_up_nobody() {
+    const LAST: u32 = 600;
+    let window = local();
+    let (mut stalled, _) = Client::hello(&window, None);
+    let (mut page, _) = Client::hello(&window, None);
+    page.act(1);
+    next(&window).accept();
+    page.hear_answer();
+    // 60 MB, far more than what systems keep for a connection.
+    for number in 1..=LAST {
+        let mut big = snapshot(f64::from(number));
+        big.state = sim_view::protocol::RunState::Ended { why: "x".repeat(100_000), digest: String::new() };
+        window.show(big, vec![]);
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    window.tell(vec![event(1, "contact", 1)]);
+    while page.hear_type("snapshot")["t_s"] != f64::from(LAST) {}
+    let mut shown = 0;
+    loop {
+        shown += 1;
+        if stalled.hear_type("snapshot")["t_s"] == f64::from(LAST) {
+            break;
+        }
+    }
+    assert!(shown < LAST / 2, "{shown} snapshots have waited for the page");
+    assert_eq!(stalled.hear_type("events")["events"][0]["number"], 1);
+}
+
+#[test]
+fn a_page_that_says_nothing_is_dropped() {
+    let window = local();
+    let (_silent, _) = Client::hello(&window, None);
+    let (mut page, _) = Client::hello(&window, None);
+    page.look(Some(1), false);
+    until("one page is there", || window.looks().len() == 1);
+    // Who reads answers the server's pings.
+    std::thread::scope(|scope| {
+        scope.spawn(|| page.hear_close());
+        until("the silent one is gone", || window.pages() == 1);
+        assert_eq!(window.looks().len(), 1, "who answers stays");
+        drop(window);
+    });
+}
+
+#[test]
+fn closing_says_goodbye() {
+    let window = local();
+    let (mut page, _) = Client::hello(&window, None);
+    let mut silent = Client::connect(&window);
+    let address = window.address();
+    drop(window);
+    for page in [&mut page, &mut silent] {
+        assert_eq!(page.hear_close(), Some((1001, "the simulator has ended".into())));
+    }
+    assert!(std::net::TcpStream::connect(address).is_err(), "nobody listens any more");
+}
