@@ -1,5 +1,7 @@
 //! What server and page say to each other.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by them")]
+
 mod common;
 
 use std::time::Duration;
@@ -31,11 +33,15 @@ fn hello_is_answered_with_all_there_is_to_see() {
         json!({ "type": "welcome", "protocol": PROTOCOL, "version": "1.2.3", "title": "a scene", "may_act": true })
     );
     let shown = page.hear();
-    assert_eq!((&shown["type"], &shown["run"], &shown["robots"][0]["name"]), (&json!("scene"), &json!(1), &json!("one")));
+    assert_eq!(
+        (&shown["type"], &shown["run"], &shown["robots"][0]["name"]),
+        (&json!("scene"), &json!(1), &json!("one"))
+    );
     let shown = page.hear();
     assert_eq!((&shown["type"], &shown["t_s"]), (&json!("snapshot"), &json!(2.5)));
     let told = page.hear();
-    let expected = json!({ "number": 1, "t_s": 1.0, "robot": 1, "kind": "contact", "text": "event \"1\"", "fields": { "n": 1 } });
+    let expected =
+        json!({ "number": 1, "t_s": 1.0, "robot": 1, "kind": "contact", "text": "event \"1\"", "fields": { "n": 1 } });
     assert_eq!(told, json!({ "type": "events", "events": [expected], "missed": 0 }));
     assert!(window.has_pages());
     window.build(Build::Failed { output: "no".into() });
@@ -52,7 +58,11 @@ fn first_message_decides() {
         (json!({ "type": "hello", "protocol": 99, "token": "wrong" }), 4406, version.as_str()),
         (json!({ "type": "hello", "protocol": PROTOCOL, "token": "wrong" }), 4401, "the token is wrong"),
         (json!({ "type": "hello", "protocol": PROTOCOL, "token": "" }), 4401, "the token is wrong"),
-        (json!({ "type": "look", "robot": 1, "camera": true, "calls": true }), 4400, "the first message is not `hello`"),
+        (
+            json!({ "type": "look", "robot": 1, "camera": true, "calls": true }),
+            4400,
+            "the first message is not `hello`",
+        ),
     ] {
         let mut page = Client::connect(&window);
         page.say(&first);

@@ -1,4 +1,5 @@
 //! A page without a browser.
+#![allow(clippy::unwrap_used, reason = "a test fails by them")]
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
 use std::io::{Read, Write};
