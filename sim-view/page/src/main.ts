@@ -1,19 +1,26 @@
 import "uplot/dist/uPlot.min.css";
 import "./style/base.css";
 import "./style/layout.css";
+import "./style/scene.css";
 import "./style/panel.css";
 import { LiveSource } from "./connection";
 import { element } from "./dom";
 import { Model } from "./model";
 import { panels } from "./panel";
+import { notify } from "./panel/notice";
+import { findRecording, RecordedSource } from "./recorded";
+import { sceneView } from "./scene/view";
 import { connectionStatus } from "./status";
+import { timeline } from "./timeline";
 
 const model = new Model();
+const recording = await findRecording();
 
 const title = element("h1", { className: "title", textContent: "eyesim" });
 const bar = element("header", { className: "top" }, [title]);
-const view = element("main", { className: "view" });
-const side = element("aside", { className: "side", ariaLabel: "Panels" });
+const scene = sceneView(model);
+const view = element("main", { className: "view" }, [scene.element, timeline(model, recording?.events ?? null)]);
+const side = element("aside", { className: "side", label: "Panels" });
 for (const panel of panels(model)) (panel.classList.contains("bar") ? bar : side).append(panel);
 bar.append(connectionStatus(model));
 document.body.append(bar, view, side);
@@ -24,4 +31,13 @@ model.subscribe("scene", () => {
   document.title = `${model.scene.title} · eyesim`;
 });
 
-model.attach(new LiveSource(model));
+if (recording) {
+  document.body.classList.add("recorded");
+  model.attach(new RecordedSource(model, recording));
+  for (const remark of recording.remarks) notify(remark);
+} else {
+  model.attach(new LiveSource(model));
+}
+
+// For tests and for the browser's console.
+Object.assign(globalThis, { eyesim: { model, view: scene.view } });

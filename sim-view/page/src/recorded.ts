@@ -1,0 +1,217 @@
+// The source that plays a recorded run.
+
+import type { Model, Player, Source } from "./model";
+import { type Motion, mix } from "./motion";
+import type { Detail, Life, Pose, Recording, RobotState, Snapshot, Track } from "./protocol";
+
+/** Panels are told this often while it plays. */
+const TELL_MS = 100;
+
+/** Plays a recording into the model, as if it were live. */
+export class RecordedSource implements Source, Player {
+  readonly player = this;
+  isPlaying = false;
+  speed = 1;
+  private t_s = 0;
+  private nextEvent = 0;
+  private last_ms = 0;
+  private told_ms = 0;
+  private readonly lives = new Map<number, Life>();
+
+  constructor(
+    private readonly model: Model,
+    private readonly recording: Recording,
+  ) {
+    const { scene, robots, objects } = recording;
+    scene.robots.forEach((robot, i) => this.lives.set(robot.id, robots[i]!));
+    const tracks = new Map(scene.objects.map((object, i) => [object.id, objects[i]!]));
+    model.motion = new RecordedMotion(this.lives, tracks);
+    model.receive({ type: "scene", ...scene });
+    model.setConnection({ is: "recorded" });
+    this.seek(0);
+    requestAnimationFrame((now) => this.tick(now));
+  }
+
+  get duration_s(): number {
+    return this.recording.duration_s;
+  }
+
+  /** What the user should know of the recording. */
+  get remarks(): readonly string[] {
+    return this.recording.remarks;
+  }
+
+  /** When what happened, for the timeline. */
+  get events(): Recording["events"] {
+    return this.recording.events;
+  }
+
+  play(): void {
+    if (this.t_s >= this.duration_s) this.seek(0);
+    this.isPlaying = true;
+    this.tell();
+  }
+
+  pause(): void {
+    this.isPlaying = false;
+    this.tell();
+  }
+
+  setSpeed(speed: number): void {
+    this.speed = speed;
+    this.tell();
+  }
+
+  seek(t_s: number): void {
+    const to = Math.min(this.duration_s, Math.max(0, t_s));
+    if (to < this.t_s) {
+      this.nextEvent = 0;
+      this.model.forget();
+    }
+    this.t_s = to;
+    this.tell();
+  }
+
+  act(): Promise<void> {
+    return Promise.reject(new Error("a recorded run cannot be changed"));
+  }
+
+  look(): void {
+    this.tellDetail();
+  }
+
+  private tick(now_ms: number): void {
+    requestAnimationFrame((next) => this.tick(next));
+    const passed_ms = Math.min(250, now_ms - this.last_ms);
+    this.last_ms = now_ms;
+    if (!this.isPlaying) return;
+    this.t_s = Math.min(this.duration_s, this.t_s + (this.speed * passed_ms) / 1000);
+    this.model.clock.set(this.t_s);
+    if (this.t_s >= this.duration_s) this.isPlaying = false;
+    if (now_ms - this.told_ms < TELL_MS && this.isPlaying) return;
+    this.told_ms = now_ms;
+    this.tell();
+  }
+
+  /** Tells the model how things are at the time that is played. */
+  private tell(): void {
+    const { model, recording } = this;
+    const first = this.nextEvent;
+    while ((recording.events[this.nextEvent]?.t_s ?? Infinity) <= this.t_s) this.nextEvent++;
+    if (this.nextEvent > first) model.receive({ type: "events", events: recording.events.slice(first, this.nextEvent), missed: 0 });
+    model.receive({ type: "snapshot", ...this.snapshot() });
+    model.clock.set(this.t_s);
+    this.tellDetail();
+    model.tell("player");
+  }
+
+  private snapshot(): Snapshot {
+    const { scene, why, digest } = this.recording;
+    const isOver = this.t_s >= this.duration_s;
+    return {
+      run: scene.run,
+      t_s: this.t_s,
+      state: isOver ? { is: "ended", why, digest } : this.isPlaying ? { is: "running" } : { is: "paused" },
+      speed: this.speed,
+      rate: this.isPlaying ? this.speed : 0,
+      robots: scene.robots.flatMap(({ id }) => this.robotState(id)),
+      objects: scene.objects.flatMap(({ id }) => {
+        const pose: Pose = { x_m: 0, y_m: 0, phi_rad: 0 };
+        return this.model.motion.object(id, this.t_s, pose) ? [{ id, pose }] : [];
+      }),
+      beams: [],
+    };
+  }
+
+  private robotState(id: number): RobotState[] {
+    const from: Pose = { x_m: 0, y_m: 0, phi_rad: 0 };
+    if (!this.model.motion.robot(id, this.t_s, from)) return [];
+    const stood = latest(this.lives.get(id)?.standings ?? [], this.t_s);
+    const leg = { t_s: this.t_s, from, v_m_per_s: 0, left_m_per_s: 0, omega_rad_per_s: 0, lasts_s: 0 };
+    const [standing, why] = [stood?.standing ?? "running", stood?.why ?? ""];
+    return [{ id, legs: [leg], standing, now_s: this.t_s, why, is_stalled: false }];
+  }
+
+  private tellDetail(): void {
+    const robot = this.model.chosen;
+    const life = robot === null ? undefined : this.lives.get(robot);
+    if (robot === null || !life) return;
+    const pose: Pose = { x_m: 0, y_m: 0, phi_rad: 0 };
+    this.model.motion.robot(robot, this.t_s, pose);
+    const detail: Detail = {
+      run: this.recording.scene.run,
+      robot,
+      t_s: this.t_s,
+      pose,
+      odometry: pose,
+      lcd: null,
+      lcd_text: latest(life.lcd, this.t_s)?.lines ?? [],
+      camera: null,
+      readings: [],
+      sensors: [],
+      noise: [],
+      scan: null,
+    };
+    this.model.receive({ type: "detail", ...detail });
+  }
+}
+
+/** Where bodies were. */
+class RecordedMotion implements Motion {
+  private readonly end: Pose = { x_m: 0, y_m: 0, phi_rad: 0 };
+
+  constructor(
+    private readonly lives: ReadonlyMap<number, Life>,
+    private readonly tracks: ReadonlyMap<number, Track>,
+  ) {}
+
+  robot(id: number, t_s: number, out: Pose): boolean {
+    return this.on(this.lives.get(id)?.track, t_s, out);
+  }
+
+  object(id: number, t_s: number, out: Pose): boolean {
+    return this.on(this.tracks.get(id), t_s, out);
+  }
+
+  private on(track: Track | undefined, t_s: number, out: Pose): boolean {
+    if (!track || track.t_s.length === 0 || t_s < track.t_s[0]! || t_s >= (track.until_s ?? Infinity)) return false;
+    const i = before(track.t_s, t_s);
+    point(track, i, out);
+    const [from_s, to_s] = [track.t_s[i]!, track.t_s[i + 1]];
+    if (to_s === undefined || to_s <= from_s) return true;
+    point(track, i + 1, this.end);
+    mix(out, this.end, (t_s - from_s) / (to_s - from_s));
+    return true;
+  }
+}
+
+function point(track: Track, i: number, out: Pose): void {
+  out.x_m = track.x_m[i]!;
+  out.y_m = track.y_m[i]!;
+  out.phi_rad = track.phi_rad[i]!;
+}
+
+/** Place of the last time that is not after `t_s`, in times that rise. */
+function before(times_s: readonly number[], t_s: number): number {
+  let [low, high] = [0, times_s.length];
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (times_s[middle]! <= t_s) low = middle;
+    else high = middle;
+  }
+  return low;
+}
+
+function latest<T extends { t_s: number }>(items: readonly T[], t_s: number): T | undefined {
+  return items.findLast((item) => item.t_s <= t_s);
+}
+
+/** The recording in the page itself; else the one that the server of a replay offers; null for a live run. */
+export async function findRecording(): Promise<Recording | null> {
+  const inside = document.getElementById("recording")?.textContent;
+  if (inside) return JSON.parse(inside) as Recording;
+  if (location.protocol === "file:") return null;
+  const answer = await fetch(new URL("recording.json", document.baseURI)).catch(() => null);
+  const isRecording = answer?.ok && answer.headers.get("content-type")?.includes("json");
+  return isRecording ? ((await answer.json()) as Recording) : null;
+}

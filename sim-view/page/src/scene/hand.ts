@@ -1,0 +1,271 @@
+// Choosing and moving bodies by mouse, touch and keyboard.
+
+import * as THREE from "three";
+import type { Model } from "../model";
+import { act } from "../panel/notice";
+import type { Pose } from "../protocol";
+import type { Bodies, Shown } from "./bodies";
+import type { Eye } from "./eye";
+import type { Marks } from "./marks";
+
+/** Pixels that a pointer may stray in a click, and around a body that still counts as on it. */
+const CLICK_PX = 4;
+const NEAR_PX = 8;
+const STEP_M = 0.01;
+const TURN_RAD = Math.PI / 36;
+/** A body moved by keys is put down when they have rested so long. */
+const REST_MS = 600;
+
+interface Grip {
+  pointer: number;
+  body: Shown;
+  isTurning: boolean;
+  start: Pose;
+  /** Where it was taken: a point on the plane of the grip, and the pointer. */
+  at: THREE.Vector3;
+  height_m: number;
+  x_px: number;
+  y_px: number;
+  isMoving: boolean;
+}
+
+export class Hand {
+  private grip: Grip | null = null;
+  private pressed: { x: number; y: number; pointer: number } | null = null;
+  private resting = 0;
+  private readonly ray = new THREE.Raycaster();
+  private readonly spot = new THREE.Vector3();
+  private readonly seen = new THREE.Vector3();
+
+  /** Listens before the controls do, which it switches off while it holds something. */
+  constructor(
+    private readonly model: Model,
+    private readonly bodies: Bodies,
+    private readonly marks: Marks,
+    private readonly surface: HTMLElement,
+    private readonly eye: () => Eye,
+    private readonly changed: () => void,
+  ) {
+    surface.addEventListener("pointerdown", (event) => this.press(event));
+    surface.addEventListener("pointermove", (event) => this.move(event));
+    surface.addEventListener("pointerup", (event) => this.release(event));
+    surface.addEventListener("pointercancel", () => this.drop(true));
+    surface.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  /** Puts all that is held back where it was. */
+  cancel(): void {
+    clearTimeout(this.resting);
+    for (const body of this.bodies.all) body.held = null;
+    this.grip = null;
+    this.changed();
+  }
+
+  private press(event: PointerEvent): void {
+    if (event.button !== 0 || !event.isPrimary) return;
+    this.pressed = { x: event.clientX, y: event.clientY, pointer: event.pointerId };
+    const eye = this.eye();
+    if (eye.mode === "robot") return;
+    this.aim(event);
+    const selected = this.bodies.selected;
+    const isTurning = selected !== undefined && this.isAtHandle(event);
+    const body = isTurning ? selected : this.pick();
+    if (!body || !this.model.mayAct) return;
+    const height_m = isTurning || event.shiftKey ? 0 : 0.5 * body.extent.height_m;
+    if (!this.onPlane(height_m, this.spot)) return;
+    eye.controls.enabled = false;
+    this.surface.setPointerCapture(event.pointerId);
+    this.grip = {
+      pointer: event.pointerId,
+      body,
+      isTurning: isTurning || event.shiftKey,
+      start: { ...body.pose },
+      at: this.spot.clone(),
+      height_m,
+      x_px: event.clientX,
+      y_px: event.clientY,
+      isMoving: false,
+    };
+  }
+
+  private move(event: PointerEvent): void {
+    const { grip } = this;
+    if (!grip) return this.hover(event);
+    if (event.pointerId !== grip.pointer) return;
+    if (!grip.isMoving && Math.hypot(event.clientX - grip.x_px, event.clientY - grip.y_px) < CLICK_PX) return;
+    grip.isMoving = true;
+    this.surface.style.cursor = "grabbing";
+    this.aim(event);
+    if (!this.onPlane(grip.height_m, this.spot)) return;
+    const held = (grip.body.held ??= { ...grip.start });
+    if (grip.isTurning) {
+      const bearing = (point: THREE.Vector3) => Math.atan2(point.y - grip.start.y_m, point.x - grip.start.x_m);
+      held.phi_rad = grip.start.phi_rad + bearing(this.spot) - bearing(grip.at);
+    } else {
+      held.x_m = grip.start.x_m + this.spot.x - grip.at.x;
+      held.y_m = grip.start.y_m + this.spot.y - grip.at.y;
+    }
+    this.changed();
+  }
+
+  private release(event: PointerEvent): void {
+    const { grip, pressed } = this;
+    this.pressed = null;
+    if (grip?.isMoving) return this.drop(false);
+    this.drop(true);
+    if (!pressed || Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) >= CLICK_PX) return;
+    if (this.eye().mode === "robot") return;
+    this.aim(event);
+    const body = grip?.body ?? this.pick();
+    if (body) this.model.select(body.what === "robot" ? { robot: body.id } : { object: body.id });
+    this.surface.focus();
+  }
+
+  /** Lets go of what is held: it is put there, or back. */
+  private drop(isBack: boolean): void {
+    const { grip } = this;
+    this.grip = null;
+    const eye = this.eye();
+    eye.controls.enabled = eye.mode !== "robot";
+    this.surface.style.cursor = "";
+    if (!grip) return;
+    if (isBack) {
+      grip.body.held = null;
+      this.changed();
+    } else {
+      void this.place(grip.body);
+    }
+  }
+
+  /** Asks the run to take a body where it is held; it stays there until the run has answered. */
+  private async place(body: Shown): Promise<void> {
+    const { held } = body;
+    if (!held) return;
+    const place = { x_m: held.x_m, y_m: held.y_m, phi_rad: held.phi_rad };
+    const isPlaced = await act(
+      this.model,
+      body.what === "robot" ? { do: "place_robot", robot: body.id, ...place } : { do: "place_object", object: body.id, ...place },
+    );
+    const letGo = () => {
+      if (body.held === held) body.held = null;
+      this.changed();
+    };
+    // The snapshot that shows it follows the answer.
+    if (isPlaced) setTimeout(letGo, 150);
+    else letGo();
+  }
+
+  private key(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.metaKey) return;
+    const eye = this.eye();
+    const arrow = ARROWS[event.key];
+    const body = this.bodies.selected;
+    if (event.key === "Escape") this.cancel();
+    else if (event.key === "Enter" && body?.held) this.settle(body);
+    else if (event.key === "PageDown" || event.key === "PageUp") this.model.moveSelection(event.key === "PageDown" ? 1 : -1);
+    else if (event.key === "+" || event.key === "=") eye.zoom(1 / 1.15);
+    else if (event.key === "-") eye.zoom(1.15);
+    else if (event.key === "[" || event.key === "]") this.nudge(body, 0, 0, event.key === "[" ? TURN_RAD : -TURN_RAD);
+    else if (arrow && event.shiftKey) this.push(body, arrow[0], arrow[1]);
+    else if (arrow && event.altKey) eye.shift(arrow[0], arrow[1]);
+    else if (arrow) eye.orbit(-0.08 * arrow[0], 0.06 * arrow[1]);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  /** Moves a body by a step along the axis of the floor that is nearest to the arrow on the screen. */
+  private push(body: Shown | undefined, right: number, ahead: number): void {
+    const [x, y] = this.eye().axes();
+    const way = x.multiplyScalar(right).add(y.multiplyScalar(ahead));
+    const isAlongX = Math.abs(way.x) >= Math.abs(way.y);
+    this.nudge(body, isAlongX ? STEP_M * Math.sign(way.x) : 0, isAlongX ? 0 : STEP_M * Math.sign(way.y), 0);
+  }
+
+  private nudge(body: Shown | undefined, x_m: number, y_m: number, phi_rad: number): void {
+    if (!body?.isThere || !this.model.mayAct) return;
+    const held = (body.held ??= { ...body.pose });
+    held.x_m += x_m;
+    held.y_m += y_m;
+    held.phi_rad += phi_rad;
+    this.changed();
+    clearTimeout(this.resting);
+    this.resting = window.setTimeout(() => this.settle(body), REST_MS);
+  }
+
+  private settle(body: Shown): void {
+    clearTimeout(this.resting);
+    void this.place(body);
+  }
+
+  private hover(event: PointerEvent): void {
+    if (event.buttons !== 0 || this.eye().mode === "robot") return;
+    this.aim(event);
+    const isOver = this.isAtHandle(event) || this.pick() !== undefined;
+    this.surface.style.cursor = isOver ? (this.model.mayAct ? "grab" : "pointer") : "";
+  }
+
+  private aim(event: PointerEvent): void {
+    const box = this.surface.getBoundingClientRect();
+    const x = ((event.clientX - box.left) / box.width) * 2 - 1;
+    const y = 1 - ((event.clientY - box.top) / box.height) * 2;
+    this.ray.setFromCamera(new THREE.Vector2(x, y), this.eye().camera);
+  }
+
+  /** The nearest body whose upright cylinder the pointer is on, or near to. */
+  private pick(): Shown | undefined {
+    const { origin, direction } = this.ray.ray;
+    const slack = NEAR_PX / this.eye().px_per_m;
+    let found: Shown | undefined;
+    let nearest = Infinity;
+    for (const body of this.bodies.all) {
+      if (!body.isThere) continue;
+      const distance = meet(origin, direction, body, 0.25 * slack) ?? meet(origin, direction, body, slack);
+      if (distance === null || distance >= nearest) continue;
+      nearest = distance;
+      found = body;
+    }
+    return found;
+  }
+
+  private isAtHandle(event: PointerEvent): boolean {
+    if (!this.marks.handle(this.seen)) return false;
+    const box = this.surface.getBoundingClientRect();
+    this.seen.project(this.eye().camera);
+    const x = box.left + (0.5 + 0.5 * this.seen.x) * box.width;
+    const y = box.top + (0.5 - 0.5 * this.seen.y) * box.height;
+    return Math.hypot(event.clientX - x, event.clientY - y) < (event.pointerType === "mouse" ? 9 : 18);
+  }
+
+  private onPlane(height_m: number, out: THREE.Vector3): boolean {
+    const { origin, direction } = this.ray.ray;
+    const way = (height_m - origin.z) / direction.z;
+    if (!Number.isFinite(way) || way <= 0) return false;
+    out.copy(origin).addScaledVector(direction, way);
+    return true;
+  }
+}
+
+const ARROWS: Record<string, readonly [number, number] | undefined> = {
+  ArrowLeft: [-1, 0],
+  ArrowRight: [1, 0],
+  ArrowUp: [0, 1],
+  ArrowDown: [0, -1],
+};
+
+/** The distance at which a ray meets a body's upright cylinder, widened by a slack; null if it does not. */
+function meet(origin: THREE.Vector3, direction: THREE.Vector3, body: Shown, slack: number): number | null {
+  const radius = body.extent.radius_m + slack;
+  const [dx, dy] = [origin.x - body.pose.x_m, origin.y - body.pose.y_m];
+  const a = direction.x ** 2 + direction.y ** 2;
+  const b = dx * direction.x + dy * direction.y;
+  const c = dx ** 2 + dy ** 2 - radius ** 2;
+  // From straight above, where the ray meets the top.
+  const top = (body.extent.height_m - origin.z) / direction.z;
+  if (top > 0 && (dx + top * direction.x) ** 2 + (dy + top * direction.y) ** 2 <= radius ** 2) return top;
+  const root = b * b - a * c;
+  if (a < 1e-12 || root < 0) return null;
+  const way = (-b - Math.sqrt(root)) / a;
+  const height = origin.z + way * direction.z;
+  return way > 0 && height >= -slack && height <= body.extent.height_m + slack ? way : null;
+}

@@ -1,0 +1,182 @@
+// What happens for a moment: messages that fly with their fate, and contacts.
+
+import * as THREE from "three";
+import type { Model } from "../model";
+import type { Event } from "../protocol";
+import type { Bodies } from "./bodies";
+import { Pen, type Colour } from "./pen";
+import { Sprites } from "./sprite";
+
+/** A message flies for this real time and is seen for this long altogether, however short it takes in the simulation. */
+const FLIGHT_MS = 550;
+const SHOWN_MS = 1200;
+const CONTACT_MS = 900;
+const MAX_FLIGHTS = 200;
+const MAX_CONTACTS = 64;
+
+const AIR: Colour = [0.25, 0.55, 1];
+const ARRIVED: Colour = [0.15, 0.75, 0.35];
+const DAMAGED: Colour = [0.95, 0.65, 0.1];
+const LOST: Colour = [0.95, 0.2, 0.2];
+const CONTACT: Colour = [1, 0.25, 0.1];
+
+type Fate = "arrived" | "damaged" | "lost";
+
+/** A message from one robot to another, or that is lost where it was sent. */
+interface Flight {
+  from: number;
+  to: number;
+  fate: Fate;
+  /** How long it has been shown; it stands still, with its fate, while the run does. */
+  age_ms: number;
+}
+
+interface Contact {
+  x_m: number;
+  y_m: number;
+  age_ms: number;
+}
+
+export class Happenings {
+  readonly radio = new THREE.Group();
+  readonly contacts = new THREE.Group();
+  private readonly arcs = new Pen("lines", { renderOrder: 9, depthTest: false });
+  private readonly dots = new Pen("points", { size_px: 11, renderOrder: 10, depthTest: false });
+  private readonly bursts = new Pen("triangles", { renderOrder: 8 });
+  private readonly fates: Sprites;
+  private readonly flights: Flight[] = [];
+  private readonly struck: Contact[] = [];
+  private last = 0;
+
+  constructor(
+    private readonly model: Model,
+    private readonly bodies: Bodies,
+  ) {
+    const mark = (text: string, plate: string) => ({ text, plate, colour: "#ffffff" });
+    const marks = [mark("✓", "#1d9a4b"), mark("~", "#b97a10"), mark("✕", "#d0342c")];
+    this.fates = new Sprites(Array.from({ length: MAX_FLIGHTS }, () => marks).flat(), 21);
+    this.radio.add(this.arcs.object, this.dots.object, this.fates.mesh);
+    this.contacts.add(this.bursts.object);
+  }
+
+  rebuild(): void {
+    this.flights.length = 0;
+    this.struck.length = 0;
+    // What was before the page came is not played.
+    this.last = this.model.events.at(-1)?.number ?? 0;
+  }
+
+  /** Takes the model's new events. */
+  takeEvents(): void {
+    const { events } = this.model;
+    const newest = events.at(-1)?.number ?? 0;
+    if (newest < this.last) return this.rebuild();
+    let first = events.length;
+    while (first > 0 && events[first - 1]!.number > this.last) first--;
+    // After a leap in time only the last are news.
+    for (const event of events.slice(Math.max(first, events.length - 2 * MAX_FLIGHTS))) this.take(event);
+    this.last = newest;
+  }
+
+  /** Draws them; whether anything is under way. */
+  update(passed_ms: number, isReduced: boolean, width_px: number, height_px: number): boolean {
+    const isStill = this.model.snapshot?.state.is === "paused" || this.model.player?.isPlaying === false;
+    age(this.flights, passed_ms, SHOWN_MS, isStill);
+    age(this.struck, passed_ms, CONTACT_MS, isStill);
+    this.drawFlights(isReduced, width_px, height_px);
+    this.drawContacts();
+    const isPlaying = (item: { age_ms: number }, most: number) => !isStill || item.age_ms < 0.6 * most;
+    return this.flights.some((flight) => isPlaying(flight, SHOWN_MS)) || this.struck.some((one) => isPlaying(one, CONTACT_MS));
+  }
+
+  dispose(): void {
+    for (const pen of [this.arcs, this.dots, this.bursts]) pen.dispose();
+    this.fates.dispose();
+  }
+
+  private take({ kind, robot, fields }: Event): void {
+    const number = (key: string) => (typeof fields[key] === "number" ? fields[key] : null);
+    if (kind === "contact") {
+      const [x_m, y_m] = [number("x_m"), number("y_m")];
+      if (x_m === null || y_m === null) return;
+      if (this.struck.length === MAX_CONTACTS) this.struck.shift();
+      this.struck.push({ x_m, y_m, age_ms: 0 });
+    } else if ((kind === "radio_arrived" || kind === "radio_lost") && robot !== null) {
+      const fate = kind === "radio_lost" ? "lost" : (number("bit_errors") ?? 0) > 0 ? "damaged" : "arrived";
+      if (this.flights.length === MAX_FLIGHTS) this.flights.shift();
+      this.flights.push({ from: number("from") ?? robot, to: robot, fate, age_ms: 0 });
+    }
+  }
+
+  private drawFlights(isReduced: boolean, width_px: number, height_px: number): void {
+    const { arcs, dots, fates } = this;
+    arcs.begin();
+    dots.begin();
+    for (let i = 0; i < 3 * MAX_FLIGHTS; i++) fates.put(i, 0, 0, 0, 0);
+    for (let i = 0; i < this.flights.length; i++) {
+      const flight = this.flights[i]!;
+      const from = this.bodies.robot(flight.from);
+      const to = this.bodies.robot(flight.to);
+      if (!from?.isThere || !to?.isThere) continue;
+      const share = isReduced ? 1 : Math.min(1, flight.age_ms / FLIGHT_MS);
+      const rest = Math.max(0, (SHOWN_MS - flight.age_ms) / (SHOWN_MS - FLIGHT_MS));
+      const opacity = isReduced ? 1 : Math.min(1, rest);
+      const colour = share < 1 ? AIR : COLOURS[flight.fate];
+      // A lost message comes half the way.
+      const goal = flight.fate === "lost" ? 0.55 : 1;
+      const end = goal * share;
+      const z0 = from.extent.height_m + 0.02;
+      const z1 = to.extent.height_m + 0.02;
+      const way = Math.hypot(to.pose.x_m - from.pose.x_m, to.pose.y_m - from.pose.y_m);
+      const rise = flight.from === flight.to ? 0.15 : 0.18 * way;
+      const parts = 20;
+      for (let p = 0; p <= parts; p++) {
+        const s = (end * p) / parts;
+        at[0] = from.pose.x_m + s * (to.pose.x_m - from.pose.x_m);
+        at[1] = from.pose.y_m + s * (to.pose.y_m - from.pose.y_m);
+        at[2] = z0 + s * (z1 - z0) + 4 * rise * s * (1 - s);
+        // Each inner corner ends one line and begins the next.
+        if (p > 0) arcs.to(at[0], at[1], at[2], colour, opacity);
+        if (p < parts) arcs.to(at[0], at[1], at[2], colour, opacity * (p / parts));
+      }
+      dots.to(at[0]!, at[1]!, at[2]!, colour, opacity);
+      if (share === 1) fates.put(3 * i + FATES[flight.fate], at[0]!, at[1]!, at[2]!, 0.9 * opacity);
+    }
+    arcs.end();
+    dots.end();
+    fates.end(width_px, height_px);
+  }
+
+  /** A star that grows and fades. */
+  private drawContacts(): void {
+    const pen = this.bursts;
+    pen.begin();
+    for (const { x_m, y_m, age_ms } of this.struck) {
+      const share = age_ms / CONTACT_MS;
+      const size = 0.02 + 0.05 * share;
+      for (let ray = 0; ray < 8; ray++) {
+        const turn = (ray * Math.PI) / 4;
+        const [cos, sin] = [Math.cos(turn), Math.sin(turn)];
+        const opacity = 0.95 * (1 - share);
+        const inner = 0.35 * size;
+        pen.to(x_m + inner * cos - 0.2 * inner * sin, y_m + inner * sin + 0.2 * inner * cos, 0.06, CONTACT, opacity);
+        pen.to(x_m + inner * cos + 0.2 * inner * sin, y_m + inner * sin - 0.2 * inner * cos, 0.06, CONTACT, opacity);
+        pen.to(x_m + size * cos, y_m + size * sin, 0.06, CONTACT, opacity);
+      }
+    }
+    pen.end();
+  }
+}
+
+const COLOURS: Record<Fate, Colour> = { arrived: ARRIVED, damaged: DAMAGED, lost: LOST };
+const FATES: Record<Fate, number> = { arrived: 0, damaged: 1, lost: 2 };
+const at = new Float64Array(3);
+
+/** Ages items and drops the old ones; while the run stands still they wait where all can be seen. */
+function age(items: { age_ms: number }[], passed_ms: number, most_ms: number, isStill: boolean): void {
+  for (const item of items) {
+    const next = item.age_ms + passed_ms;
+    item.age_ms = isStill ? Math.max(item.age_ms, Math.min(next, 0.6 * most_ms)) : next;
+  }
+  while (items.length > 0 && items[0]!.age_ms > most_ms) items.shift();
+}

@@ -1,0 +1,281 @@
+// The 3D view: puts the model's scene on the screen and keeps it there.
+
+import * as THREE from "three";
+import { element } from "../dom";
+import type { Model } from "../model";
+import { shortcut } from "../panel/keyboard";
+import { Beams } from "./beam";
+import { Bodies } from "./bodies";
+import { Eye, type Mode } from "./eye";
+import { Guides } from "./guide";
+import { Hand } from "./hand";
+import { Happenings } from "./happening";
+import { layerList, type Layer } from "./layer";
+import { Marks } from "./marks";
+import { Trails } from "./trail";
+import { World } from "./world";
+
+// Colours are mixed as cameras of the simulator mix them: as they are, without conversion.
+THREE.ColorManagement.enabled = false;
+
+/** Time of the page's own code in frames, in milliseconds; for measuring. */
+export interface FrameTimes {
+  frames: number;
+  /** Finding where all is and writing it down. */
+  update_ms: number;
+  /** Handing it to the graphics card. */
+  render_ms: number;
+}
+
+export class View {
+  readonly element = element("section", { className: "scene", testid: "scene", label: "3D view" });
+  readonly times: FrameTimes = { frames: 0, update_ms: 0, render_ms: 0 };
+  readonly bodies: Bodies;
+  private readonly scene = new THREE.Scene();
+  private readonly marks: Marks;
+  private readonly trails: Trails;
+  private readonly beams: Beams;
+  private readonly happenings: Happenings;
+  private readonly guides = new Guides();
+  private readonly frame = element("div", { className: "camera-frame" });
+  private readonly layers: Layer[];
+  private readonly reduced = matchMedia("(prefers-reduced-motion: reduce)");
+  private readonly dark = matchMedia("(prefers-color-scheme: dark)");
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly canvas: HTMLCanvasElement;
+  private readonly modes = new Map<Mode, HTMLButtonElement>();
+  private world: World | null = null;
+  private eye: Eye | null = null;
+  private size: { width: number; height: number } = { width: 1, height: 1 };
+  private lastTitle = "";
+  private last_ms = 0;
+  private isStale = true;
+  private isMoved = true;
+
+  /** Throws where there is no WebGL. */
+  constructor(private readonly model: Model) {
+    this.bodies = new Bodies(model);
+    this.marks = new Marks(model, this.bodies);
+    this.trails = new Trails(this.bodies);
+    this.beams = new Beams(model, this.bodies);
+    this.happenings = new Happenings(model, this.bodies);
+    this.canvas = element("canvas", { testid: "canvas", tabIndex: 0 });
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", "The world in 3D. Keys are listed in the help.");
+    this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: true, powerPreference: "high-performance" });
+    this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = THREE.PCFShadowMap;
+    this.renderer.shadowMap.autoUpdate = false;
+
+    const { marks, beams, happenings, guides } = this;
+    this.scene.add(marks.rings, marks.labels, marks.selection, marks.ghost, this.trails.group);
+    this.scene.add(beams.beams, beams.scan, beams.frusta, happenings.radio, happenings.contacts, guides.grid, guides.axes);
+    this.layers = this.allLayers();
+    const stale = () => void (this.isStale = true);
+    new Hand(model, this.bodies, marks, this.canvas, () => this.eye!, stale);
+    this.eye = new Eye(model, this.bodies, this.canvas, () => this.reduced.matches);
+    this.eye.onchange = () => this.showEye();
+    const list = layerList(this.layers, stale);
+    this.element.append(this.canvas, this.frame, this.buttons(), list, guides.bar);
+
+    new ResizeObserver(() => this.resize()).observe(this.element);
+    this.dark.addEventListener("change", () => this.showScheme());
+    this.listen();
+    model.screenshot = () => this.screenshot();
+    this.showScheme();
+    requestAnimationFrame((now) => this.tick(now));
+  }
+
+  /** The view as it is, as a PNG. */
+  private screenshot(): Promise<Blob> {
+    this.draw();
+    return new Promise((done, fail) =>
+      this.canvas.toBlob((blob) => (blob ? done(blob) : fail(new Error("the browser made no image"))), "image/png"),
+    );
+  }
+
+  /** Where a point of the world is on the page, in pixels of it. */
+  where(x_m: number, y_m: number, z_m: number): { x: number; y: number } {
+    const at = new THREE.Vector3(x_m, y_m, z_m).project(this.eye!.camera);
+    const box = this.canvas.getBoundingClientRect();
+    return { x: box.left + (0.5 + 0.5 * at.x) * box.width, y: box.top + (0.5 - 0.5 * at.y) * box.height };
+  }
+
+  private listen(): void {
+    const { model } = this;
+    const stale = () => void (this.isStale = true);
+    model.subscribe("scene", () => this.rebuild());
+    model.subscribe("snapshot", () => {
+      this.bodies.mark();
+      this.marks.paint();
+      this.beams.takeBeams();
+      stale();
+    });
+    const detail = () => {
+      this.beams.takeScan();
+      stale();
+    };
+    model.subscribe("detail", detail);
+    model.subscribe("chosen", detail);
+    model.subscribe("selected", stale);
+    model.subscribe("player", stale);
+    model.subscribe("events", () => {
+      this.happenings.takeEvents();
+      stale();
+    });
+    model.subscribe("centre", () => {
+      const body = this.bodies.robot(model.centred);
+      if (body?.isThere) this.eye?.centre(body);
+    });
+  }
+
+  /** Takes the model's scene; what belonged to the one before is freed. */
+  private rebuild(): void {
+    const { scene } = this.model;
+    this.world?.dispose();
+    this.world = null;
+    if (!scene) return;
+    this.bodies.rebuild();
+    this.world = new World(scene, this.bodies, () => (this.isStale = true));
+    this.scene.add(this.world.group);
+    this.marks.rebuild();
+    this.trails.rebuild();
+    this.beams.rebuild();
+    this.happenings.rebuild();
+    this.guides.rebuild(scene);
+    for (const layer of this.layers) layer.show(layer.isOn);
+    // The same world again is looked at from where one was.
+    if (this.lastTitle !== scene.title) this.eye?.fit(scene);
+    this.lastTitle = scene.title;
+    this.isStale = this.isMoved = true;
+  }
+
+  private tick(now_ms: number): void {
+    requestAnimationFrame((next) => this.tick(next));
+    const passed_ms = Math.min(100, now_ms - this.last_ms);
+    this.last_ms = now_ms;
+    const began = performance.now();
+    const { clock } = this.model;
+    clock.tick(now_ms);
+    if (!this.world || !this.eye) return;
+    if (this.bodies.update(clock.t_s)) this.isMoved = this.isStale = true;
+    this.trails.update(clock.t_s);
+    this.eye.update(passed_ms);
+    const { width, height } = this.size;
+    const isHappening = this.happenings.update(passed_ms, this.reduced.matches, width, height);
+    if (!this.isStale && !isHappening) return;
+    this.isStale = false;
+    this.world.hidden = this.eye.robot;
+    this.world.update();
+    this.marks.update(width, height, this.eye.robot);
+    this.beams.update();
+    this.guides.update(this.eye.px_per_m, width, height);
+    const updated = performance.now();
+    this.draw();
+    this.times.frames++;
+    this.times.update_ms += updated - began;
+    this.times.render_ms += performance.now() - updated;
+  }
+
+  private draw(): void {
+    if (!this.eye) return;
+    if (this.isMoved) this.renderer.shadowMap.needsUpdate = true;
+    this.isMoved = false;
+    this.renderer.render(this.scene, this.eye.camera);
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    if (width === 0 || height === 0) return;
+    this.size = { width, height };
+    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
+    this.renderer.setSize(width, height, false);
+    this.eye?.resize();
+    this.showEye();
+  }
+
+  private showScheme(): void {
+    this.renderer.setClearColor(new THREE.Color(this.dark.matches ? "#14181a" : "#e9eeee"));
+    this.isStale = true;
+  }
+
+  private showEye(): void {
+    const eye = this.eye;
+    if (!eye) return;
+    this.isStale = true;
+    for (const [mode, button] of this.modes) button.ariaPressed = String(eye.mode === mode);
+    const frame = eye.frame();
+    this.frame.hidden = frame === null;
+    if (frame) {
+      this.frame.style.width = `${100 * frame[0]}%`;
+      this.frame.style.height = `${100 * frame[1]}%`;
+    }
+    this.guides.bar.hidden = eye.mode === "robot";
+  }
+
+  private buttons(): HTMLElement {
+    const toggle = (mode: Mode) => () => this.eye?.setMode(this.eye.mode === mode ? "free" : mode);
+    const button = (text: string, testid: string, key: string, what: string, run: () => void, mode?: Mode) => {
+      shortcut(key, what, run);
+      const made = element("button", { type: "button", textContent: text, testid, title: `${what} (${key})`, onclick: run });
+      if (mode) this.modes.set(mode, made);
+      return made;
+    };
+    return element("div", { className: "eyes", role: "toolbar", label: "View" }, [
+      button("Home", "view-home", "h", "The whole world", () => this.eye?.home()),
+      button("Top", "view-top", "t", "From above", () => this.eye?.top()),
+      button("Follow", "view-follow", "f", "Follow the chosen robot", toggle("follow"), "follow"),
+      button("Robot’s view", "view-robot", "v", "Through the camera of the chosen robot", toggle("robot"), "robot"),
+    ]);
+  }
+
+  private allLayers(): Layer[] {
+    const { marks, beams, happenings, guides } = this;
+    const layer = (id: string, name: string, isOn: boolean, show: (isOn: boolean) => void) => ({ id, name, isOn, show });
+    const group = (id: string, name: string, isOn: boolean, ...groups: THREE.Object3D[]) =>
+      layer(id, name, isOn, (on) => groups.forEach((one) => (one.visible = on)));
+    const part = (id: string, name: string, pick: (world: World) => THREE.Object3D) =>
+      layer(id, name, true, (on) => {
+        if (this.world) pick(this.world).visible = on;
+        this.isMoved = true;
+      });
+    return [
+      part("walls", "Walls", (world) => world.walls),
+      layer("textures", "Textures", true, (on) => this.world?.showTextures(on)),
+      part("robots", "Robots", (world) => world.robots),
+      part("objects", "Objects", (world) => world.objects),
+      part("surroundings", "Sky and ground", (world) => world.surroundings),
+      layer("shadows", "Shadows", true, (on) => {
+        this.world?.showShadows(on);
+        this.isMoved = true;
+      }),
+      group("rings", "Rings", true, marks.rings),
+      group("labels", "Labels", true, marks.labels),
+      group("trails", "Trails", true, this.trails.group),
+      group("beams", "Beams", true, beams.beams),
+      group("scan", "Laser scan", true, beams.scan),
+      group("frusta", "What cameras see", false, beams.frusta),
+      group("radio", "Radio", true, happenings.radio),
+      group("contacts", "Contacts", true, happenings.contacts),
+      group("odometry", "Odometry", false, marks.ghost),
+      group("axes", "Axes", false, guides.axes),
+      layer("grid", "Grid and scale", true, (on) => {
+        guides.grid.visible = on;
+        guides.bar.classList.toggle("off", !on);
+      }),
+    ];
+  }
+}
+
+/** The 3D view, or where there is no WebGL what is missing. */
+export function sceneView(model: Model): { element: HTMLElement; view: View | null } {
+  try {
+    const view = new View(model);
+    return { element: view.element, view };
+  } catch (error) {
+    const why = error instanceof Error ? error.message : String(error);
+    const text = `The 3D view needs WebGL, which this browser does not offer (${why}). Everything else works.`;
+    return { element: element("p", { className: "no-scene", role: "alert", testid: "no-webgl", textContent: text }), view: null };
+  }
+}

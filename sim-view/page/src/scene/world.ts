@@ -1,0 +1,248 @@
+// What cameras see: world, floor, sky, light, and the bodies' surfaces, in the simulator's own colours and light.
+
+import * as THREE from "three";
+import type { Place, Scene } from "../protocol";
+import type { Bodies, Shown } from "./bodies";
+import { Gatherer } from "./surface";
+
+/** One surface on all bodies that have it. */
+interface Fleet {
+  mesh: THREE.InstancedMesh;
+  bodies: Shown[];
+}
+
+const IDENTITY = new THREE.Matrix4();
+
+export class World {
+  readonly group = new THREE.Group();
+  readonly walls = new THREE.Group();
+  readonly robots = new THREE.Group();
+  readonly objects = new THREE.Group();
+  readonly surroundings = new THREE.Group();
+  readonly sun = new THREE.DirectionalLight();
+  /** The robot through whose eyes is looked: it does not see itself. */
+  hidden: Shown | null = null;
+  private readonly fleets: Fleet[] = [];
+  private readonly textures: THREE.Texture[] = [];
+  private readonly materials: THREE.MeshLambertMaterial[] = [];
+  private readonly waste: { dispose(): void }[] = [];
+  private hasTextures = true;
+
+  /** `changed` is called when a texture has come. */
+  constructor(
+    private readonly scene: Scene,
+    private readonly bodies: Bodies,
+    private readonly changed: () => void,
+  ) {
+    this.group.add(this.walls, this.robots, this.objects, this.surroundings);
+    this.addLight();
+    this.addFloor();
+    this.addSky();
+    this.addFixed();
+    this.addBodies();
+  }
+
+  /** Switches textures: without them a surface has its colour alone. */
+  showTextures(isOn: boolean): void {
+    this.hasTextures = isOn;
+    for (const material of this.materials) this.dress(material);
+  }
+
+  showShadows(isOn: boolean): void {
+    this.sun.castShadow = isOn;
+    for (const material of this.materials) material.needsUpdate = true;
+  }
+
+  /** Puts the bodies' surfaces where the bodies are. */
+  update(): void {
+    for (const { mesh, bodies } of this.fleets) {
+      const numbers = mesh.instanceMatrix.array;
+      for (let i = 0; i < bodies.length; i++) write(numbers, 16 * i, bodies[i]!, bodies[i] !== this.hidden);
+      mesh.instanceMatrix.needsUpdate = true;
+    }
+  }
+
+  dispose(): void {
+    this.group.removeFromParent();
+    this.sun.dispose();
+    for (const { mesh } of this.fleets) mesh.dispose();
+    for (const item of [...this.waste, ...this.textures, ...this.materials]) item.dispose();
+  }
+
+  /** The same three lights as in cameras: from everywhere, from the sun, from the side opposite to it. */
+  private addLight(): void {
+    const { ambient, diffuse } = this.scene.light;
+    const towards = new THREE.Vector3(...this.scene.light.towards);
+    const fill = new THREE.HemisphereLight(0xffffff, 0x000000, Math.PI * Math.max(0, 1 - ambient - diffuse));
+    fill.position.set(-towards.x, -towards.y, towards.z);
+    this.sun.intensity = Math.PI * diffuse;
+
+    const [[left, low], [right, high]] = this.scene.bounds_m;
+    const radius = 0.5 * Math.hypot(right - left, high - low) + 0.3;
+    this.sun.target.position.set(0.5 * (left + right), 0.5 * (low + high), 0);
+    this.sun.position.copy(this.sun.target.position).addScaledVector(towards, 2 * radius + 1);
+    const { shadow } = this.sun;
+    shadow.mapSize.set(2048, 2048);
+    Object.assign(shadow.camera, { left: -radius, right: radius, bottom: -radius, top: radius, near: 0.5, far: 4 * radius + 2 });
+    shadow.normalBias = radius / 400;
+    shadow.bias = -0.0005;
+    this.group.add(new THREE.AmbientLight(0xffffff, Math.PI * ambient), fill, this.sun, this.sun.target);
+  }
+
+  /** Floor and ground write no depth and are drawn first, one over the other: nothing can show through them or fight with them. */
+  private addFloor(): void {
+    const { ground } = this.scene;
+    if (!ground) return;
+    const [[left, low], [right, high]] = this.scene.bounds_m;
+    const size = Math.hypot(right - left, high - low);
+    const plain = this.flat(new THREE.CircleGeometry(60 * size, 64), ground.colour, null, -20);
+    plain.position.set(0.5 * (left + right), 0.5 * (low + high), 0);
+    this.surroundings.add(plain);
+    if (ground.floor) {
+      const [width, height] = ground.floor.size_m;
+      const floor = this.flat(new THREE.PlaneGeometry(width, height), ground.floor.colour, ground.floor.image, -19);
+      floor.position.set(width / 2, height / 2, 0);
+      this.group.add(floor);
+    }
+    ground.spots.forEach((spot, i) => {
+      const [r, g, b, opacity] = spot.colour;
+      const disc = this.flat(new THREE.CircleGeometry(spot.radius_m, 48), [r, g, b], null, -18 + i / 1000);
+      disc.material.transparent = true;
+      disc.material.opacity = opacity / 255;
+      disc.position.set(...spot.centre_m, 0);
+      this.group.add(disc);
+    });
+  }
+
+  private flat(
+    geometry: THREE.BufferGeometry,
+    [r, g, b]: [number, number, number],
+    image: number | null,
+    renderOrder: number,
+  ): THREE.Mesh<THREE.BufferGeometry, THREE.MeshLambertMaterial> {
+    const material = this.material(image);
+    material.vertexColors = false;
+    material.color.setRGB(r / 255, g / 255, b / 255);
+    material.depthWrite = false;
+    const mesh = new THREE.Mesh(geometry, material);
+    mesh.receiveShadow = true;
+    mesh.renderOrder = renderOrder;
+    this.waste.push(geometry);
+    return mesh;
+  }
+
+  private addSky(): void {
+    const colour = ([r, g, b]: [number, number, number]) => new THREE.Vector3(r, g, b).divideScalar(255);
+    const material = new THREE.ShaderMaterial({
+      side: THREE.BackSide,
+      depthTest: false,
+      depthWrite: false,
+      uniforms: { horizon: { value: colour(this.scene.sky.horizon) }, zenith: { value: colour(this.scene.sky.zenith) } },
+      vertexShader: `varying vec3 way; void main() { way = position; vec4 at = projectionMatrix * mat4(mat3(viewMatrix)) * vec4(position, 1.0); gl_Position = at.xyww; }`,
+      fragmentShader: `uniform vec3 horizon, zenith; varying vec3 way; void main() { gl_FragColor = vec4(mix(horizon, zenith, clamp(normalize(way).z, 0.0, 1.0)), 1.0); }`,
+    });
+    const geometry = new THREE.SphereGeometry(1, 24, 16);
+    const sky = new THREE.Mesh(geometry, material);
+    sky.frustumCulled = false;
+    sky.renderOrder = -30;
+    this.waste.push(geometry, material);
+    this.surroundings.add(sky);
+  }
+
+  private addFixed(): void {
+    const gatherer = new Gatherer();
+    for (const { mesh, place } of this.scene.parts) {
+      const surface = this.scene.meshes[mesh];
+      if (place.on !== "world" || !surface) continue;
+      const { position_m, rotation } = place.at;
+      const at = new THREE.Matrix4().compose(
+        new THREE.Vector3(...position_m),
+        new THREE.Quaternion(...rotation),
+        new THREE.Vector3(1, 1, 1),
+      );
+      gatherer.add(surface, at);
+    }
+    const gathered = gatherer.finish();
+    if (!gathered) return;
+    const mesh = new THREE.Mesh(gathered.geometry, gathered.images.map((image) => this.material(image)));
+    mesh.castShadow = mesh.receiveShadow = true;
+    this.waste.push(gathered.geometry);
+    this.walls.add(mesh);
+  }
+
+  /** Bodies that look alike are drawn at once. */
+  private addBodies(): void {
+    const looks = new Map<string, number[]>();
+    for (const body of this.bodies.all) looks.set(`${body.what} ${body.id}`, []);
+    for (const part of this.scene.parts) looks.get(placeKey(part.place))?.push(part.mesh);
+    const alike = new Map<string, { meshes: number[]; bodies: Shown[] }>();
+    for (const body of this.bodies.all) {
+      const meshes = looks.get(`${body.what} ${body.id}`) ?? [];
+      const key = `${body.what} ${meshes.join(" ")}`;
+      const found = alike.get(key);
+      if (found) found.bodies.push(body);
+      else alike.set(key, { meshes, bodies: [body] });
+    }
+    for (const { meshes, bodies } of alike.values()) {
+      const gatherer = new Gatherer();
+      for (const mesh of meshes) if (this.scene.meshes[mesh]) gatherer.add(this.scene.meshes[mesh], IDENTITY);
+      const gathered = gatherer.finish();
+      if (!gathered) continue;
+      const mesh = new THREE.InstancedMesh(
+        gathered.geometry,
+        gathered.images.map((image) => this.material(image)),
+        bodies.length,
+      );
+      mesh.instanceMatrix.setUsage(THREE.DynamicDrawUsage);
+      mesh.frustumCulled = false;
+      mesh.castShadow = mesh.receiveShadow = true;
+      this.waste.push(gathered.geometry);
+      this.fleets.push({ mesh, bodies });
+      (bodies[0]?.what === "robot" ? this.robots : this.objects).add(mesh);
+    }
+  }
+
+  private material(image: number | null): THREE.MeshLambertMaterial {
+    const material = new THREE.MeshLambertMaterial({ vertexColors: true, side: THREE.DoubleSide });
+    material.userData["image"] = image;
+    this.materials.push(material);
+    this.dress(material);
+    return material;
+  }
+
+  private dress(material: THREE.MeshLambertMaterial): void {
+    const image = material.userData["image"] as number | null;
+    material.map = image !== null && this.hasTextures ? this.texture(image) : null;
+    material.needsUpdate = true;
+  }
+
+  private texture(image: number): THREE.Texture | null {
+    const url = this.scene.images[image]?.url;
+    if (url === undefined) return null;
+    const texture = (this.textures[image] ??= new THREE.TextureLoader().load(url, this.changed));
+    texture.wrapS = texture.wrapT = THREE.RepeatWrapping;
+    texture.anisotropy = 8;
+    return texture;
+  }
+}
+
+function placeKey(place: Place): string {
+  if (place.on === "robot") return `robot ${place.robot}`;
+  return place.on === "object" ? `object ${place.object}` : "world";
+}
+
+/** The matrix of a body's frame; a body that is not there has no size. */
+export function write(numbers: THREE.TypedArray, at: number, body: Shown, isVisible = true): void {
+  const size = body.isThere && isVisible ? 1 : 0;
+  const cos = size * Math.cos(body.pose.phi_rad);
+  const sin = size * Math.sin(body.pose.phi_rad);
+  numbers[at] = cos;
+  numbers[at + 1] = sin;
+  numbers[at + 4] = -sin;
+  numbers[at + 5] = cos;
+  numbers[at + 10] = size;
+  numbers[at + 12] = body.pose.x_m;
+  numbers[at + 13] = body.pose.y_m;
+  numbers[at + 15] = 1;
+}
+
