@@ -24,6 +24,7 @@ pub mod progress;
 pub mod run;
 mod shot;
 pub mod table;
+mod view;
 
 /// A robot program failed.
 pub const EXIT_PROGRAM: u8 = 1;
@@ -49,6 +50,8 @@ const EXIT_CODES: &str = "Exit codes: 0 ended or reached --until, 1 a robot prog
 enum Command {
     /// Run a sim file: build and load its robot programs, run them in lockstep, report what happened
     Run(Box<run::RunArgs>),
+    /// Run a sim file in the window: watch it in 3D in a browser, and take part in it
+    View(Box<view::ViewArgs>),
     /// Read files and print what is wrong in them
     Check(check::CheckArgs),
     /// Say what a diagnostic's code means, why it matters and what would be right
@@ -78,6 +81,7 @@ enum Command {
 pub fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(args) => run::run(&args),
+        Command::View(args) => view::run(*args),
         Command::Check(args) => check::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Plot(args) => plot::run(&args),

@@ -49,7 +49,7 @@ use crate::setup::{Debug, Programs, RobotOptions, build_world};
 const DEFAULT_UNTIL: f64 = 600.0;
 
 /// Arguments of `eyesim run`.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub struct RunArgs {
     /// The scene: a sim file, or one in TOML
     #[arg(value_name = "SCENE")]

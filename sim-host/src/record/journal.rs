@@ -63,6 +63,11 @@ impl Journal {
         self.is_verbose
     }
 
+    /// Says whether [`Event::Call`] is wanted from now on.
+    pub fn set_verbose(&mut self, is_verbose: bool) {
+        self.is_verbose = is_verbose;
+    }
+
     /// True when nothing has been recorded in this slot.
     pub fn is_empty(&self) -> bool {
         self.page.entries.is_empty()

@@ -5,10 +5,13 @@
 #![forbid(unsafe_code)]
 
 pub mod control;
+pub mod desk;
 pub mod detail;
 mod device;
 pub mod feed;
+pub mod gate;
 pub mod scene;
+pub mod show;
 pub mod snapshot;
 mod surface;
 

@@ -1,11 +1,12 @@
 //! What there is to see in a run.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::DVec2;
 use sim_core::build;
 use sim_core::camera::{self, Label, Place, Scenery};
-use sim_core::format::{ObjectSpec, RobotSpec, SceneSpec};
+use sim_core::format::{ObjectType, RobiSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
 use sim_view::protocol::{self, Body, Lcd, Part};
@@ -26,12 +27,36 @@ pub struct Subject<'a> {
     pub spec: &'a SceneSpec,
     /// What its cameras see.
     pub scenery: &'a Scenery,
-    /// The robots that are in the world, in order of their ids, and whether each has the display of RoBIOS-7.
-    pub robots: Vec<(&'a RobotSpec, bool)>,
+    /// The robots that are in the world, in order of their ids.
+    pub robots: Vec<RobotSubject>,
     /// The movable objects that are in the world, in order of their ids.
-    pub objects: Vec<(ObjectId, &'a ObjectSpec)>,
+    pub objects: Vec<ObjectSubject>,
     /// What can be added.
     pub workshop: protocol::Workshop,
+}
+
+/// A robot.
+pub struct RobotSubject {
+    /// Its number.
+    pub id: RobotId,
+    /// Its type.
+    pub robi: Arc<RobiSpec>,
+    /// Its program; empty for none.
+    pub program: String,
+    /// Where it stands.
+    pub position: DVec2,
+    /// Whether it has the display of RoBIOS-7.
+    pub has_colours: bool,
+}
+
+/// A movable object.
+pub struct ObjectSubject {
+    /// Its number.
+    pub id: ObjectId,
+    /// Its type.
+    pub kind: Arc<ObjectType>,
+    /// Where it stands.
+    pub position: DVec2,
 }
 
 impl Subject<'_> {
@@ -53,8 +78,8 @@ impl Subject<'_> {
             ground,
             light: protocol::Light { towards: towards.to_array(), ambient: ambient + fill, diffuse, shadows },
             sky: protocol::Sky { horizon, zenith },
-            robots: self.robots.iter().map(|(robot, has_colours)| robot_of(robot, *has_colours)).collect(),
-            objects: self.objects.iter().map(|(id, object)| object_of(*id, object)).collect(),
+            robots: self.robots.iter().map(robot_of).collect(),
+            objects: self.objects.iter().map(object_of).collect(),
             workshop: self.workshop.clone(),
             images: surfaces.images,
             meshes: surfaces.meshes,
@@ -64,16 +89,16 @@ impl Subject<'_> {
     fn has(&self, place: Place) -> bool {
         match place {
             Place::Fixed(_) => true,
-            Place::Robot(id) => self.robots.iter().any(|(robot, _)| robot.id == id),
-            Place::Object(id) => self.objects.iter().any(|(object, _)| *object == id),
+            Place::Robot(id) => self.robots.iter().any(|robot| robot.id == id),
+            Place::Object(id) => self.objects.iter().any(|object| object.id == id),
         }
     }
 
     /// Lower left and upper right corner of the floor, the walls, and what stands there.
     fn bounds(&self) -> [DVec2; 2] {
         let (low, high) = self.spec.world.bounds();
-        let discs = self.robots.iter().map(|(robot, _)| (robot.start.position, 0.5 * robot.robi.diameter));
-        let objects = self.objects.iter().map(|(_, object)| (object.pose.position, body_of(object).radius_m));
+        let discs = self.robots.iter().map(|robot| (robot.position, 0.5 * robot.robi.diameter));
+        let objects = self.objects.iter().map(|object| (object.position, body_of(&object.kind).radius_m));
         let discs = discs.chain(objects).flat_map(|(centre, radius)| [centre - radius, centre + radius]);
         let terrain = self.spec.world.terrain.iter().filter_map(|terrain| terrain.mesh.as_ref()?.bounds());
         let terrain = terrain.flat_map(|(low, high)| [low.truncate(), high.truncate()]);
@@ -122,34 +147,33 @@ fn ground_of(ground: &camera::Ground, surfaces: &mut Surfaces) -> protocol::Grou
 /// Height of a robot's body of which nothing says how high it is.
 const ROBOT_HEIGHT: f64 = 0.15;
 
-fn robot_of(robot: &RobotSpec, has_colours: bool) -> protocol::Robot {
-    let robi = &robot.robi;
+fn robot_of(robot: &RobotSubject) -> protocol::Robot {
+    let RobotSubject { id, robi, program, has_colours, .. } = robot;
     let top = robi.colliders.iter().map(|collider| collider.top()).fold(0.0, f64::max);
-    let size_px = if has_colours {
+    let size_px = if *has_colours {
         [robi.lcd.width, robi.lcd.height].map(u32::from)
     } else {
         [lcd::WIDTH, lcd::HEIGHT].map(|side| side as u32)
     };
     protocol::Robot {
-        id: robot.id.0,
+        id: id.0,
         name: robi.name.clone(),
         kind: robi.name.clone(),
-        program: robot.program_name().to_owned(),
-        colour: build::ROBOT_COLOURS[robot.id.index() % build::ROBOT_COLOURS.len()],
+        program: program.clone(),
+        colour: build::ROBOT_COLOURS[id.index() % build::ROBOT_COLOURS.len()],
         body: Body { radius_m: 0.5 * robi.diameter, height_m: if top > 0.0 { top } else { ROBOT_HEIGHT } },
         sensors: device::sensors(robi),
         camera: device::camera(robi),
-        lcd: Lcd { size_px, has_colours },
+        lcd: Lcd { size_px, has_colours: *has_colours },
     }
 }
 
-fn object_of(id: ObjectId, object: &ObjectSpec) -> protocol::Object {
-    protocol::Object { id: id.0, kind: object.kind.name.clone(), body: body_of(object) }
+fn object_of(object: &ObjectSubject) -> protocol::Object {
+    protocol::Object { id: object.id.0, kind: object.kind.name.clone(), body: body_of(&object.kind) }
 }
 
-fn body_of(object: &ObjectSpec) -> Body {
-    let colliders = &object.kind.colliders;
-    let reach = colliders.iter().map(|collider| collider.reach()).fold(0.0, f64::max);
-    let top = colliders.iter().map(|collider| collider.top()).fold(0.0, f64::max);
+fn body_of(kind: &ObjectType) -> Body {
+    let reach = kind.colliders.iter().map(|collider| collider.reach()).fold(0.0, f64::max);
+    let top = kind.colliders.iter().map(|collider| collider.top()).fold(0.0, f64::max);
     Body { radius_m: reach, height_m: top }
 }

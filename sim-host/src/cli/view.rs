@@ -1,0 +1,380 @@
+//! `eyesim view`: a run in the window, and the runs after it.
+
+use std::hash::{BuildHasher as _, Hasher as _};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::path::{Path, PathBuf};
+use std::process::{ExitCode, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant, SystemTime};
+
+use anyhow::{Context, ensure};
+use clap::Args;
+use parking_lot::Mutex;
+use sim_core::time::Time;
+use sim_view::page::Page;
+use sim_view::protocol::{Build, RunState, Seed, Workshop};
+use sim_view::window::{Access, Asked, Options, Window, random_token};
+
+use super::EXIT_INTERRUPTED;
+use super::run::{Built, Company, Ran, Ready, Rejected, RunArgs, Speed, explain};
+use crate::executive::conductor::End;
+use crate::executive::program::Exec;
+use crate::executive::signal;
+use crate::record::Sink;
+use crate::window::control::Control;
+use crate::window::desk::{Desk, Starter};
+use crate::window::feed::Feed;
+use crate::window::gate::WindowGate;
+use crate::window::scene::title;
+use crate::window::show::{Moment, Show, ShowParts};
+
+/// Arguments of `eyesim view`: those of a run, and how it is watched.
+#[derive(Args)]
+#[command(after_help = AFTER_HELP)]
+#[command(mut_arg("speed", |arg| arg.default_value("1")))]
+#[command(mut_arg("until", |arg| arg.help("Simulated seconds at which the run ends [default: that of the scene, else never]")))]
+#[command(mut_arg("frames", |arg| arg.hide(true)))]
+pub struct ViewArgs {
+    #[command(flatten)]
+    run: RunArgs,
+    /// Do not open a browser
+    #[arg(long)]
+    no_open: bool,
+    /// Port at which pages find the run, 0 for any free one [default: 7351, or any free one if that is taken]
+    #[arg(long, value_name = "NUMBER")]
+    port: Option<u16>,
+    /// For a class: let others watch over the network at this address of this machine, 0.0.0.0 for all
+    #[arg(long, value_name = "ADDRESS")]
+    listen: Option<IpAddr>,
+    /// What the teacher's page knows, with --listen: without it a page only watches [default: a random one]
+    #[arg(long, value_name = "TOKEN", requires = "listen", value_parser = parse_token)]
+    token: Option<String>,
+    /// Wait before the first slot until somebody lets the run go on
+    #[arg(long)]
+    paused: bool,
+    /// Start again with the same seed whenever a program or a file of the scene is saved
+    #[arg(long)]
+    watch: bool,
+}
+
+const AFTER_HELP: &str = "The window stays open when the run is over, until Ctrl-C. `--listen 0.0.0.0` prints two addresses: the \
+                          teacher's, which may act, and the class's, which only watches.";
+
+/// Where pages look first.
+const PORT: u16 = 7351;
+
+/// How often files are looked at with --watch.
+const WATCH_PERIOD: Duration = Duration::from_millis(300);
+
+/// How long a run that is over sleeps between two looks at what pages want.
+const NAP: Duration = Duration::from_millis(20);
+
+/// Runs the command; it ends with Ctrl-C.
+///
+/// # Errors
+/// Files or arguments that are wrong, and a port that is taken.
+pub fn run(args: ViewArgs) -> anyhow::Result<ExitCode> {
+    ensure!(args.run.frames.is_none(), "--frames: it is for `eyesim run`, since the window may start the run again");
+    let ready = prepare(&args.run)?;
+    let window = Arc::new(open(&args, title(ready.scene()))?);
+    say_where(&args, &window);
+    let control = Arc::new(Control::default());
+    control.ask(|wishes| {
+        wishes.is_paused = args.paused;
+        wishes.speed = match args.run.speed {
+            Speed::Max => None,
+            Speed::Factor(factor) => Some(factor),
+        };
+    });
+    let stage = Arc::new(Stage {
+        window: Arc::clone(&window),
+        control: Arc::clone(&control),
+        args: Mutex::new(args.run.clone()),
+        next: Mutex::new(None),
+        is_building: AtomicBool::new(false),
+        files: Mutex::new(Files::of(&ready)),
+    });
+    let watch = args.watch.then(Instant::now);
+    let desk = Desk::open(window, control, Prompter { stage: Arc::clone(&stage), watch })?;
+    let code = stage.perform(ready);
+    drop(desk);
+    code
+}
+
+/// Reads, builds and loads what the arguments name.
+fn prepare(args: &RunArgs) -> anyhow::Result<Ready> {
+    Built::new(args, |_| Ok(()))?.load(args)
+}
+
+/// Opens the window; without --port at another one if the usual one is taken.
+fn open(args: &ViewArgs, title: String) -> anyhow::Result<Window> {
+    let page = Page::load(|text| eprintln!("{text}"));
+    if let Some(why) = page.why_missing() {
+        eprintln!("{why}");
+    }
+    let access = match (&args.token, args.listen) {
+        (Some(token), _) => Access::Class { token: token.clone() },
+        (None, Some(_)) => Access::Class { token: random_token().map_err(anyhow::Error::msg)? },
+        (None, None) => Access::Local,
+    };
+    let ip = args.listen.unwrap_or(Ipv4Addr::LOCALHOST.into());
+    let open = |port, page| {
+        let (access, title) = (access.clone(), title.clone());
+        let version = env!("CARGO_PKG_VERSION").to_owned();
+        Window::open(Options { address: SocketAddr::new(ip, port), access, title, version }, page)
+    };
+    match (open(args.port.unwrap_or(PORT), page.clone()), args.port) {
+        (Err(sim_view::window::OpenError::Taken(_)), None) => Ok(open(0, page)?),
+        (window, _) => Ok(window?),
+    }
+}
+
+/// Prints where the run is to be seen, and opens it in the user's browser.
+fn say_where(args: &ViewArgs, window: &Window) {
+    let url = window.url();
+    if args.listen.is_some() {
+        println!("teacher: {url}\nclass:   {}", window.public_url());
+    } else {
+        println!("{url}");
+    }
+    if !args.no_open && !open_browser(&url) {
+        eprintln!("no browser could be opened: open the address above in one, or set BROWSER");
+    }
+}
+
+/// Opens an address in the user's browser; false if there is none.
+pub fn open_browser(url: &str) -> bool {
+    let of_user = std::env::var("BROWSER").unwrap_or_default();
+    // Several commands are separated by colons; `%s` stands for the address.
+    let of_user = of_user.split(':').filter(|command| !command.is_empty()).map(str::to_owned);
+    of_user.chain(["xdg-open".to_owned()]).any(|command| {
+        let mut words = command.split_whitespace();
+        let Some(program) = words.next() else { return false };
+        let mut words: Vec<String> = words.map(|word| word.replace("%s", url)).collect();
+        if !command.contains("%s") {
+            words.push(url.to_owned());
+        }
+        let [input, output, errors] = [Stdio::null(), Stdio::null(), Stdio::null()];
+        std::process::Command::new(program).args(words).stdin(input).stdout(output).stderr(errors).spawn().is_ok()
+    })
+}
+
+/// What all runs of a window share.
+struct Stage {
+    window: Arc<Window>,
+    control: Arc<Control>,
+    /// Those of the present run.
+    args: Mutex<RunArgs>,
+    /// The run that is to begin when the present one has ended, and its arguments.
+    next: Mutex<Option<(Ready, RunArgs)>>,
+    is_building: AtomicBool,
+    files: Mutex<Files>,
+}
+
+impl Stage {
+    /// Runs `ready`, and all that follow it, until the user interrupts.
+    fn perform(&self, mut ready: Ready) -> anyhow::Result<ExitCode> {
+        for number in 1.. {
+            let args = self.args.lock().clone();
+            let (show, feed) = self.show(&ready, number);
+            self.control.ask(|wishes| {
+                (wishes.is_over, wishes.is_ending, wishes.steps) = (false, false, 0);
+            });
+            let sinks: Vec<Box<dyn Sink>> = vec![Box::new(feed)];
+            let gate = WindowGate::new(Arc::clone(&self.control), Arc::clone(&show));
+            let company = Company { gate: Some(Box::new(gate)), sinks, until: Some(Time::NEVER), is_quiet: true };
+            let ran = ready.run(&args, company)?;
+            // What was asked for and not done any more is refused.
+            drop(self.control.ask(|wishes| {
+                wishes.is_over = true;
+                std::mem::take(&mut wishes.actions)
+            }));
+            if matches!(ran.ended.end, End::Broken) {
+                // What is left of the program in this process may keep locks of the C library.
+                self.args.lock().exec = Exec::Process;
+            }
+            ran.write_files(&args)?;
+            let is_restart = self.next.lock().is_some();
+            if !is_restart {
+                explain(&ran.options, &ran.report, &ran.ended);
+            }
+            match self.wait_for_next(&ran, &show) {
+                Some((next, args)) => {
+                    *self.args.lock() = args;
+                    *self.files.lock() = Files::of(&next);
+                    ready = next;
+                }
+                None => break,
+            }
+        }
+        Ok(ExitCode::from(EXIT_INTERRUPTED))
+    }
+
+    /// A show of run `number`, and what tells it what happens.
+    fn show(&self, ready: &Ready, number: u32) -> (Arc<Mutex<Show>>, Arc<Mutex<Feed>>) {
+        let feed = Arc::new(Mutex::new(Feed::default()));
+        let show = Show::new(ShowParts {
+            window: Arc::clone(&self.window),
+            run: number,
+            seed: ready.options().seed,
+            slot: ready.options().slot,
+            spec: Arc::clone(ready.scene()),
+            scenery: Arc::clone(ready.scenery()),
+            feed: Arc::clone(&feed),
+            workshop: Workshop::default(),
+        });
+        (Arc::new(Mutex::new(show)), feed)
+    }
+
+    /// Shows how the run has ended until another one begins; none when the user interrupts.
+    fn wait_for_next(&self, ran: &Ran, show: &Mutex<Show>) -> Option<(Ready, RunArgs)> {
+        let mut is_shown = false;
+        loop {
+            if let Some(next) = self.next.lock().take() {
+                return Some(next);
+            }
+            if signal::is_interrupted() {
+                return None;
+            }
+            let speed = {
+                let mut wishes = self.control.wishes();
+                wishes.is_show_due = false;
+                wishes.speed
+            };
+            if !is_shown || show.lock().has_new_looks() {
+                is_shown = true;
+                self.show_end(ran, &mut show.lock(), speed);
+            }
+            self.control.wait(NAP);
+        }
+    }
+
+    fn show_end(&self, ran: &Ran, show: &mut Show, speed: Option<f64>) {
+        let state = RunState::Ended { why: why(ran), digest: ran.ended.digest.to_string() };
+        let (run, ends) = (&*ran.ended.run, &ran.ended.robots[..]);
+        let world = run.world.read();
+        show.present(Moment { run, world: &world, now: ran.ended.time, state, speed, rate: 0.0, ends });
+    }
+
+    /// Builds a run with these arguments in place of the present one; `asked` is answered when that is done.
+    fn build(self: &Arc<Self>, args: RunArgs, asked: Option<Asked>) {
+        if self.is_building.swap(true, Ordering::AcqRel) {
+            return asked.into_iter().for_each(|asked| asked.refuse("a run is being built"));
+        }
+        let stage = Arc::clone(self);
+        self.window.build(Build::Running);
+        let build = move || {
+            match prepare(&args) {
+                Ok(ready) => {
+                    *stage.next.lock() = Some((ready, args));
+                    stage.window.build(Build::Done);
+                    stage.control.ask(|wishes| wishes.is_ending = true);
+                    asked.into_iter().for_each(Asked::accept);
+                }
+                Err(error) => {
+                    eprintln!("error: {error:#}");
+                    let output = match error.downcast_ref::<Rejected>() {
+                        Some(rejected) => format!("{rejected}\n{}", rejected.text),
+                        None => format!("{error:#}"),
+                    };
+                    asked.into_iter().for_each(|asked| asked.refuse("the run cannot be built"));
+                    stage.window.build(Build::Failed { output });
+                }
+            }
+            stage.is_building.store(false, Ordering::Release);
+        };
+        if let Err(error) = std::thread::Builder::new().name("build".into()).spawn(build) {
+            self.is_building.store(false, Ordering::Release);
+            self.window.build(Build::Failed { output: error.to_string() });
+        }
+    }
+}
+
+/// Why a run has ended, in words.
+fn why(ran: &Ran) -> String {
+    match &ran.ended.end {
+        End::Finished => "all programs have ended".to_owned(),
+        End::Until => format!("its {} are over", ran.ended.time),
+        End::Stuck => "every program waits for what cannot come".to_owned(),
+        End::Interrupted => "interrupted".to_owned(),
+        End::Broken => "a program broke".to_owned(),
+        End::Record(error) => error.to_string(),
+    }
+}
+
+/// Starts runs anew, as pages ask for it or a file is saved.
+struct Prompter {
+    stage: Arc<Stage>,
+    /// When files were looked at last, with --watch.
+    watch: Option<Instant>,
+}
+
+impl Starter for Prompter {
+    fn restart(&mut self, seed: Seed, asked: Asked) {
+        let mut args = self.stage.args.lock().clone();
+        match seed {
+            Seed::Same => {}
+            Seed::New => args.seed = Some(new_seed()),
+            Seed::Number(text) => match text.trim().parse() {
+                Ok(seed) => args.seed = Some(seed),
+                Err(_) => {
+                    return asked.refuse(format!("`{text}` is no seed: expected a number from 0 to {}", u64::MAX));
+                }
+            },
+        }
+        self.stage.build(args, Some(asked));
+    }
+
+    fn tick(&mut self) {
+        if self.watch.is_none_or(|last| last.elapsed() < WATCH_PERIOD) {
+            return;
+        }
+        self.watch = Some(Instant::now());
+        if !self.stage.is_building.load(Ordering::Acquire) && self.stage.files.lock().have_changed() {
+            let args = self.stage.args.lock().clone();
+            self.stage.build(args, None);
+        }
+    }
+}
+
+/// A seed that nobody has chosen; short, so that it can be written down.
+fn new_seed() -> u64 {
+    // The keys of the standard library's hash maps come from the system's random numbers.
+    u64::from(std::hash::RandomState::new().build_hasher().finish() as u32)
+}
+
+/// The files that decide what is run, and how they looked last.
+struct Files(Vec<(PathBuf, Option<(SystemTime, u64)>)>);
+
+impl Files {
+    fn of(ready: &Ready) -> Self {
+        let file = |path: &str| (PathBuf::from(path), looks(Path::new(path)));
+        Self(ready.inputs().iter().map(|input| file(&input.path)).collect())
+    }
+
+    /// Whether one of them looks otherwise than last.
+    fn have_changed(&mut self) -> bool {
+        let mut is_changed = false;
+        for (path, last) in &mut self.0 {
+            let now = looks(path);
+            // A file that is not there is being saved.
+            if now.is_some() && now != *last {
+                (*last, is_changed) = (now, true);
+            }
+        }
+        is_changed
+    }
+}
+
+/// Time and length of a file.
+fn looks(path: &Path) -> Option<(SystemTime, u64)> {
+    let metadata = std::fs::metadata(path).ok()?;
+    Some((metadata.modified().ok()?, metadata.len()))
+}
+
+fn parse_token(text: &str) -> Result<String, String> {
+    let is_word =
+        !text.is_empty() && text.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_.".contains(letter));
+    if is_word { Ok(text.to_owned()) } else { Err("expected letters, digits, `-`, `_` and `.`".into()) }
+}

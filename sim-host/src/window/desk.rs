@@ -1,0 +1,122 @@
+//! Where commands of pages arrive: each is obeyed at once, or goes to the run's gate, or to who starts runs.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use sim_view::protocol::{Command, Seed};
+use sim_view::window::{Asked, Window};
+
+use super::control::Control;
+use crate::executive::gate::Intervention;
+
+/// Time between two looks of pages at a run: 60 a second.
+const TICK: Duration = Duration::from_micros(16_667);
+
+/// The same while nobody watches.
+const LAZY_TICK: Duration = Duration::from_millis(200);
+
+/// Who starts runs anew.
+pub trait Starter: Send {
+    /// Starts a run with this seed; answers `asked` once it is known whether that can be done.
+    fn restart(&mut self, seed: Seed, asked: Asked);
+
+    /// Is called often, at least every 200 ms.
+    fn tick(&mut self);
+}
+
+/// A thread that takes the commands of pages until it is dropped.
+pub struct Desk {
+    window: Arc<Window>,
+    is_closing: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Desk {
+    /// Opens the desk of `window`.
+    ///
+    /// # Errors
+    /// When the system has no room for a thread.
+    pub fn open(
+        window: Arc<Window>,
+        control: Arc<Control>,
+        mut starter: impl Starter + 'static,
+    ) -> std::io::Result<Self> {
+        let is_closing = Arc::new(AtomicBool::new(false));
+        let thread = std::thread::Builder::new().name("desk".into()).spawn({
+            let (window, is_closing) = (Arc::clone(&window), Arc::clone(&is_closing));
+            move || serve(&window, &control, &mut starter, &is_closing)
+        })?;
+        Ok(Self { window, is_closing, thread: Some(thread) })
+    }
+}
+
+impl Drop for Desk {
+    fn drop(&mut self) {
+        self.is_closing.store(true, Ordering::Release);
+        self.window.commands().wake();
+        if let Some(thread) = self.thread.take() {
+            // A panic of the desk has been reported already.
+            let _ = thread.join();
+        }
+    }
+}
+
+fn serve(window: &Window, control: &Control, starter: &mut impl Starter, is_closing: &AtomicBool) {
+    let mut shown = Instant::now();
+    while !is_closing.load(Ordering::Acquire) {
+        let tick = if window.has_pages() { TICK } else { LAZY_TICK };
+        match window.commands().recv_timeout(tick.saturating_sub(shown.elapsed())) {
+            Some(asked) => obey(asked, control, starter),
+            None => {
+                shown = Instant::now();
+                control.ask(|wishes| wishes.is_show_due = true);
+                starter.tick();
+            }
+        }
+    }
+}
+
+fn obey(asked: Asked, control: &Control, starter: &mut impl Starter) {
+    match asked.command.clone() {
+        Command::Run {} => {
+            control.ask(|wishes| (wishes.is_paused, wishes.steps) = (false, 0));
+            asked.accept();
+        }
+        Command::Pause {} => {
+            control.ask(|wishes| wishes.is_paused = true);
+            asked.accept();
+        }
+        Command::Step {} => {
+            let is_over = control.ask(|wishes| {
+                (wishes.is_paused, wishes.steps) = (true, wishes.steps + u32::from(!wishes.is_over));
+                wishes.is_over
+            });
+            if is_over { asked.refuse(OVER) } else { asked.accept() }
+        }
+        Command::Speed { factor } if factor.is_none_or(|factor| factor.is_finite() && factor >= LEAST_SPEED) => {
+            control.ask(|wishes| wishes.speed = factor);
+            asked.accept();
+        }
+        Command::Speed { .. } => {
+            asked.refuse(format!("expected a factor of at least {LEAST_SPEED}, or none for as fast as possible"));
+        }
+        Command::Restart { seed } => starter.restart(seed, asked),
+        Command::Act { action } => control.ask(|wishes| {
+            if wishes.is_over {
+                return asked.refuse(OVER);
+            }
+            let answer = Box::new(move |done: Result<(), _>| match done {
+                Ok(()) => asked.accept(),
+                Err(refusal) => asked.refuse(refusal.to_string()),
+            });
+            wishes.actions.push(Intervention { action, answer });
+        }),
+    }
+}
+
+/// Slower than this nothing seems to happen.
+const LEAST_SPEED: f64 = 0.001;
+
+const OVER: &str = "the run is over: start it again";

@@ -1,0 +1,220 @@
+//! The gate of a run that pages watch and take part in: it paces, pauses and steps the run, brings it what is done to it, and shows
+//! how it stands.
+
+use std::mem::take;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use parking_lot::Mutex;
+use sim_core::time::Time;
+use sim_view::protocol::RunState;
+
+use super::control::Control;
+use super::show::{Moment, Show};
+use crate::executive::conductor::End;
+use crate::executive::gate::{Boundary, Gate, Pass};
+use crate::executive::signal;
+
+/// How long the gate waits without looking whether the user wants to stop.
+const NAP: Duration = Duration::from_millis(20);
+
+/// A run that is farther behind its pace does not try to catch up.
+const MOST_DELAY: Duration = Duration::from_millis(250);
+
+/// Over so long the speed is measured.
+const RATE_PERIOD: Duration = Duration::from_millis(500);
+
+/// At full speed a run spends at most one part of so many on being shown.
+const SHARE_AT_FULL_SPEED: u32 = 25;
+
+/// Lets a run go on as its pages wish.
+pub struct WindowGate {
+    control: Arc<Control>,
+    show: Arc<Mutex<Show>>,
+    /// The run goes on as fast as possible until something is asked for.
+    is_free: bool,
+    is_paused: bool,
+    speed: Option<f64>,
+    /// Real and simulated time from which the pace counts.
+    anchor: Option<(Instant, Time)>,
+    /// The time to which the run has come.
+    now: Time,
+    /// Something has changed that pages have not seen.
+    is_news: bool,
+    /// Earliest next show.
+    not_before: Option<Instant>,
+    rate: Rate,
+}
+
+impl WindowGate {
+    /// A gate that asks `control` and shows the run by `show`.
+    pub fn new(control: Arc<Control>, show: Arc<Mutex<Show>>) -> Self {
+        Self {
+            control,
+            show,
+            is_free: false,
+            is_paused: false,
+            speed: None,
+            anchor: None,
+            now: Time::ZERO,
+            is_news: true,
+            not_before: None,
+            rate: Rate::default(),
+        }
+    }
+
+    /// Takes over what is asked of pace and pauses; what is to be done to the run.
+    fn take_wishes(&mut self) -> Wished {
+        let mut wishes = self.control.wishes();
+        if (self.is_paused, self.speed) != (wishes.is_paused, wishes.speed) {
+            (self.is_paused, self.speed) = (wishes.is_paused, wishes.speed);
+            self.anchor = None;
+            self.is_news = true;
+        }
+        Wished {
+            is_ending: wishes.is_ending,
+            is_show_due: take(&mut wishes.is_show_due),
+            actions: take(&mut wishes.actions),
+        }
+    }
+
+    fn present(&mut self, boundary: &Boundary<'_>, is_idle: bool) {
+        let start = Instant::now();
+        let state = match (self.is_paused, is_idle) {
+            (true, _) => RunState::Paused,
+            (_, true) => RunState::Idle,
+            _ => RunState::Running,
+        };
+        let rate = if self.is_paused { 0.0 } else { self.rate.measure(start, self.now) };
+        let Boundary { run, world, .. } = *boundary;
+        self.show.lock().present(Moment { run, world, now: self.now, state, speed: self.speed, rate, ends: &[] });
+        let share = if self.speed.is_none() && !self.is_paused { SHARE_AT_FULL_SPEED } else { 1 };
+        self.not_before = Some(start + share * start.elapsed());
+        self.is_news = false;
+    }
+
+    /// Whether nothing is left to run, now or later: every program has ended.
+    fn is_finished(boundary: &Boundary<'_>) -> bool {
+        let run = boundary.run;
+        let mut programs = run.ids_with_program().peekable();
+        programs.peek().is_some() && programs.all(|id| run.robot(id).ending.is_some())
+    }
+
+    /// When the slot at `next` begins at this pace.
+    fn due(&mut self, next: Time, factor: f64) -> Instant {
+        let (real, simulated) = *self.anchor.get_or_insert_with(|| (Instant::now(), self.now));
+        let seconds = (next - simulated).seconds() / factor;
+        real + Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX / 4)
+    }
+
+    /// Goes on with simulated time where nothing happens, at this pace, up to the slot before `next`.
+    fn follow_clock(&mut self, slot: Time, next: Option<Time>, factor: f64) {
+        let (real, simulated) = *self.anchor.get_or_insert_with(|| (Instant::now(), self.now));
+        let reached = simulated + Time::from_seconds_ceil(real.elapsed().as_secs_f64() * factor);
+        let reached = reached.floor_to(slot).min(next.map_or(Time::NEVER, |next| next - slot));
+        self.now = self.now.max(reached);
+    }
+
+    /// Lets the run go on to its next slot.
+    fn begin(&mut self, due: Option<Instant>) -> Pass {
+        if due.is_some_and(|due| due.elapsed() > MOST_DELAY) {
+            self.anchor = None;
+        }
+        self.is_free = !self.is_paused && self.speed.is_none();
+        Pass::Begin
+    }
+}
+
+/// What is asked of a run at once.
+struct Wished {
+    is_ending: bool,
+    is_show_due: bool,
+    actions: Vec<crate::executive::gate::Intervention>,
+}
+
+impl Gate for WindowGate {
+    fn wait(&mut self, boundary: &Boundary<'_>) -> Pass {
+        let next = boundary.next.filter(|next| *next < boundary.until);
+        if self.is_free && next.is_some() && !self.control.is_stirred() {
+            return Pass::Begin;
+        }
+        self.is_free = false;
+        self.now = boundary.following;
+        let slot = boundary.world.slot();
+        loop {
+            let wished = self.take_wishes();
+            if wished.is_ending || signal::is_interrupted() {
+                return Pass::End(End::Interrupted);
+            }
+            if !wished.actions.is_empty() {
+                self.is_news = true;
+                return Pass::Act { at: self.now, actions: wished.actions };
+            }
+            let is_over = boundary.next.is_some() && next.is_none() || next.is_none() && Self::is_finished(boundary);
+            let is_idle = next.is_none();
+            let may_show = self.not_before.is_none_or(|instant| instant <= Instant::now());
+            if self.is_news || wished.is_show_due && may_show && (!self.is_paused || self.show.lock().has_new_looks()) {
+                self.present(boundary, is_idle && !is_over);
+            }
+            match (self.is_paused, next) {
+                (true, _) if self.take_step() => {
+                    self.is_news = true;
+                    if is_over || next.is_some_and(|next| next <= self.now) {
+                        return self.begin(None);
+                    }
+                    self.now = self.now + slot;
+                }
+                (true, _) => self.control.wait(NAP),
+                (false, _) if is_over => return self.begin(None),
+                (false, Some(next)) => {
+                    let Some(factor) = self.speed else { return self.begin(None) };
+                    let due = self.due(next, factor);
+                    let left = due.saturating_duration_since(Instant::now());
+                    if left.is_zero() {
+                        return self.begin(Some(due));
+                    }
+                    self.follow_clock(slot, Some(next), factor);
+                    self.control.wait(left.min(NAP));
+                }
+                (false, None) => {
+                    if let Some(factor) = self.speed {
+                        self.follow_clock(slot, None, factor);
+                        if self.now >= boundary.until {
+                            return Pass::End(End::Until);
+                        }
+                    }
+                    self.control.wait(NAP);
+                }
+            }
+        }
+    }
+}
+
+impl WindowGate {
+    /// Takes one of the slots that are to be run while it is paused.
+    fn take_step(&self) -> bool {
+        let mut wishes = self.control.wishes();
+        let has_step = wishes.steps > 0;
+        wishes.steps = wishes.steps.saturating_sub(1);
+        has_step
+    }
+}
+
+/// Measures simulated seconds for each second of real time.
+#[derive(Default)]
+struct Rate {
+    since: Option<(Instant, Time)>,
+    last: f64,
+}
+
+impl Rate {
+    fn measure(&mut self, real: Instant, simulated: Time) -> f64 {
+        let (start, from) = *self.since.get_or_insert((real, simulated));
+        let seconds = (real - start).as_secs_f64();
+        if seconds >= RATE_PERIOD.as_secs_f64() {
+            self.last = (simulated - from).seconds() / seconds;
+            self.since = Some((real, simulated));
+        }
+        self.last
+    }
+}
