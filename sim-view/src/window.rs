@@ -8,7 +8,7 @@ mod serve;
 
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener, UdpSocket};
-use std::sync::{Arc, mpsc};
+use std::sync::{Arc, Mutex, mpsc};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -69,7 +69,8 @@ pub struct Window {
     hub: Arc<Hub>,
     commands: Commands,
     server: Arc<Server>,
-    done: mpsc::Receiver<()>,
+    /// Tells that the thread is about to end. Several threads of the simulator share a window.
+    done: Mutex<mpsc::Receiver<()>>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -107,7 +108,7 @@ impl Window {
             })
             .map_err(|error| OpenError::Other(address, error))?;
         let commands = Commands { hub: hub.clone() };
-        Ok(Window { address, access, hub, commands, server, done, thread: Some(thread) })
+        Ok(Window { address, access, hub, commands, server, done: Mutex::new(done), thread: Some(thread) })
     }
 
     /// Where it listens.
@@ -188,7 +189,7 @@ impl Drop for Window {
     fn drop(&mut self) {
         self.server.close();
         // A thread that hangs must not keep the process from ending.
-        if self.done.recv_timeout(Duration::from_secs(2)) == Err(mpsc::RecvTimeoutError::Disconnected)
+        if hub::lock(&self.done).recv_timeout(Duration::from_secs(2)) == Err(mpsc::RecvTimeoutError::Disconnected)
             && let Some(thread) = self.thread.take()
         {
             let _ = thread.join();

@@ -10,6 +10,7 @@ use sim_view::window::{Asked, Window};
 
 use super::control::Control;
 use crate::executive::gate::Intervention;
+use crate::executive::intervene::Refusal;
 
 /// Time between two looks of pages at a run: 60 a second.
 const TICK: Duration = Duration::from_micros(16_667);
@@ -107,7 +108,7 @@ fn obey(asked: Asked, control: &Control, starter: &mut impl Starter) {
             if wishes.is_over {
                 return asked.refuse(OVER);
             }
-            let answer = Box::new(move |done: Result<(), _>| match done {
+            let answer = Box::new(move |done: Result<(), Refusal>| match done {
                 Ok(()) => asked.accept(),
                 Err(refusal) => asked.refuse(refusal.to_string()),
             });
