@@ -12,16 +12,10 @@ const MARKS: readonly { kinds: readonly string[]; name: string; colour: string }
   { kinds: ["intervention"], name: "done by hand", colour: "--accent" },
   { kinds: ["program_ended", "fault"], name: "program ended", colour: "--bad" },
 ];
-const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 50];
 const STEP_S = 0.05;
 
 export function timeline(model: Model, all: readonly Event[] | null): HTMLElement {
   const play = element("button", { type: "button", testid: "play", onclick: playOrPause });
-  const speed = element(
-    "select",
-    { testid: "replay-speed", label: "Speed", onchange: () => model.player?.setSpeed(Number(speed.value)) },
-    SPEEDS.map((factor) => element("option", { value: String(factor), textContent: `${factor} ×`, selected: factor === 1 })),
-  );
   const range = element("input", { type: "range", testid: "timeline", label: "Time", min: "0", step: String(STEP_S) });
   range.oninput = () => model.player?.seek(Number(range.value));
   range.onkeydown = (event) => {
@@ -35,7 +29,7 @@ export function timeline(model: Model, all: readonly Event[] | null): HTMLElemen
   const legend = element("p", { className: "legend" });
   const time = element("output", { className: "number", testid: "shown-time", label: "Time shown" });
   const line = element("div", { className: "line" }, [marks, range]);
-  const made = element("section", { className: "timeline", label: "Timeline" }, [play, line, time, speed, legend]);
+  const made = element("section", { className: "timeline", label: "Timeline" }, [play, line, time, legend]);
   marks.onclick = (event) => {
     const box = marks.getBoundingClientRect();
     model.player?.seek((model.player.duration_s * (event.clientX - box.left)) / box.width);
@@ -65,7 +59,7 @@ export function timeline(model: Model, all: readonly Event[] | null): HTMLElemen
 
   function show(): void {
     const { player } = model;
-    for (const control of [play, speed, range, time]) control.hidden = player === null;
+    for (const control of [play, range, time]) control.hidden = player === null;
     if (player) {
       play.textContent = player.isPlaying ? "Pause" : "Play";
       range.max = String(player.duration_s);

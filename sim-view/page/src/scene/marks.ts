@@ -22,6 +22,7 @@ export class Marks {
   private ringMesh: THREE.InstancedMesh | null = null;
   private sprites: Sprites | null = null;
   private readonly selectionPen = new Pen("triangles", { renderOrder: 3 });
+  private readonly handlePen = new Pen("triangles", { renderOrder: 12, depthTest: false });
   private readonly ghostPen = new Pen("lines", { renderOrder: 4 });
   private readonly ghostFill = new Pen("triangles", { renderOrder: 3 });
   private readonly colour = new THREE.Color();
@@ -31,7 +32,7 @@ export class Marks {
     private readonly model: Model,
     private readonly bodies: Bodies,
   ) {
-    this.selection.add(this.selectionPen.object);
+    this.selection.add(this.selectionPen.object, this.handlePen.object);
     this.ghost.add(this.ghostPen.object, this.ghostFill.object);
   }
 
@@ -76,7 +77,7 @@ export class Marks {
       for (let i = 0; i < robots.length; i++) {
         const body = robots[i]!;
         const isSeen = body.isThere && body !== hidden;
-        const height_m = body.extent.height_m + 0.8 * body.extent.radius_m;
+        const height_m = body.extent.height_m + 1.1 * body.extent.radius_m;
         this.sprites.put(i, body.pose.x_m, body.pose.y_m, height_m, isSeen ? (body === selected ? 1.25 : 1) : 0);
       }
       this.sprites.end(width_px, height_px);
@@ -108,13 +109,14 @@ export class Marks {
 
   dispose(): void {
     this.clear();
-    for (const pen of [this.selectionPen, this.ghostPen, this.ghostFill]) pen.dispose();
+    for (const pen of [this.selectionPen, this.handlePen, this.ghostPen, this.ghostFill]) pen.dispose();
   }
 
   /** A white ring, and a round handle ahead by which the body turns. */
   private drawSelection(body: Shown | undefined, hidden: Shown | null): void {
-    const pen = this.selectionPen;
+    const { selectionPen: pen, handlePen: knob } = this;
     pen.begin();
+    knob.begin();
     if (body?.isThere && body !== hidden) {
       const { x_m, y_m, phi_rad } = body.pose;
       const radius = body.extent.radius_m;
@@ -123,10 +125,11 @@ export class Marks {
       const cos = Math.cos(phi_rad);
       const sin = Math.sin(phi_rad);
       const [hx, hy] = [x_m + HANDLE * radius * cos, y_m + HANDLE * radius * sin];
-      band(pen, hx, hy, 0, 0.2 * radius, SELECTED, 0.95);
-      band(pen, hx, hy, 0.2 * radius, 0.25 * radius, BLACK, 0.4);
+      band(knob, hx, hy, 0, 0.2 * radius, SELECTED, 0.95);
+      band(knob, hx, hy, 0.2 * radius, 0.27 * radius, BLACK, 0.6);
     }
     pen.end();
+    knob.end();
   }
 
   /** Where the chosen robot believes to be, as of its last detail. */

@@ -21,7 +21,7 @@ export class Pen {
       this.material = new THREE.LineBasicMaterial(look);
       this.object = new THREE.LineSegments(this.geometry, this.material);
     } else if (kind === "triangles") {
-      this.material = new THREE.MeshBasicMaterial({ ...look, side: THREE.DoubleSide });
+      this.material = new THREE.MeshBasicMaterial({ ...look, side: THREE.DoubleSide, forceSinglePass: true });
       this.object = new THREE.Mesh(this.geometry, this.material);
     } else {
       const points = new THREE.PointsMaterial({ ...look, size: options.size_px ?? 6, sizeAttenuation: false });

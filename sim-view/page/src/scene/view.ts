@@ -18,7 +18,7 @@ import { World } from "./world";
 // Colours are mixed as cameras of the simulator mix them: as they are, without conversion.
 THREE.ColorManagement.enabled = false;
 
-/** Time of the page's own code in frames, in milliseconds; for measuring. */
+/** How many frames there were, and the time of the page's own code in the last; for measuring. */
 export interface FrameTimes {
   frames: number;
   /** Finding where all is and writing it down. */
@@ -95,6 +95,11 @@ export class View {
     );
   }
 
+  /** What the last frame took to draw. */
+  get drawn(): { calls: number; triangles: number } {
+    return this.renderer.info.render;
+  }
+
   /** Where a point of the world is on the page, in pixels of it. */
   where(x_m: number, y_m: number, z_m: number): { x: number; y: number } {
     const at = new THREE.Vector3(x_m, y_m, z_m).project(this.eye!.camera);
@@ -153,6 +158,11 @@ export class View {
 
   private tick(now_ms: number): void {
     requestAnimationFrame((next) => this.tick(next));
+    this.show(now_ms);
+  }
+
+  /** Shows how all is at an instant of real time, if that has changed. */
+  show(now_ms: number): void {
     const passed_ms = Math.min(100, now_ms - this.last_ms);
     this.last_ms = now_ms;
     const began = performance.now();
@@ -174,8 +184,8 @@ export class View {
     const updated = performance.now();
     this.draw();
     this.times.frames++;
-    this.times.update_ms += updated - began;
-    this.times.render_ms += performance.now() - updated;
+    this.times.update_ms = updated - began;
+    this.times.render_ms = performance.now() - updated;
   }
 
   private draw(): void {

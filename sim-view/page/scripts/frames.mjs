@@ -1,0 +1,32 @@
+// Measures what a frame costs the page's own code with many robots: `npm run build && node scripts/frames.mjs [ROBOTS]`.
+// "update" finds where all is and writes it down, "render" hands it to WebGL. Drawing itself is done by a graphics card, here by a
+// software rasteriser in another process: the view is tiny and the robots have few triangles, so that nothing waits for it.
+import { crowd } from "../tests/crowd.mjs";
+import { launch } from "./browser.mjs";
+
+const FRAMES = 600;
+const count = Number(process.argv[2] ?? 100);
+const mock = await crowd(count, 0, 3);
+const browser = await launch();
+const page = await browser.newPage({ viewport: { width: 320, height: 240 } });
+await page.goto(mock.url);
+await page.waitForFunction(() => globalThis.eyesim?.model.snapshot);
+const timer = mock.start();
+const measured = await page.evaluate(async (most) => {
+  const { view } = globalThis.eyesim;
+  const frames = [];
+  while (frames.length < most) {
+    const { frames: before } = view.times;
+    await new Promise((done) => requestAnimationFrame(done));
+    if (view.times.frames > before) frames.push([view.times.update_ms, view.times.render_ms]);
+  }
+  return { frames, ...view.drawn };
+}, FRAMES);
+const share = (part, share) => measured.frames.map((frame) => frame[part]).sort((a, b) => a - b)[Math.floor(share * (FRAMES - 1))].toFixed(2);
+console.log(
+  `${count} robots, ${FRAMES} frames: update ${share(0, 0.5)} ms (95 %: ${share(0, 0.95)}), render ${share(1, 0.5)} ms (95 %: ${share(1, 0.95)}); ` +
+    `${measured.calls} draw calls`,
+);
+await browser.close();
+clearInterval(timer);
+mock.close();
