@@ -84,7 +84,7 @@ export class LongList {
     });
     row.dataset["kind"] = line.kind;
     for (const className of ["time", "who", "kind", "text"] as const)
-      if (line[className]) row.append(element("span", { className, textContent: `${line[className]} ` }));
+      if (line[className] || className === "who") row.append(element("span", { className, textContent: `${line[className]} ` }));
     row.style.transform = `translateY(${at * ROW_PX}px)`;
     return row;
   }

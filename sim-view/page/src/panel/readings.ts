@@ -18,7 +18,7 @@ export function readingsPanel(model: Model, picks: Picks): HTMLElement {
   const head = ["Plot", "Reading", "Value", "At"].map((textContent) => element("th", { textContent, scope: "col" }));
   const none = element("p", { className: "muted", textContent: "Nothing has been read yet." });
   const clear = button("Untick all", "untick", () => picks.clear());
-  const table = element("table", {}, [element("thead", {}, [element("tr", {}, head)]), body]);
+  const table = element("table", { className: "readings" }, [element("thead", {}, [element("tr", {}, head)]), body]);
   const panel = section("Readings", "readings-panel", true, [none, table, clear]);
   const rows = new Map<string, Row>();
   const soon = whileOpen(panel, draw);

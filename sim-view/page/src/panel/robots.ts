@@ -78,7 +78,7 @@ function rowOf({ id, name, program, kind, colour }: Robot): Row {
     time: element("span", { className: "number" }),
     why: element("span", { className: "why muted" }),
   };
-  const file = element("span", { className: "program muted", textContent: program || "no program", title: program });
+  const file = element("span", { className: "program muted", textContent: program.split("/").at(-1) ?? "", title: program });
   row.element.dataset["robot"] = String(id);
   row.element.append(swatch, row.name, file, row.standing, row.time, row.why);
   return row;
