@@ -25,7 +25,7 @@ if (!skip) {
 const view = (...args) => Eyesim.start(["view", "wait.scene.toml", "--no-open", ...args], { cwd: folder });
 
 test("a class watches, the teacher acts, a wrong token is refused", { skip }, async () => {
-  const eyesim = await view("--listen", "127.0.0.1:0", "--token", "right-token-0123");
+  const eyesim = await view("--listen", "127.0.0.1", "--port", "0", "--token", "right-token-0123");
   const address = eyesim.url.replace(/#.*/, "");
   const watching = await open(browser, address);
   await watching.heard.until("a welcome", ({ welcomes }) => welcomes.length > 0);

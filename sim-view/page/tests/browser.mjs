@@ -136,7 +136,7 @@ export class Eyesim {
     const address = new Promise((done, fail) => {
       const hear = (data) => {
         eyesim.output += data;
-        const found = eyesim.output.match(/https?:\/\/[\w.:[\]-]+\/(#token=\w+)?/);
+        const found = eyesim.output.match(/https?:\/\/[\w.:[\]-]+\/(#token=\S+)?/);
         if (found) done(found[0]);
       };
       eyesim.child.stdout.on("data", hear);

@@ -174,3 +174,53 @@ test("the page fits in 320 pixels, as at 400 % zoom", { skip }, async () => {
   const [room, needed] = await page.evaluate(() => [innerWidth, document.documentElement.scrollWidth]);
   assert(needed <= room, `${needed} pixels wide in ${room}`);
 });
+
+for (const colorScheme of ["light", "dark"]) {
+  test(`texts can be read and controls have names, ${colorScheme}`, { skip }, async () => {
+    await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
+    mock.send({ type: "detail", ...detail(1, 1) });
+    mock.send({ type: "events", ...events(20) });
+    mock.send({ type: "build", state: "failed", output: "wrong" });
+    await page.evaluate(() => document.querySelectorAll("details").forEach((section) => (section.open = true)));
+    await control("sensor-PSD_FRONT").waitFor();
+    await control("build-output").waitFor();
+    const [faint, nameless] = await page.evaluate(findFaults);
+    assert.deepEqual(faint, []);
+    assert.deepEqual(nameless, []);
+  });
+}
+
+/** Texts with a contrast below 4.5 (but for the scale, which has the 3D view behind it), and controls without a name; runs in the page. */
+function findFaults() {
+  const context = Object.assign(document.createElement("canvas"), { width: 1, height: 1 }).getContext("2d", { willReadFrequently: true });
+  const over = (colours) => {
+    context.clearRect(0, 0, 1, 1);
+    for (const colour of colours) {
+      context.fillStyle = colour;
+      context.fillRect(0, 0, 1, 1);
+    }
+    return [...context.getImageData(0, 0, 1, 1).data].slice(0, 3);
+  };
+  const luminance = (rgb) => {
+    const [r, g, b] = rgb.map((level) => (level <= 10 ? level / 255 / 12.92 : ((level / 255 + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  const faint = new Set();
+  const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let text; (text = texts.nextNode()); ) {
+    const element = text.parentElement;
+    if (text.data.trim() === "" || !element.checkVisibility({ opacityProperty: true, visibilityProperty: true })) continue;
+    if (element.closest(":disabled, option, .hidden, .scale-bar")) continue;
+    const below = [];
+    for (let at = element; at; at = at.parentElement) below.unshift(getComputedStyle(at).backgroundColor);
+    const ground = over(below);
+    const ink = over([`rgb(${ground})`, getComputedStyle(element).color]);
+    const [light, dark] = [luminance(ground), luminance(ink)].sort((a, b) => b - a);
+    if ((light + 0.05) / (dark + 0.05) < 4.5) faint.add(`${element.className || element.tagName}: ${text.data.trim()} ${ink} on ${ground}`);
+  }
+  const nameless = [...document.querySelectorAll("button, input, select, summary, [role=listbox], [tabindex='0']")]
+    .filter((control) => control.checkVisibility())
+    .filter((control) => !(control.ariaLabel || control.labels?.[0]?.textContent || control.textContent).trim())
+    .map((control) => control.outerHTML);
+  return [[...faint], nameless];
+}
