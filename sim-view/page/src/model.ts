@@ -2,7 +2,7 @@
 
 import { Clock } from "./clock";
 import { type Motion, SnapshotMotion } from "./motion";
-import type { Answer, Build, Command, Detail, Event, Message, Reading, Scene, Snapshot, Welcome } from "./protocol";
+import type { Answer, Build, Command, Detail, Event, Message, Pose, Reading, Scene, Snapshot, Welcome } from "./protocol";
 
 /** How the page hears of the run. */
 export type Connection =
@@ -38,6 +38,8 @@ export interface Player {
   readonly isPlaying: boolean;
   /** Simulated seconds for each second of real time. */
   readonly speed: number;
+  /** All that has happened. */
+  readonly events: readonly Event[];
   play(): void;
   pause(): void;
   setSpeed(speed: number): void;
@@ -244,7 +246,8 @@ export class Model {
 
   private takeDetail(detail: Detail): void {
     detail.lcd ??= this.details.get(detail.robot)?.lcd ?? null;
-    detail.readings = [...truths(detail), ...detail.readings].map(asShown);
+    const believed = this.player ? [] : place("believed", detail.odometry, detail.t_s);
+    detail.readings = [...place("true", detail.pose, detail.t_s), ...believed, ...detail.readings].map(asShown);
     this.details.set(detail.robot, detail);
     let curves = this.history.get(detail.robot);
     if (!curves) this.history.set(detail.robot, (curves = new Map()));
@@ -271,16 +274,12 @@ function cut(events: Event[], most: number): number {
   return surplus > 500 ? events.splice(0, surplus).length : 0;
 }
 
-/** The pose of a robot and where it believes to be, as readings. */
-function truths({ pose, odometry, t_s }: Detail): Reading[] {
-  const reading = (name: string, value: number, unit: string) => ({ name, value, unit, at_s: t_s });
+/** A pose as readings. */
+function place(word: string, { x_m, y_m, phi_rad }: Pose, at_s: number): Reading[] {
   return [
-    reading("true x", pose.x_m, "m"),
-    reading("true y", pose.y_m, "m"),
-    reading("true heading", pose.phi_rad, "rad"),
-    reading("believed x", odometry.x_m, "m"),
-    reading("believed y", odometry.y_m, "m"),
-    reading("believed heading", odometry.phi_rad, "rad"),
+    { name: `${word} x`, value: x_m, unit: "m", at_s },
+    { name: `${word} y`, value: y_m, unit: "m", at_s },
+    { name: `${word} heading`, value: phi_rad, unit: "rad", at_s },
   ];
 }
 

@@ -6,16 +6,17 @@ import { once } from "node:events";
 import { existsSync } from "node:fs";
 import { chromium } from "playwright-core";
 
-const PATIENCE_MS = 20_000;
+const PATIENCE_MS = 60_000;
 const FLAGS = [
   "--no-sandbox",
-  "--use-angle=swiftshader",
-  "--enable-unsafe-swiftshader",
   "--disable-background-networking",
   "--disable-component-update",
   "--disable-sync",
   "--no-first-run",
 ];
+/** The 3D view in software, which is slow to start and to draw, or none. */
+const GRAPHICS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+const NO_GRAPHICS = ["--disable-gpu", "--disable-3d-apis"];
 
 /** Debian's Chromium, or the one that `CHROMIUM` names. */
 export const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
@@ -23,9 +24,9 @@ export const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
 /** Why browser tests cannot run here; false when they can. */
 export const skip = existsSync(CHROMIUM) ? false : `there is no ${CHROMIUM}: apt install chromium, or set CHROMIUM`;
 
-/** A browser; the caller closes it. */
-export function launch() {
-  return chromium.launch({ executablePath: CHROMIUM, args: FLAGS });
+/** A browser, with or without a 3D view; the caller closes it. */
+export function launch(graphics = false) {
+  return chromium.launch({ executablePath: CHROMIUM, args: [...FLAGS, ...(graphics ? GRAPHICS : NO_GRAPHICS)] });
 }
 
 /** What a page has heard from the server, and waits for: not what it shows, but what the simulation says. */

@@ -18,15 +18,16 @@ export function eventsPanel(model: Model): HTMLElement {
   return panel;
 
   function draw(): void {
-    const kinds = [...new Set(model.events.map((event) => event.kind))].sort();
+    const all = model.player?.events ?? model.events;
+    const kinds = [...new Set(all.map((event) => event.kind))].sort();
     setOptions(kind, [["", "all kinds"], ...kinds.map((name): [string, string] => [name, name.replaceAll("_", " ")])]);
     const robots = model.scene?.robots ?? [];
     const names = new Map(robots.map(({ id, name }) => [id, name]));
     setOptions(robot, [["", "all robots"], ["chosen", "the chosen robot"], ["world", "the world"], ...robots.map(({ id, name }): [string, string] => [String(id), name])]);
-    const shown = model.events.filter(isWanted);
+    const shown = all.filter(isWanted);
     list.show(shown.map((event) => lineOf(event, names)));
     const missed = model.missedEvents > 0 ? `, ${model.missedEvents} earlier ones left out` : "";
-    setText(count, `${shown.length} of ${model.events.length} events${missed}`);
+    setText(count, `${shown.length} of ${all.length} events${missed}`);
   }
 
   function isWanted(event: Event): boolean {
@@ -38,7 +39,7 @@ export function eventsPanel(model: Model): HTMLElement {
   }
 
   function jump(number: number): void {
-    const event = model.events.find((event) => event.number === number);
+    const event = (model.player?.events ?? model.events).find((event) => event.number === number);
     if (!event) return;
     model.player?.seek(event.t_s);
     if (event.robot === null) return;

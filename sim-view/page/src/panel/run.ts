@@ -32,10 +32,12 @@ export function runPanel(model: Model): HTMLElement {
   const rate = element("output", { className: "number muted", testid: "rate", ariaLive: "off", label: "Rate reached" });
   const state = element("output", { className: "state", testid: "run-state", ariaLive: "polite" });
   const clock = element("div", { className: "row" }, [time, rate, state]);
+  const speeds = element("div", { className: "row" }, [labelled("Speed", slider), exact, "×"]);
+  const restarts = element("div", { className: "row" }, [restart, another]);
   const panel = element("div", { className: "bar run", role: "group", label: "Run", testid: "run" }, [
     element("div", { className: "row" }, [toggle, step]),
-    element("div", { className: "row" }, [labelled("Speed", slider), exact, "×"]),
-    element("div", { className: "row" }, [restart, another]),
+    speeds,
+    restarts,
     typed,
     clock,
   ]);
@@ -53,10 +55,9 @@ export function runPanel(model: Model): HTMLElement {
   }
 
   function runOrPause(): void {
-    if (toggle.disabled) return;
     const { player } = model;
     const run = !isRunning();
-    if (!player) void send(model, { command: run ? "run" : "pause" });
+    if (!player) void (whyNot(model) || send(model, { command: run ? "run" : "pause" }));
     else if (run) player.play();
     else player.pause();
   }
@@ -71,30 +72,26 @@ export function runPanel(model: Model): HTMLElement {
   }
 
   function setSpeed(factor: number | null): void {
-    const { player } = model;
-    if (player) player.setSpeed(factor ?? 100);
-    else void send(model, { command: "speed", factor });
+    void send(model, { command: "speed", factor });
   }
 
   function start(seed: Seed): void {
-    const { player } = model;
-    if (player) player.seek(0);
-    else void send(model, { command: "restart", seed });
+    void send(model, { command: "restart", seed });
   }
 
+  /** The timeline of a recording has its own speeds; it cannot start anew. */
   function allow(): void {
-    const why = model.player ? "" : whyNot(model);
-    setReason([toggle, step, slider, exact, restart], why);
-    setReason([another, seed, typed.querySelector("button")!], whyNot(model));
+    for (const part of [toggle, speeds, restarts, typed, rate]) part.hidden = model.player !== null;
+    const why = whyNot(model);
+    setReason([toggle, slider, exact, restart, another, seed, typed.querySelector("button")!], why);
+    setReason([step], model.player ? "" : why);
     drawNow();
   }
 
   function drawNow(): void {
-    const { player, snapshot, scene } = model;
+    const { snapshot, scene } = model;
     setText(toggle, isRunning() ? "Pause" : "Run");
-    setText(restart, player ? "To the start" : "Restart");
-    restart.title ||= "With the same seed";
-    const speed = player ? player.speed : (snapshot?.speed ?? null);
+    const speed = snapshot?.speed ?? null;
     setValue(exact, speed === null ? "" : String(speed));
     if (document.activeElement !== slider || slider.ariaValueText === null) {
       setValue(slider, String(nearest(speed)));
@@ -102,9 +99,9 @@ export function runPanel(model: Model): HTMLElement {
     }
     seed.placeholder = scene?.seed ?? "";
     if (!snapshot) return;
-    setText(time, `${(player ? model.clock.t_s : snapshot.t_s).toFixed(2)} s`);
-    setText(rate, player ? "" : `${rateName(snapshot.rate)}, seed ${scene?.seed ?? "?"}`);
-    setText(state, player ? "" : stateName(model, snapshot));
+    setText(time, `${snapshot.t_s.toFixed(2)} s`);
+    setText(rate, `${rateName(snapshot.rate)}, seed ${scene?.seed ?? "?"}`);
+    setText(state, stateName(model, snapshot));
     state.dataset["is"] = snapshot.state.is;
   }
 }
@@ -117,9 +114,9 @@ function submit(text: string, testid: string): HTMLButtonElement {
 export function stateName(model: Model, { state, robots }: Snapshot): string {
   switch (state.is) {
     case "running":
-      return "running";
+      return model.player ? "recording, playing" : "running";
     case "paused":
-      return "paused";
+      return model.player ? "recording, paused" : "paused";
     case "ended":
       return `ended: ${state.why}; digest ${state.digest}`;
     case "idle": {
