@@ -17,6 +17,7 @@ if (!skip) {
     browser = await launch();
   });
   after(async () => {
+    Eyesim.stopAll();
     await browser.close();
     rmSync(folder, { recursive: true });
   });
@@ -102,7 +103,7 @@ test("an idle run waits for its user; all by keyboard", { skip }, async () => {
 test("a saved program is built and run again; what the compiler says is shown", { skip }, async () => {
   const eyesim = await view("--port", "0", "--watch");
   const { heard, control, close } = await open(browser, eyesim.url);
-  await heard.until("the run", ({ scene, snapshot }) => snapshot?.run === scene.run);
+  await heard.until("the run", ({ scene, snapshot }) => scene && snapshot?.run === scene.run);
   const program = join(folder, "wait.c");
   const source = readFileSync(program, "utf8");
   const { run } = heard.scene;

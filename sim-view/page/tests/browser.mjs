@@ -128,10 +128,12 @@ export async function unfold(page, ...testids) {
 
 /** A running `eyesim`; the binary is that of the variable `EYESIM`. */
 export class Eyesim {
+  static #running = new Set();
   output = "";
 
   static async start(args, options = {}) {
     const eyesim = new Eyesim();
+    Eyesim.#running.add(eyesim);
     eyesim.child = spawn(process.env.EYESIM, args, { stdio: ["ignore", "pipe", "pipe"], ...options });
     eyesim.ended = once(eyesim.child, "exit");
     const address = new Promise((done, fail) => {
@@ -152,9 +154,15 @@ export class Eyesim {
     return new URL(this.url).port;
   }
 
+  /** Ends those that tests which have failed have left. */
+  static stopAll() {
+    for (const { child } of Eyesim.#running) child.kill("SIGKILL");
+  }
+
   /** Ends it, as Ctrl+C does. */
   async stop() {
     if (this.child.exitCode === null && this.child.signalCode === null) this.child.kill("SIGINT");
     await this.ended;
+    Eyesim.#running.delete(this);
   }
 }

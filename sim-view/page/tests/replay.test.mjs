@@ -20,6 +20,7 @@ if (!skip) {
     browser = await launch();
   });
   after(async () => {
+    Eyesim.stopAll();
     await browser.close();
     rmSync(folder, { recursive: true });
   });

@@ -16,14 +16,14 @@ if (!skip) {
   before(async () => {
     cpSync(fileURLToPath(new URL("room", import.meta.url)), folder, { recursive: true });
     eyesim = await Eyesim.start(["view", "room.scene.toml", "--no-open", "--port", "0"], { cwd: folder });
-    browser = await launch();
+    browser = await launch(true);
     ({ page, heard, control, close } = await open(browser, eyesim.url, { hasTouch: true, acceptDownloads: true }));
     await heard.until("a snapshot", ({ snapshot }) => snapshot);
   });
   after(async () => {
     await close?.();
     await browser?.close();
-    await eyesim?.stop();
+    Eyesim.stopAll();
     rmSync(folder, { recursive: true });
     assert.deepEqual(heard.errors, []);
   });
