@@ -20,7 +20,7 @@ export default defineConfig({
   server: {
     // `npm run dev` beside a running `eyesim view --port 7700`.
     proxy: {
-      "/ws": { target: "ws://127.0.0.1:7700", ws: true, rewriteWsOrigin: true },
+      "/ws": { target: "http://127.0.0.1:7700", ws: true, changeOrigin: true, rewriteWsOrigin: true },
       "/files": "http://127.0.0.1:7700",
       "/recording.json": "http://127.0.0.1:7700",
     },

@@ -11,14 +11,27 @@ const TRAVEL_MS = 450;
 
 export type Mode = "free" | "follow" | "robot";
 
+/** A place to look from: around a target, at an angle from x in the plane, at an angle from the vertical. */
+interface Look {
+  target: THREE.Vector3;
+  turn: number;
+  tilt: number;
+  distance: number;
+}
+
+interface Travel {
+  from: Look;
+  to: Look;
+  age_ms: number;
+}
+
 export class Eye {
   readonly camera = new THREE.PerspectiveCamera(FIELD_DEG, 1, 0.01, 1000);
   readonly controls: OrbitControls;
   mode: Mode = "free";
   /** Called when the mode or the view has changed. */
   onchange: () => void = () => {};
-  private travel: { from: THREE.Vector3; to: THREE.Vector3; fromTarget: THREE.Vector3; toTarget: THREE.Vector3; age_ms: number } | null =
-    null;
+  private travel: Travel | null = null;
   private readonly last = new THREE.Vector3();
   private readonly now = new THREE.Vector3();
   private followed: Shown | null = null;
@@ -84,13 +97,9 @@ export class Eye {
   orbit(left: number, up: number): void {
     if (this.mode === "robot") return;
     this.travel = null;
-    const way = this.camera.position.clone().sub(this.controls.target);
-    const at = new THREE.Spherical().setFromVector3(new THREE.Vector3(way.x, way.z, -way.y));
-    at.theta += left;
-    at.phi = Math.min(this.controls.maxPolarAngle, Math.max(1e-3, at.phi - up));
-    const turned = new THREE.Vector3().setFromSpherical(at);
-    this.camera.position.set(turned.x, -turned.z, turned.y).add(this.controls.target);
-    this.controls.update();
+    const { target, turn, tilt, distance } = this.look;
+    const most = this.controls.maxPolarAngle;
+    this.look = { target, turn: turn + left, tilt: Math.min(most, Math.max(1e-3, tilt - up)), distance };
   }
 
   zoom(factor: number): void {
@@ -201,15 +210,9 @@ export class Eye {
   }
 
   private go(to: THREE.Vector3, toTarget: THREE.Vector3, isSmooth: boolean): void {
-    if (!isSmooth || this.isReduced()) {
-      this.travel = null;
-      this.camera.position.copy(to);
-      this.controls.target.copy(toTarget);
-      this.controls.update();
-      this.onchange();
-      return;
-    }
-    this.travel = { from: this.camera.position.clone(), to, fromTarget: this.controls.target.clone(), toTarget, age_ms: 0 };
+    const goal = lookOf(to, toTarget);
+    this.travel = isSmooth && !this.isReduced() ? { from: this.look, to: goal, age_ms: 0 } : null;
+    if (!this.travel) this.look = goal;
     this.onchange();
   }
 
@@ -217,12 +220,28 @@ export class Eye {
     const travel = this.travel!;
     travel.age_ms += passed_ms;
     const s = Math.min(1, travel.age_ms / TRAVEL_MS);
-    const smooth = s * s * (3 - 2 * s);
-    this.camera.position.lerpVectors(travel.from, travel.to, smooth);
-    this.controls.target.lerpVectors(travel.fromTarget, travel.toTarget, smooth);
+    const share = s * s * (3 - 2 * s);
+    const { from, to } = travel;
+    const turn = Math.atan2(Math.sin(to.turn - from.turn), Math.cos(to.turn - from.turn));
+    this.look = {
+      target: from.target.clone().lerp(to.target, share),
+      turn: from.turn + share * turn,
+      tilt: from.tilt + share * (to.tilt - from.tilt),
+      distance: from.distance * (to.distance / from.distance) ** share,
+    };
     if (s === 1) this.travel = null;
-    this.controls.update();
     this.onchange();
+  }
+
+  private get look(): Look {
+    return lookOf(this.camera.position, this.controls.target);
+  }
+
+  private set look({ target, turn, tilt, distance }: Look) {
+    const flat = distance * Math.sin(tilt);
+    this.controls.target.copy(target);
+    this.camera.position.set(flat * Math.cos(turn), flat * Math.sin(turn), distance * Math.cos(tilt)).add(target);
+    this.controls.update();
   }
 
   private follow(): void {
@@ -243,10 +262,8 @@ export class Eye {
       this.camera.position.add(move);
       this.controls.target.add(move);
       if (this.travel) {
-        this.travel.to.add(move);
-        this.travel.toTarget.add(move);
-        this.travel.from.add(move);
-        this.travel.fromTarget.add(move);
+        this.travel.from.target.add(move);
+        this.travel.to.target.add(move);
       }
       this.controls.update();
     }
@@ -296,6 +313,13 @@ export class Eye {
   dispose(): void {
     this.controls.dispose();
   }
+}
+
+function lookOf(from: THREE.Vector3, target: THREE.Vector3): Look {
+  const way = from.clone().sub(target);
+  const distance = way.length();
+  const flat = Math.hypot(way.x, way.y);
+  return { target: target.clone(), turn: flat > 0 ? Math.atan2(way.y, way.x) : -Math.PI / 2, tilt: Math.atan2(flat, way.z), distance };
 }
 
 const UP = new THREE.Vector3(0, 0, 1);

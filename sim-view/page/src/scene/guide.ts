@@ -22,6 +22,7 @@ export class Guides {
   private readonly axesPen = new Pen("lines", { renderOrder: 11, depthTest: false });
   private readonly names = new Sprites(
     ["x", "y", "z"].map((text, i) => ({ text, plate: null, colour: ["#e0332e", "#1d8a3c", "#3565f0"][i]! })),
+    0,
     22,
   );
   private length_m = 1;
@@ -39,7 +40,7 @@ export class Guides {
     this.length_m = 0.12 * size;
     this.gridPen.begin();
     const line = (x0: number, y0: number, x1: number, y1: number, i: number) => {
-      const opacity = i % 5 === 0 ? 0.55 : 0.25;
+      const opacity = i % 5 === 0 ? 0.45 : 0.18;
       this.gridPen.to(x0, y0, 0, GRID, opacity);
       this.gridPen.to(x1, y1, 0, GRID, opacity);
     };

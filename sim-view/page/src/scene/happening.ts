@@ -54,7 +54,7 @@ export class Happenings {
   ) {
     const mark = (text: string, plate: string) => ({ text, plate, colour: "#ffffff" });
     const marks = [mark("✓", "#1d9a4b"), mark("~", "#b97a10"), mark("✕", "#d0342c")];
-    this.fates = new Sprites(Array.from({ length: MAX_FLIGHTS }, () => marks).flat(), 21);
+    this.fates = new Sprites(Array.from({ length: MAX_FLIGHTS }, () => marks).flat(), 0, 21);
     this.radio.add(this.arcs.object, this.dots.object, this.fates.mesh);
     this.contacts.add(this.bursts.object);
   }

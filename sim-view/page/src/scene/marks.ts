@@ -13,6 +13,7 @@ const SELECTED: Colour = [1, 1, 1];
 const GHOST: Colour = [0.62, 0.35, 0.95];
 /** Distance of the handle from the body's middle, in radii. */
 const HANDLE = 1.9;
+const LABEL_LIFT_PX = 16;
 
 export class Marks {
   readonly rings = new THREE.Group();
@@ -49,6 +50,7 @@ export class Marks {
     const css = (colour: Colour) => `rgb(${colour.map((part) => Math.round(255 * part)).join(" ")})`;
     this.sprites = new Sprites(
       robots.map(({ id, colour }) => ({ text: String(id), plate: css(colour), colour: inkOn(colour) })),
+      LABEL_LIFT_PX,
     );
     this.labels.add(this.sprites.mesh);
   }
@@ -77,8 +79,8 @@ export class Marks {
       for (let i = 0; i < robots.length; i++) {
         const body = robots[i]!;
         const isSeen = body.isThere && body !== hidden;
-        const height_m = body.extent.height_m + 1.1 * body.extent.radius_m;
-        this.sprites.put(i, body.pose.x_m, body.pose.y_m, height_m, isSeen ? (body === selected ? 1.25 : 1) : 0);
+        const { height_m, radius_m } = body.extent;
+        this.sprites.put(i, body.pose.x_m, body.pose.y_m, height_m + 0.5 * radius_m, isSeen ? (body === selected ? 1.25 : 1) : 0);
       }
       this.sprites.end(width_px, height_px);
     }

@@ -18,7 +18,8 @@ export class Sprites {
   readonly mesh: THREE.Mesh<THREE.InstancedBufferGeometry, THREE.ShaderMaterial>;
   private readonly places: THREE.InstancedBufferAttribute;
 
-  constructor(texts: readonly Text[], renderOrder = 20) {
+  /** Each stands so many pixels above its place. */
+  constructor(texts: readonly Text[], lift_px: number, renderOrder = 20) {
     const rows = Math.max(1, Math.ceil(texts.length / COLUMNS));
     const canvas = document.createElement("canvas");
     canvas.width = COLUMNS * CELL.width;
@@ -47,16 +48,17 @@ export class Sprites {
         grid: { value: new THREE.Vector2(COLUMNS, rows) },
         size: { value: new THREE.Vector2(CELL.width / CELL.height, 1).multiplyScalar(HEIGHT_PX) },
         screen: { value: new THREE.Vector2(1, 1) },
+        lift: { value: 2 * lift_px },
       },
       // place.w is the share of full size; 0 hides the text.
       vertexShader: `
         attribute vec4 place; attribute vec3 cell; varying vec2 at;
-        uniform vec2 grid, size, screen;
+        uniform vec2 grid, size, screen; uniform float lift;
         void main() {
           at = (cell.xy + vec2(0.5 + 0.5 * position.x * cell.z, 0.5 - 0.5 * position.y)) / grid;
           at.y = 1.0 - at.y;
           gl_Position = projectionMatrix * viewMatrix * vec4(place.xyz, 1.0);
-          gl_Position.xy += position.xy * vec2(cell.z, 1.0) * size * place.w / screen * gl_Position.w;
+          gl_Position.xy += (position.xy * vec2(cell.z, 1.0) * size + vec2(0.0, lift)) * place.w / screen * gl_Position.w;
         }`,
       fragmentShader: `uniform sampler2D atlas; varying vec2 at; void main() { gl_FragColor = texture2D(atlas, at); if (gl_FragColor.a < 0.02) discard; }`,
     });

@@ -32,6 +32,8 @@ export class View {
   readonly times: FrameTimes = { frames: 0, update_ms: 0, render_ms: 0 };
   readonly bodies: Bodies;
   private readonly scene = new THREE.Scene();
+  /** What cameras do not see. */
+  private readonly added = new THREE.Group();
   private readonly marks: Marks;
   private readonly trails: Trails;
   private readonly beams: Beams;
@@ -69,8 +71,9 @@ export class View {
     this.renderer.shadowMap.autoUpdate = false;
 
     const { marks, beams, happenings, guides } = this;
-    this.scene.add(marks.rings, marks.labels, marks.selection, marks.ghost, this.trails.group);
-    this.scene.add(beams.beams, beams.scan, beams.frusta, happenings.radio, happenings.contacts, guides.grid, guides.axes);
+    this.added.add(marks.rings, marks.labels, marks.selection, marks.ghost, this.trails.group);
+    this.added.add(beams.beams, beams.scan, beams.frusta, happenings.radio, happenings.contacts, guides.grid, guides.axes);
+    this.scene.add(this.added);
     this.layers = this.allLayers();
     const stale = () => void (this.isStale = true);
     new Hand(model, this.bodies, marks, this.canvas, () => this.eye!, stale);
@@ -163,7 +166,7 @@ export class View {
 
   /** Shows how all is at an instant of real time, if that has changed. */
   show(now_ms: number): void {
-    const passed_ms = Math.min(100, now_ms - this.last_ms);
+    const passed_ms = Math.min(250, now_ms - this.last_ms);
     this.last_ms = now_ms;
     const began = performance.now();
     const { clock } = this.model;
@@ -177,6 +180,9 @@ export class View {
     if (!this.isStale && !isHappening) return;
     this.isStale = false;
     this.world.hidden = this.eye.robot;
+    // A camera sees sky and ground whatever is chosen, and nothing that is added.
+    this.world.surroundings.visible = this.eye.mode === "robot" || this.isOn("surroundings");
+    this.added.visible = this.eye.mode !== "robot";
     this.world.update();
     this.marks.update(width, height, this.eye.robot);
     this.beams.update();
@@ -203,6 +209,8 @@ export class View {
     this.renderer.setSize(width, height, false);
     this.eye?.resize();
     this.showEye();
+    // Another size has cleared it.
+    this.draw();
   }
 
   private showScheme(): void {
@@ -222,6 +230,10 @@ export class View {
       this.frame.style.height = `${100 * frame[1]}%`;
     }
     this.guides.bar.hidden = eye.mode === "robot";
+  }
+
+  private isOn(id: string): boolean {
+    return this.layers.some((layer) => layer.id === id && layer.isOn);
   }
 
   private buttons(): HTMLElement {
@@ -245,8 +257,8 @@ export class View {
     const layer = (id: string, name: string, isOn: boolean, show: (isOn: boolean) => void) => ({ id, name, isOn, show });
     const group = (id: string, name: string, isOn: boolean, ...groups: THREE.Object3D[]) =>
       layer(id, name, isOn, (on) => groups.forEach((one) => (one.visible = on)));
-    const part = (id: string, name: string, pick: (world: World) => THREE.Object3D) =>
-      layer(id, name, true, (on) => {
+    const part = (id: string, name: string, pick: (world: World) => THREE.Object3D, isOn = true) =>
+      layer(id, name, isOn, (on) => {
         if (this.world) pick(this.world).visible = on;
         this.isMoved = true;
       });
@@ -255,7 +267,7 @@ export class View {
       layer("textures", "Textures", true, (on) => this.world?.showTextures(on)),
       part("robots", "Robots", (world) => world.robots),
       part("objects", "Objects", (world) => world.objects),
-      part("surroundings", "Sky and ground", (world) => world.surroundings),
+      part("surroundings", "Sky and ground", (world) => world.surroundings, false),
       layer("shadows", "Shadows", true, (on) => {
         this.world?.showShadows(on);
         this.isMoved = true;

@@ -11,6 +11,7 @@ interface Fleet {
   bodies: Shown[];
 }
 
+const WHITE = new THREE.Color(1, 1, 1);
 const IDENTITY = new THREE.Matrix4();
 
 export class World {
@@ -122,8 +123,10 @@ export class World {
   ): THREE.Mesh<THREE.BufferGeometry, THREE.MeshLambertMaterial> {
     const material = this.material(image);
     material.vertexColors = false;
-    material.color.setRGB(r / 255, g / 255, b / 255);
     material.depthWrite = false;
+    // An image on the floor has its own colours.
+    material.userData["colour"] = new THREE.Color(r / 255, g / 255, b / 255);
+    this.dress(material);
     const mesh = new THREE.Mesh(geometry, material);
     mesh.receiveShadow = true;
     mesh.renderOrder = renderOrder;
@@ -213,6 +216,8 @@ export class World {
   private dress(material: THREE.MeshLambertMaterial): void {
     const image = material.userData["image"] as number | null;
     material.map = image !== null && this.hasTextures ? this.texture(image) : null;
+    const colour = material.userData["colour"] as THREE.Color | undefined;
+    if (colour) material.color.copy(material.map ? WHITE : colour);
     material.needsUpdate = true;
   }
 
