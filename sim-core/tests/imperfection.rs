@@ -500,3 +500,59 @@ fn a_robot_with_errors_pushes_a_crate_and_stalls_at_a_heavy_one() {
         );
     }
 }
+
+#[test]
+fn errors_that_are_set_at_the_start_are_those_of_the_making() {
+    for imperfection in [all(), systematic(), Imperfection::default()] {
+        let ends = |mut motion: Motion| {
+            motion.command(Time(3), drive(0.3, 0.2, 1.5), &[]).expect("sound");
+            motion.command(Time::from_millis(900), Command::Speed(Twist::new(0.3, 1.0)), &[]).expect("sound");
+            [Time::from_millis(500), Time::from_millis(2_000)].map(|at| (motion.state(at), motion.odometry(at)))
+        };
+        let mut set = robot(model(), room(4.0), 5, systematic());
+        set.set_imperfection(Time::ZERO, 11, imperfection).expect("sound");
+        assert_eq!(ends(robot(model(), room(4.0), 11, imperfection)), ends(set));
+    }
+}
+
+#[test]
+fn errors_that_change_on_the_way_change_what_comes_after_only() {
+    let [before, change, end] = [480, 500, 1_500].map(Time::from_millis);
+    let driving = |imperfection| {
+        let mut motion = robot(model(), vec![], 3, imperfection);
+        motion.command(Time::ZERO, Command::Speed(Twist::new(0.25, 0.0)), &[]).expect("sound");
+        motion
+    };
+    let (mut perfect, mut slipping) = (driving(Imperfection::default()), driving(Imperfection::default()));
+    slipping.set_imperfection(change, 3, Imperfection { slip: 0.1, ..Imperfection::default() }).expect("sound");
+    assert!(slipping.is_active());
+    assert_eq!([before, change].map(|at| perfect.state(at)), [before, change].map(|at| slipping.state(at)));
+    // 0.125 m, then 0.9 times 0.25 m; odometry does not notice.
+    close(slipping.pose(end).position, DVec2::new(0.35, 0.0), 1e-12);
+    close(slipping.odometry(end).position, DVec2::new(0.375, 0.0), 1e-12);
+
+    // What errors did stays when they end, and the closed form goes on from there.
+    let (mut noisy, mut mended) = (driving(all()), driving(all()));
+    mended.set_imperfection(change, 3, Imperfection::default()).expect("sound");
+    assert_eq!([before, change].map(|at| noisy.state(at)), [before, change].map(|at| mended.state(at)));
+    let expected = mended.pose(change).moved(Twist::new(0.25, 0.0));
+    close(mended.pose(end).position, expected.position, 1e-12);
+    assert_ne!(noisy.state(end), mended.state(end));
+
+    let revision = mended.revision();
+    let wrong = Imperfection { slip: f64::NAN, ..Imperfection::default() };
+    assert!(mended.set_imperfection(end, 3, wrong).is_err());
+    assert_eq!(mended.revision(), revision, "nothing has changed");
+}
+
+#[test]
+fn a_drive_ends_at_its_mark_however_errors_change_on_the_way() {
+    let mut motion = robot(model(), vec![], 3, Imperfection::default());
+    motion.command(Time::ZERO, drive(0.5, 0.0, 2.0), &[]).expect("sound");
+    for (number, at) in (1..20).map(|number| (number, Time::from_millis(100 * number))) {
+        let imperfection = if number % 2 == 0 { systematic() } else { all() };
+        motion.set_imperfection(at, 3, imperfection).expect("sound");
+    }
+    // Drives end by what the wheels tell.
+    assert_eq!(motion.drive_end(), Some(Time::from_millis(2_000)));
+}

@@ -82,7 +82,7 @@ fn run(folder: &Path, scene: &SceneSpec, lanes: usize) -> Ended {
     };
     let (world, robots) = build_world(scene, &programs, &options).unwrap_or_else(|error| panic!("{error:#}"));
     let limits = Limits { lanes, until: Time::from_millis(60_000), timeout: 10.0, is_verbose: false };
-    let header = TraceHeader { seed: 0, slot_us: slot.0, robots: Vec::new() };
+    let header = TraceHeader { seed: 0, slot_us: slot.0, robots: Vec::new(), run: Vec::new(), inputs: Vec::new() };
     let trace = Trace::create(&folder.join("trace.jsonl"), &header).expect("a trace");
     let executor = Box::new(ThreadExecutor::new(robots.len(), programs.iter().count(), lanes));
     let recorder = Recorder::new(0, slot, vec![Box::new(trace)]);

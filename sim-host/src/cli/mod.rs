@@ -21,6 +21,7 @@ pub mod options;
 pub mod output;
 pub mod plot;
 pub mod progress;
+pub mod replay;
 pub mod run;
 mod shot;
 pub mod table;
@@ -52,6 +53,8 @@ enum Command {
     Run(Box<run::RunArgs>),
     /// Run a sim file in the window: watch it in 3D in a browser, and take part in it
     View(Box<view::ViewArgs>),
+    /// Run once more what a trace holds, hands included
+    Replay(replay::ReplayArgs),
     /// Read files and print what is wrong in them
     Check(check::CheckArgs),
     /// Say what a diagnostic's code means, why it matters and what would be right
@@ -82,6 +85,7 @@ pub fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(args) => run::run(&args),
         Command::View(args) => view::run(*args),
+        Command::Replay(args) => replay::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Plot(args) => plot::run(&args),

@@ -116,6 +116,18 @@ impl ProgramOption {
     }
 }
 
+impl std::fmt::Display for ProgramOption {
+    /// As on a command line.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match &self.who {
+            Who::Without if self.program.contains('=') => write!(f, "={}", self.program),
+            Who::Without => f.write_str(&self.program),
+            Who::Robot(robot) => write!(f, "{robot}={}", self.program),
+            Who::Name(name) => write!(f, "{name}={}", self.program),
+        }
+    }
+}
+
 /// Gives the robots of `scene` the programs of the command line; what names a robot's number goes before what names its
 /// program, and that before its type.
 ///

@@ -32,15 +32,16 @@ use crate::executive::gate::Gate;
 use crate::executive::pace::Pace;
 use crate::executive::program::{Exec, RobotProgram};
 use crate::executive::run::{Ended, Limits, Parts, RobotEnd, Run};
+use crate::executive::script::{Refused, Script};
 use crate::executive::thread::ThreadExecutor;
-use crate::files::DiskFiles;
+use crate::files::{DiskFiles, slashed};
 use crate::plot::{self, RunObject, RunPicture, RunRobot};
 use crate::program::{Builder, Cache, Generation, Kits, SearchPath, Tools};
 use crate::record::event::KindSet;
 use crate::record::frame::{FrameFailures, Frames};
 use crate::record::report::{Input, ObjectReport, REPORT_SCHEMA, RobotReport};
 use crate::record::trace::{TraceHeader, TraceRobot};
-use crate::record::{Digest, Log, Outcome, Record, RecordError, Recorder, Report, Sink, Trace, Trails};
+use crate::record::{Digest, Log, Outcome, Record, RecordError, Recorded, Recorder, Report, Sink, Trace, Trails};
 use crate::robios::robot::Robot;
 use crate::scenery::LazyScenery;
 use crate::setup::{Debug, Programs, RobotOptions, build_world};
@@ -60,6 +61,9 @@ pub struct RunArgs {
     /// Write the report as JSON
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
+    /// Do again what hands did in the run of a trace, at the same times
+    #[arg(long, value_name = "TRACE")]
+    pub repeat: Option<PathBuf>,
     /// Write every event as a line of JSON while the run goes on
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
@@ -123,6 +127,9 @@ pub struct RunArgs {
     /// With -v only this robot
     #[arg(long, value_name = "NUMBER")]
     pub robot: Option<u32>,
+    /// The messages of the programs are shown nowhere
+    #[arg(skip)]
+    pub is_silent: bool,
     /// The robot whose program `eyesim debug` opens in a debugger
     #[arg(skip)]
     pub debug: Option<Debug>,
@@ -134,8 +141,41 @@ impl RunArgs {
     /// # Errors
     /// When `sim` looks like an option.
     pub fn of_scene(sim: &Path) -> anyhow::Result<Self> {
-        let words: [&OsStr; 2] = ["run".as_ref(), sim.as_os_str()];
+        Self::of_words([sim.as_os_str()])
+    }
+
+    /// The run that these words behind `eyesim run` ask for.
+    ///
+    /// # Errors
+    /// Words that `eyesim run` does not take.
+    pub fn of_words(words: impl IntoIterator<Item = impl AsRef<OsStr>>) -> anyhow::Result<Self> {
+        let words = words.into_iter().map(|word| word.as_ref().to_owned());
+        let words = std::iter::once("run".into()).chain(words);
         Ok(Self::from_arg_matches(&Self::augment_args(clap::Command::new("run")).try_get_matches_from(words)?)?)
+    }
+
+    /// Words behind `eyesim run` that ask for the same run with this seed, these slots and this limit: all that decides what
+    /// happens in it.
+    fn words(&self, seed: u64, slot: Time, until: Time) -> Vec<String> {
+        let mut words = vec![slashed(&self.sim)];
+        // One word each, so that no value is taken for an option.
+        let mut add = |option: &str, value: &dyn std::fmt::Display| words.push(format!("--{option}={value}"));
+        add("seed", &seed);
+        add("slot", &(slot.seconds() * 1000.0));
+        add("until", &until.seconds().min(MAX_SECONDS));
+        self.programs.iter().for_each(|program| add("program", program));
+        self.api.iter().for_each(|api| add("api", &api.number()));
+        self.keys.iter().for_each(|keys| add("keys", keys));
+        self.args.iter().for_each(|args| add("args", args));
+        self.costs.iter().for_each(|costs| add("costs", &slashed(costs)));
+        self.noise.iter().for_each(|noise| add("noise", noise));
+        if self.exec == Exec::Process {
+            add("exec", &"process");
+        }
+        if self.allow_execute {
+            words.push("--allow-execute".to_owned());
+        }
+        words
     }
 }
 
@@ -210,7 +250,12 @@ pub fn carry_out(args: &RunArgs, check: impl FnOnce(&SceneSpec) -> anyhow::Resul
         eprintln!("no robot has a program, so no time passes: `--program FILE` gives them one");
     }
     match built.load(args) {
-        Ok(ready) => ready.run(args, Company::of(args)).map(Some),
+        Ok(ready) => {
+            let (company, refused) = Company::of(args)?;
+            let ran = ready.run(args, company)?;
+            refused.lock().iter().for_each(|(at, why)| eprintln!("--repeat: at {at}: {why}"));
+            Ok(Some(ran))
+        }
         Err(error) => {
             eprintln!("error: {error:#}");
             Ok(None)
@@ -387,6 +432,10 @@ impl Ready {
         let is_hidden = args.verbose || args.quiet || company.is_quiet;
         let mut progress = if is_hidden { Progress::hidden() } else { Progress::new(until) };
         let Sinks { mut all, trails } = sinks(args, &options, &scene, &progress)?;
+        if let Some(path) = &args.trace {
+            let header = trace_header(args, &options, &scene, until, &inputs);
+            all.push(Box::new(Trace::create(path, &header)?));
+        }
         let remarks = SceneryRemarks {
             scenery: Arc::clone(&scenery),
             is_strict: args.strict,
@@ -426,13 +475,22 @@ impl Ready {
 }
 
 impl Company {
-    /// The pace that the arguments ask for, and nobody else.
-    fn of(args: &RunArgs) -> Self {
-        let gate = match args.speed {
+    /// The pace and the hand that the arguments ask for, and nobody else; what of the hand's is refused while the run goes on.
+    ///
+    /// # Errors
+    /// A trace that cannot be read.
+    fn of(args: &RunArgs) -> anyhow::Result<(Self, Arc<Refused>)> {
+        let pace = match args.speed {
             Speed::Max => None,
-            Speed::Factor(factor) => Some(Box::new(Pace::new(factor)) as Box<dyn Gate>),
+            Speed::Factor(factor) => Some(Pace::new(factor)),
         };
-        Self { gate, ..Self::default() }
+        let Some(trace) = &args.repeat else {
+            let gate = pace.map(|pace| Box::new(pace) as Box<dyn Gate>);
+            return Ok((Self { gate, ..Self::default() }, Arc::default()));
+        };
+        let script = Script::new(Recorded::read(trace).context("--repeat")?.interventions).paced(pace);
+        let refused = script.refused();
+        Ok((Self { gate: Some(Box::new(script)), ..Self::default() }, refused))
     }
 }
 
@@ -497,7 +555,9 @@ pub fn print(text: &str) -> anyhow::Result<()> {
 /// Checks before the run that what it writes destroys none of its inputs and has a folder to lie in.
 fn check_outputs(args: &RunArgs, inputs: &[Input]) -> anyhow::Result<()> {
     let outputs = [("--report", &args.report), ("--trace", &args.trace), ("--plot", &args.plot)];
-    output::check_outputs(&given(&outputs), inputs.iter().map(|input| input.path.as_str()))?;
+    let repeated = args.repeat.as_deref().map(slashed);
+    let inputs = inputs.iter().map(|input| input.path.as_str()).chain(repeated.as_deref());
+    output::check_outputs(&given(&outputs), inputs)?;
     args.plot.as_deref().map(plot::Kind::of).transpose().context("--plot")?;
     Ok(())
 }
@@ -511,6 +571,28 @@ fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, NonZeroUsize::get)
 }
 
+/// The first line of a trace of the run that `args` ask for.
+pub fn trace_header(
+    args: &RunArgs,
+    options: &Options,
+    scene: &SceneSpec,
+    until: Time,
+    inputs: &[Input],
+) -> TraceHeader {
+    let robot = |robot: &sim_core::format::RobotSpec| TraceRobot {
+        id: robot.id.0,
+        name: robot.robi.name.clone(),
+        program: robot.program_name().to_owned(),
+    };
+    TraceHeader {
+        seed: options.seed,
+        slot_us: options.slot.0,
+        robots: scene.robots.iter().map(robot).collect(),
+        run: args.words(options.seed, options.slot, until),
+        inputs: inputs.to_vec(),
+    }
+}
+
 /// Whoever wants to see the records of a run.
 struct Sinks {
     all: Vec<Box<dyn Sink>>,
@@ -520,17 +602,9 @@ struct Sinks {
 
 /// The sinks that the arguments ask for.
 fn sinks(args: &RunArgs, options: &Options, scene: &SceneSpec, progress: &Progress) -> anyhow::Result<Sinks> {
-    let log = Log::new(options.filter.clone(), progress.stdout(), progress.stderr());
-    let mut all: Vec<Box<dyn Sink>> = vec![Box::new(log)];
-    if let Some(path) = &args.trace {
-        let robot = |robot: &sim_core::format::RobotSpec| TraceRobot {
-            id: robot.id.0,
-            name: robot.robi.name.clone(),
-            program: robot.program_name().to_owned(),
-        };
-        let robots = scene.robots.iter().map(robot).collect();
-        let header = TraceHeader { seed: options.seed, slot_us: options.slot.0, robots };
-        all.push(Box::new(Trace::create(path, &header)?));
+    let mut all: Vec<Box<dyn Sink>> = Vec::new();
+    if !args.is_silent {
+        all.push(Box::new(Log::new(options.filter.clone(), progress.stdout(), progress.stderr())));
     }
     let trails = args.plot.is_some().then(|| {
         let starts: Vec<Pose> = scene.robots.iter().map(|robot| robot.start).collect();
@@ -683,13 +757,18 @@ fn parse_slot(text: &str) -> Result<Time, String> {
     Ok(slot)
 }
 
+/// Most simulated seconds that an option can say.
+const MAX_SECONDS: f64 = 1e9;
+
 /// Simulated seconds of an option.
 ///
 /// # Errors
 /// What is expected instead.
 pub fn parse_seconds(text: &str) -> Result<Time, String> {
     match text.parse::<f64>() {
-        Ok(seconds) if seconds.is_finite() && (0.0..=1e9).contains(&seconds) => Ok(Time::from_seconds_ceil(seconds)),
+        Ok(seconds) if seconds.is_finite() && (0.0..=MAX_SECONDS).contains(&seconds) => {
+            Ok(Time::from_seconds_ceil(seconds))
+        }
         _ => Err("expected 0 to 1e9 seconds".into()),
     }
 }

@@ -15,6 +15,7 @@ pub mod process;
 pub mod program;
 pub mod radio;
 pub mod run;
+pub mod script;
 pub mod signal;
 pub mod standing;
 pub mod thread;

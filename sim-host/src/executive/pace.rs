@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use sim_core::time::Time;
+
 use super::conductor::End;
 use super::gate::{Boundary, Gate, Pass};
 use super::signal;
@@ -20,21 +22,26 @@ impl Pace {
     pub fn new(factor: f64) -> Self {
         Self { factor, start: None }
     }
+
+    /// Sleeps until real time has reached the virtual time `due`; false if the user interrupts before.
+    pub fn wait_until(&mut self, due: Time) -> bool {
+        let start = *self.start.get_or_insert_with(Instant::now);
+        let due = start + Duration::try_from_secs_f64(due.seconds() / self.factor).unwrap_or(Duration::MAX / 4);
+        while !signal::is_interrupted() {
+            let left = due.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return true;
+            }
+            std::thread::sleep(left.min(Self::NAP));
+        }
+        false
+    }
 }
 
 impl Gate for Pace {
     /// Sleeps until real time has reached the next slot, or the user interrupts.
     fn wait(&mut self, boundary: &Boundary<'_>) -> Pass {
         let Some(next) = boundary.next.filter(|next| *next < boundary.until) else { return Pass::Begin };
-        let start = *self.start.get_or_insert_with(Instant::now);
-        let due = start + Duration::try_from_secs_f64(next.seconds() / self.factor).unwrap_or(Duration::MAX / 4);
-        while !signal::is_interrupted() {
-            let left = due.saturating_duration_since(Instant::now());
-            if left.is_zero() {
-                return Pass::Begin;
-            }
-            std::thread::sleep(left.min(Self::NAP));
-        }
-        Pass::End(End::Interrupted)
+        if self.wait_until(next) { Pass::Begin } else { Pass::End(End::Interrupted) }
     }
 }

@@ -8,18 +8,19 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sim_core::time::Time;
 
 use super::digest::Digest;
 use super::event::{Kind, KindSet, Record};
 use super::recorder::{RecordError, Sink};
+use super::report::Input;
 
 /// Version of the trace's schema.
 pub const TRACE_SCHEMA: u32 = 1;
 
 /// The first line of a trace, besides schema and version of the program.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TraceHeader {
     /// The master seed of the run.
     pub seed: u64,
@@ -27,10 +28,16 @@ pub struct TraceHeader {
     pub slot_us: i64,
     /// All robots in order of their ids.
     pub robots: Vec<TraceRobot>,
+    /// What follows `eyesim run` in a command line that runs the same again: the scene, then every option that matters.
+    #[serde(default)]
+    pub run: Vec<String>,
+    /// Every file that decides what is run, as far as they were known at the start.
+    #[serde(default)]
+    pub inputs: Vec<Input>,
 }
 
 /// A robot in the first line of a trace.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TraceRobot {
     /// Number of the robot.
     pub id: u32,
@@ -161,7 +168,13 @@ mod tests {
 
     fn header() -> TraceHeader {
         let robot = |id, name: &str| TraceRobot { id, name: name.into(), program: "maze.c".into() };
-        TraceHeader { seed: 42, slot_us: 50_000, robots: vec![robot(1, "eve"), robot(2, "S4")] }
+        TraceHeader {
+            seed: 42,
+            slot_us: 50_000,
+            robots: vec![robot(1, "eve"), robot(2, "S4")],
+            run: ["a.sim", "--seed", "42"].map(str::to_owned).to_vec(),
+            inputs: vec![Input::new(Path::new("a.sim"), b"robi eve.robi")],
+        }
     }
 
     /// One event of each kind.

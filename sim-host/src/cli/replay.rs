@@ -1,0 +1,293 @@
+//! `eyesim replay`: a recorded run once more.
+
+use std::collections::VecDeque;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use anyhow::{bail, ensure};
+use clap::Args;
+use parking_lot::Mutex;
+use sim_core::time::Time;
+
+use super::EXIT_PROGRAM;
+use super::run::{Built, Company, RunArgs, print};
+use crate::executive::conductor::End;
+use crate::executive::gate::{Boundary, Gate, Pass};
+use crate::executive::script::Script;
+use crate::record::event::KindSet;
+use crate::record::report::Input;
+use crate::record::{Digest, Record, RecordError, Recorded, Sink};
+
+/// Arguments of `eyesim replay`.
+#[derive(Args)]
+pub struct ReplayArgs {
+    /// What `eyesim run --trace` wrote
+    #[arg(value_name = "TRACE")]
+    trace: PathBuf,
+    /// Run it again, with what hands did, and say whether the same happens
+    #[arg(long)]
+    verify: bool,
+    /// Robots that run at one time [default: one for each processor]
+    #[arg(long, value_name = "NUMBER", requires = "verify")]
+    threads: Option<NonZeroUsize>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A trace that cannot be read or run again.
+pub fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
+    ensure!(args.verify, "expected `--verify`");
+    verify(args)
+}
+
+/// Runs a trace again, and compares the digests slot by slot.
+fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
+    let recorded = Recorded::read(&args.trace)?;
+    let run = RunArgs { threads: args.threads, is_silent: true, ..args_of(&recorded, &args.trace)? };
+    let built = Built::new(&run, |_| Ok(()))?;
+    let ready = match built.load(&run) {
+        Ok(ready) => ready,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            return Ok(ExitCode::from(EXIT_PROGRAM));
+        }
+    };
+    for remark in remarks(&recorded, ready.inputs()) {
+        eprintln!("{remark}");
+    }
+    let script = script_of(&recorded);
+    let refused = script.refused();
+    let comparison = Arc::new(Mutex::new(Comparison::new(&recorded)));
+    let company = Company {
+        gate: Some(Box::new(UntilParting { script, comparison: Arc::clone(&comparison) })),
+        sinks: vec![Box::new(Arc::clone(&comparison))],
+        is_quiet: true,
+        ..Company::default()
+    };
+    let ran = ready.run(&run, company)?;
+    for (at, why) in refused.lock().iter() {
+        eprintln!("at {at} the trace has an intervention that this run refuses: {why}");
+    }
+    if let End::Record(error) = &ran.ended.end {
+        bail!("the run cannot go on: {error}");
+    }
+    let comparison = comparison.lock();
+    Ok(match (&comparison.parting, recorded.end) {
+        (Some(parting), _) => {
+            print(&format!("{parting}\n"))?;
+            ExitCode::from(EXIT_PROGRAM)
+        }
+        (None, Some((_, digest))) => {
+            print(&format!("the same digest: {digest}\n"))?;
+            ExitCode::SUCCESS
+        }
+        (None, None) => {
+            let until = recorded.slots.last().map_or(Time::ZERO, |(end, _)| *end);
+            print(&format!("the same digest until {until}, where the trace was cut off\n"))?;
+            ExitCode::SUCCESS
+        }
+    })
+}
+
+/// How a recorded run is run again; a scene that is not found from here is looked for beside the trace.
+///
+/// # Errors
+/// A trace that does not say it, or names no scene that is there.
+pub fn args_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<RunArgs> {
+    let header = &recorded.header;
+    let version = &recorded.version;
+    ensure!(
+        !header.run.is_empty(),
+        "`{}` does not say how it is run again: eyesim {version} has recorded it",
+        trace.display()
+    );
+    let mut args = RunArgs::of_words(&header.run)?;
+    if !args.sim.exists() {
+        let beside = trace.parent().unwrap_or(Path::new("")).join(&args.sim);
+        ensure!(
+            beside.exists(),
+            "there is no `{}`, of which the trace is: run this in the folder in which it was recorded",
+            args.sim.display()
+        );
+        args.sim = beside;
+    }
+    Ok(args)
+}
+
+/// The hand of a recorded run.
+pub fn script_of(recorded: &Recorded) -> Script {
+    let script = Script::new(recorded.interventions.iter().cloned());
+    match recorded.end {
+        Some((end, _)) if recorded.is_interrupted => script.interrupted(end),
+        _ => script,
+    }
+}
+
+/// What is different from when the trace was recorded, so that the same need not happen.
+pub fn remarks(recorded: &Recorded, inputs: &[Input]) -> Vec<String> {
+    let mut remarks = Vec::new();
+    let (version, own) = (&recorded.version, env!("CARGO_PKG_VERSION"));
+    if version != own {
+        remarks.push(format!("the trace was recorded by eyesim {version}, this is {own}"));
+    }
+    let name = |path: &str| Path::new(path).file_name().map(|name| name.to_owned());
+    for old in &recorded.header.inputs {
+        // From another folder the same file has another path.
+        let new = inputs.iter().find(|new| new.path == old.path);
+        let new = new.or_else(|| inputs.iter().find(|new| name(&new.path) == name(&old.path)));
+        match new {
+            None => remarks.push(format!("`{}` is not read any more", old.path)),
+            Some(new) if new.sha256 != old.sha256 => {
+                remarks.push(format!("`{}` has changed since the trace was recorded", old.path));
+            }
+            Some(_) => {}
+        }
+    }
+    remarks
+}
+
+/// The digests of a run beside those of a trace.
+struct Comparison {
+    expected: VecDeque<(Time, Digest)>,
+    end: Option<(Time, Digest)>,
+    parting: Option<Parting>,
+}
+
+/// Where two runs part.
+#[derive(Clone, Debug, PartialEq)]
+enum Parting {
+    /// In this slot something else happened.
+    Slot { end: Time, expected: Digest, found: Digest },
+    /// In one of them nothing happened in this slot.
+    Only { end: Time, is_in_trace: bool },
+    /// They end at different times.
+    End { expected: Time, found: Time },
+}
+
+impl std::fmt::Display for Parting {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Slot { end, expected, found } => write!(
+                f,
+                "the runs part in the slot that ends at {end}: its digest is {expected} in the trace, {found} in this run"
+            ),
+            Self::Only { end, is_in_trace: true } => {
+                write!(f, "the runs part in the slot that ends at {end}: in this run nothing happens in it")
+            }
+            Self::Only { end, is_in_trace: false } => {
+                write!(f, "the runs part in the slot that ends at {end}: in the trace nothing happens in it")
+            }
+            Self::End { expected, found } => {
+                write!(f, "the runs part at their ends: the trace ends at {expected}, this run at {found}")
+            }
+        }
+    }
+}
+
+impl Comparison {
+    fn new(recorded: &Recorded) -> Self {
+        Self { expected: recorded.slots.iter().copied().collect(), end: recorded.end, parting: None }
+    }
+
+    /// The runs have parted, or there is nothing left to compare.
+    fn is_over(&self) -> bool {
+        self.parting.is_some() || self.end.is_none() && self.expected.is_empty()
+    }
+
+    fn compare(&mut self, end: Time, found: Digest) {
+        if self.is_over() {
+            return;
+        }
+        self.parting = match self.expected.pop_front() {
+            Some((other, expected)) if other == end => {
+                (expected != found).then_some(Parting::Slot { end, expected, found })
+            }
+            Some((other, _)) if other < end => Some(Parting::Only { end: other, is_in_trace: true }),
+            _ => Some(Parting::Only { end, is_in_trace: false }),
+        };
+    }
+}
+
+impl Sink for Comparison {
+    fn interest(&self) -> KindSet {
+        KindSet::NONE
+    }
+
+    fn record(&mut self, _: &Record<'_>) -> Result<(), RecordError> {
+        Ok(())
+    }
+
+    fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
+        digest.into_iter().for_each(|digest| self.compare(end, digest));
+        Ok(())
+    }
+
+    fn finish(&mut self, found: Time, _: Digest) -> Result<(), RecordError> {
+        if !self.is_over() {
+            self.parting = match (self.expected.pop_front(), self.end) {
+                (Some((end, _)), _) => Some(Parting::Only { end, is_in_trace: true }),
+                (None, Some((expected, _))) if expected != found => Some(Parting::End { expected, found }),
+                _ => None,
+            };
+        }
+        Ok(())
+    }
+}
+
+/// The hand of a trace, until the runs have parted.
+struct UntilParting {
+    script: Script,
+    comparison: Arc<Mutex<Comparison>>,
+}
+
+impl Gate for UntilParting {
+    fn wait(&mut self, boundary: &Boundary<'_>) -> Pass {
+        if self.comparison.lock().is_over() { Pass::End(End::Interrupted) } else { self.script.wait(boundary) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DIGESTS: [Digest; 3] = [Digest([1; 32]), Digest([2; 32]), Digest([3; 32])];
+
+    /// Where a run of these slots, by their ends in ms and the places of their digests, parts from a trace of 100 ms with two slots.
+    fn parting(is_complete: bool, slots: &[(i64, usize)], end_ms: i64) -> Option<String> {
+        let at = Time::from_millis;
+        let mut comparison = Comparison {
+            expected: [(at(50), DIGESTS[0]), (at(100), DIGESTS[1])].into(),
+            end: is_complete.then_some((at(100), DIGESTS[1])),
+            parting: None,
+        };
+        for (end, digest) in slots {
+            comparison.end_slot(at(*end), Some(DIGESTS[*digest])).expect("it takes everything");
+            comparison.end_slot(at(*end), None).expect("it takes everything");
+        }
+        comparison.finish(at(end_ms), DIGESTS[2]).expect("it takes everything");
+        comparison.parting.map(|parting| parting.to_string())
+    }
+
+    #[test]
+    fn the_first_slot_that_differs_is_named() {
+        assert_eq!(parting(true, &[(50, 0), (100, 1)], 100), None);
+        let named = |slots: &[(i64, usize)], end| parting(true, slots, end).expect("they part");
+        assert!(named(&[(50, 2), (100, 1)], 100).contains("ends at 0.050"), "{}", named(&[(50, 2)], 100));
+        assert!(named(&[(50, 0), (100, 2)], 100).contains("0303"));
+        assert!(named(&[(100, 1)], 100).ends_with("in this run nothing happens in it"));
+        assert!(named(&[(50, 0)], 100).ends_with("in this run nothing happens in it"));
+        assert!(named(&[(25, 0), (50, 0)], 100).ends_with("in the trace nothing happens in it"));
+        assert!(named(&[(50, 0), (100, 1), (150, 2)], 150).ends_with("in the trace nothing happens in it"));
+        assert!(named(&[(50, 0), (100, 1)], 150).starts_with("the runs part at their ends"));
+    }
+
+    #[test]
+    fn of_a_trace_that_was_cut_off_what_is_there_is_compared() {
+        assert_eq!(parting(false, &[(50, 0), (100, 1), (150, 2)], 200), None);
+        assert!(parting(false, &[(50, 0), (100, 2)], 200).is_some());
+        assert!(parting(false, &[(50, 0)], 50).is_some());
+    }
+}

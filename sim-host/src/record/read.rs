@@ -1,0 +1,389 @@
+//! Reads traces: what was recorded, line by line, or what it takes to run it again.
+//!
+//! Whatever the file, it ends in a result or in an error that names the line; of a trace that was cut off what is complete is read.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read as _};
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use serde_json::Value;
+use sim_core::time::Time;
+use sim_view::protocol::Action;
+
+use super::digest::Digest;
+use super::event::{Kind, Outcome};
+use super::trace::{TRACE_SCHEMA, TraceHeader};
+
+/// Length in bytes of the longest line that is read: more than any that is written.
+const MAX_LINE: u64 = 1 << 26;
+
+/// Latest time in a trace, s: no run takes longer.
+const MAX_SECONDS: f64 = 4e9;
+
+/// Why a trace cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum TraceError {
+    /// The operating system refused.
+    #[error("cannot read the trace `{}`: {source}", path.display())]
+    Read {
+        /// The file as the user named it.
+        path: PathBuf,
+        /// The system's own words.
+        source: io::Error,
+    },
+    /// It is something else.
+    #[error("`{}` is no trace: {why}", path.display())]
+    NoTrace {
+        /// The file as the user named it.
+        path: PathBuf,
+        /// What is wrong in its first line.
+        why: String,
+    },
+    /// It is of another version of eyesim.
+    #[error("`{}` is a trace of schema {schema}, made by eyesim {version}: this one reads schema {TRACE_SCHEMA}", path.display())]
+    Schema {
+        /// The file as the user named it.
+        path: PathBuf,
+        /// Its schema.
+        schema: u64,
+        /// The version of the program that wrote it.
+        version: String,
+    },
+    /// A line is wrong.
+    #[error("`{}`, line {line}: {why}", path.display())]
+    Line {
+        /// The file as the user named it.
+        path: PathBuf,
+        /// Number of the line, from 1.
+        line: u64,
+        /// What is wrong in it.
+        why: String,
+    },
+}
+
+/// A line after the first.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Line {
+    /// Something that happened.
+    Event(RecordedEvent),
+    /// A slot has ended in which something happened.
+    Slot {
+        /// Its end.
+        end: Time,
+        /// Of the run up to there.
+        digest: Digest,
+    },
+    /// The run has ended.
+    End {
+        /// When.
+        end: Time,
+        /// Of the run.
+        digest: Digest,
+    },
+}
+
+/// An event of a trace.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordedEvent {
+    /// Virtual time.
+    pub at: Time,
+    /// Number of the robot; none for the world.
+    pub robot: Option<u32>,
+    /// Its name, such as `pose`.
+    pub kind: String,
+    /// The whole line, an object.
+    pub fields: Value,
+}
+
+/// Reads a trace line by line.
+pub struct TraceReader<R> {
+    input: R,
+    path: PathBuf,
+    header: TraceHeader,
+    version: String,
+    line: u64,
+    bytes: Vec<u8>,
+    has_ended: bool,
+}
+
+/// What every line has.
+#[derive(Deserialize)]
+struct Head {
+    event: String,
+    t_s: f64,
+    robot: Option<u32>,
+    digest: Option<Digest>,
+}
+
+impl TraceReader<BufReader<File>> {
+    /// Opens the trace `path`.
+    ///
+    /// # Errors
+    /// [`TraceError`] if it cannot be read or is no trace.
+    pub fn open(path: &Path) -> Result<Self, TraceError> {
+        let file = File::open(path).map_err(|source| TraceError::Read { path: path.to_owned(), source })?;
+        Self::new(BufReader::new(file), path)
+    }
+}
+
+impl<R: BufRead> TraceReader<R> {
+    /// Reads the trace `input`; messages call it `path`.
+    ///
+    /// # Errors
+    /// [`TraceError`] if it cannot be read or is no trace.
+    pub fn new(input: R, path: &Path) -> Result<Self, TraceError> {
+        let header = TraceHeader { seed: 0, slot_us: 0, robots: vec![], run: vec![], inputs: vec![] };
+        let path = path.to_owned();
+        let mut reader = Self { input, path, header, version: String::new(), line: 0, bytes: vec![], has_ended: false };
+        let no_trace =
+            |reader: &Self, why: &str| TraceError::NoTrace { path: reader.path.clone(), why: why.to_owned() };
+        match reader.read_line() {
+            Ok(true) => {}
+            Ok(false) => return Err(no_trace(&reader, "it is empty")),
+            Err(TraceError::Line { why, .. }) => return Err(no_trace(&reader, &why)),
+            Err(error) => return Err(error),
+        }
+        let value: Value = serde_json::from_slice(&reader.bytes)
+            .map_err(|error| no_trace(&reader, &format!("its first line is no JSON: {error}")))?;
+        if value["event"] != "header" {
+            return Err(no_trace(&reader, "its first line is no `header`"));
+        }
+        let version = value["eyesim_version"].as_str().unwrap_or("?").to_owned();
+        match value["schema"].as_u64() {
+            Some(schema) if schema == u64::from(TRACE_SCHEMA) => {}
+            Some(schema) => return Err(TraceError::Schema { path: reader.path, schema, version }),
+            None => return Err(no_trace(&reader, "its header has no `schema`")),
+        }
+        let header: TraceHeader = serde_json::from_value(value)
+            .map_err(|error| no_trace(&reader, &format!("its header is wrong: {error}")))?;
+        if header.slot_us <= 0 {
+            return Err(no_trace(&reader, "its header is wrong: a slot has a length"));
+        }
+        (reader.header, reader.version) = (header, version);
+        Ok(reader)
+    }
+
+    /// What the first line says.
+    pub fn header(&self) -> &TraceHeader {
+        &self.header
+    }
+
+    /// Version of the program that wrote the trace.
+    pub fn version(&self) -> &str {
+        &self.version
+    }
+
+    /// The next line; none after the last complete one.
+    ///
+    /// # Errors
+    /// [`TraceError`] for a line that is none of a trace.
+    pub fn next_line(&mut self) -> Result<Option<Line>, TraceError> {
+        if !self.read_line()? {
+            return Ok(None);
+        }
+        if self.has_ended {
+            return Err(self.wrong("it comes after the end of the run"));
+        }
+        let is_complete = self.bytes.last() == Some(&b'\n');
+        let value: Value = match serde_json::from_slice(&self.bytes) {
+            Ok(value) => value,
+            // The process was killed as it wrote this line.
+            Err(_) if !is_complete => return Ok(None),
+            Err(error) => return Err(self.wrong(&format!("it is no JSON: {error}"))),
+        };
+        let head =
+            Head::deserialize(&value).map_err(|error| self.wrong(&format!("it is no line of a trace: {error}")))?;
+        if !(0.0..=MAX_SECONDS).contains(&head.t_s) {
+            return Err(self.wrong(&format!("`t_s` {} is no time: expected 0 to {MAX_SECONDS} seconds", head.t_s)));
+        }
+        let at = Time((head.t_s * 1e6).round() as i64);
+        let digest = |this: &Self| head.digest.ok_or_else(|| this.wrong("it has no `digest`"));
+        Ok(Some(match head.event.as_str() {
+            "slot" => Line::Slot { end: at, digest: digest(self)? },
+            "end" => {
+                self.has_ended = true;
+                Line::End { end: at, digest: digest(self)? }
+            }
+            _ => Line::Event(RecordedEvent { at, robot: head.robot, kind: head.event, fields: value }),
+        }))
+    }
+
+    /// An error in the line that was read last.
+    pub fn wrong(&self, why: &str) -> TraceError {
+        TraceError::Line { path: self.path.clone(), line: self.line, why: why.to_owned() }
+    }
+
+    /// Reads a line; false after the last one.
+    fn read_line(&mut self) -> Result<bool, TraceError> {
+        self.bytes.clear();
+        self.line += 1;
+        let read = self.input.by_ref().take(MAX_LINE + 1).read_until(b'\n', &mut self.bytes);
+        let length = read.map_err(|source| TraceError::Read { path: self.path.clone(), source })?;
+        if length as u64 > MAX_LINE {
+            return Err(self.wrong(&format!("it is longer than {MAX_LINE} bytes")));
+        }
+        Ok(length > 0)
+    }
+}
+
+/// What it takes to run a recorded run again, and to see whether it was the same.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recorded {
+    /// What the first line says.
+    pub header: TraceHeader,
+    /// Version of the program that recorded it.
+    pub version: String,
+    /// What a hand did, in order.
+    pub interventions: Vec<(Time, Action)>,
+    /// Ends of the slots in which something happened, with the digests up to there.
+    pub slots: Vec<(Time, Digest)>,
+    /// End and digest of the run; none of a trace that was cut off.
+    pub end: Option<(Time, Digest)>,
+    /// Whether the user interrupted it, with or without a recorded hand.
+    pub is_interrupted: bool,
+}
+
+impl Recorded {
+    /// Reads the trace `path` as a whole.
+    ///
+    /// # Errors
+    /// [`TraceError`] for a file that cannot be read or is no trace.
+    pub fn read(path: &Path) -> Result<Self, TraceError> {
+        Self::of(TraceReader::open(path)?)
+    }
+
+    /// Reads the rest of a trace.
+    ///
+    /// # Errors
+    /// [`TraceError`] for a line that is none of a trace.
+    pub fn of<R: BufRead>(mut reader: TraceReader<R>) -> Result<Self, TraceError> {
+        let (header, version) = (reader.header().clone(), reader.version().to_owned());
+        let (interventions, slots) = (Vec::new(), Vec::new());
+        let mut recorded = Self { header, version, interventions, slots, end: None, is_interrupted: false };
+        while let Some(line) = reader.next_line()? {
+            match line {
+                Line::Slot { end, digest } => {
+                    if recorded.slots.last().is_some_and(|(last, _)| *last > end) {
+                        return Err(reader.wrong("the slot ends before the one above it"));
+                    }
+                    recorded.slots.push((end, digest));
+                }
+                Line::End { end, digest } => recorded.end = Some((end, digest)),
+                Line::Event(event) => recorded.take(&event).map_err(|why| reader.wrong(&why))?,
+            }
+        }
+        Ok(recorded)
+    }
+
+    fn take(&mut self, event: &RecordedEvent) -> Result<(), String> {
+        if event.kind == Kind::Intervention.name() {
+            let action = Action::deserialize(&event.fields["action"])
+                .map_err(|error| format!("`action` is nothing that a hand can do: {error}"))?;
+            if self.interventions.last().is_some_and(|(last, _)| *last > event.at) {
+                return Err("it happened before the intervention above it".to_owned());
+            }
+            self.interventions.push((event.at, action));
+        } else if event.kind == Kind::ProgramEnded.name() {
+            self.is_interrupted |= event.fields["outcome"] == Outcome::Interrupted.name();
+        }
+        Ok(())
+    }
+
+    /// Length of a slot.
+    pub fn slot(&self) -> Time {
+        Time(self.header.slot_us)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEADER: &str =
+        r#"{"event":"header","schema":1,"eyesim_version":"0.1.0","seed":7,"slot_us":50000,"robots":[]}"#;
+    const DIGEST: &str = "8e7fe502083cc57b79bdc315b2dbf4e4388a5816eb2d64b0613cd2d99cf256ad";
+
+    fn read(text: impl AsRef<[u8]>) -> Result<Recorded, TraceError> {
+        Recorded::of(TraceReader::new(text.as_ref(), Path::new("t.jsonl"))?)
+    }
+
+    fn message(text: impl AsRef<[u8]>) -> String {
+        read(text).expect_err("no trace").to_string()
+    }
+
+    #[test]
+    fn what_it_takes_to_run_it_again_is_read() {
+        let press = r#"{"do":"press","robot":1,"key":"KEY1"}"#;
+        let text = format!(
+            "{HEADER}\n{{\"t_s\":0.05,\"seq\":0,\"event\":\"intervention\",\"action\":{press}}}\n\
+             {{\"t_s\":0.06,\"robot\":1,\"seq\":0,\"event\":\"beep\"}}\n\
+             {{\"event\":\"slot\",\"t_s\":0.1,\"digest\":\"{DIGEST}\"}}\n{{\"event\":\"end\",\"t_s\":0.1,\"digest\":\"{DIGEST}\"}}\n"
+        );
+        let recorded = read(&text).expect("a trace");
+        assert_eq!((recorded.header.seed, recorded.slot()), (7, Time(50_000)));
+        assert_eq!(recorded.interventions, [(Time(50_000), Action::Press { robot: 1, key: "KEY1".into() })]);
+        let (end, digest) = recorded.end.expect("it is complete");
+        assert_eq!((end, digest.to_string()), (Time(100_000), DIGEST.to_owned()));
+        assert_eq!((&recorded.slots, recorded.is_interrupted), (&vec![(end, digest)], false));
+        // Whatever is cut off its end, what is complete before is read.
+        for length in HEADER.len()..text.len() {
+            let cut = read(&text[..length]).unwrap_or_else(|error| panic!("{length}: {error}"));
+            assert!(cut.slots.len() <= 1 && (cut.end.is_none() || length == text.len() - 1), "{length}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_trace_is_told() {
+        assert_eq!(message(""), "`t.jsonl` is no trace: it is empty");
+        assert_eq!(message("{}\n"), "`t.jsonl` is no trace: its first line is no `header`");
+        assert!(message("robi eve.robi\n").starts_with("`t.jsonl` is no trace: its first line is no JSON"));
+        assert!(message([0xff, 0x00, b'\n']).starts_with("`t.jsonl` is no trace: its first line is no JSON"));
+        assert_eq!(
+            message(HEADER.replace("\"schema\":1", "\"schema\":9")),
+            "`t.jsonl` is a trace of schema 9, made by eyesim 0.1.0: this one reads schema 1"
+        );
+        for (old, new) in [("50000", "0"), ("50000", "-1"), ("50000", "NaN"), ("7", "-7"), ("[]", "3")] {
+            let why = message(HEADER.replace(old, new));
+            assert!(why.starts_with("`t.jsonl` is no trace: "), "{old} to {new}: {why}");
+        }
+        let missing = Recorded::read(Path::new("no-such-trace.jsonl")).expect_err("there is none").to_string();
+        assert!(missing.starts_with("cannot read the trace `no-such-trace.jsonl`: "), "{missing}");
+    }
+
+    #[test]
+    fn a_wrong_line_is_named_by_its_number() {
+        let line_2 = |line: &str| message(format!("{HEADER}\n{line}\n"));
+        for (line, why) in [
+            ("[", "it is no JSON"),
+            ("{}", "it is no line of a trace: missing field `event`"),
+            ("[]", "it is no line of a trace"),
+            (r#"{"event":"pose"}"#, "it is no line of a trace: missing field `t_s`"),
+            (r#"{"event":"pose","t_s":NaN}"#, "it is no JSON"),
+            (r#"{"event":"pose","t_s":null}"#, "it is no line of a trace"),
+            (r#"{"event":"pose","t_s":-1}"#, "`t_s` -1 is no time"),
+            (r#"{"event":"pose","t_s":1e300}"#, "`t_s` 1e300 is no time"),
+            (r#"{"event":"slot","t_s":1}"#, "it has no `digest`"),
+            (r#"{"event":"slot","t_s":1,"digest":"12"}"#, "it is no line of a trace: a digest has 64"),
+            (r#"{"event":"intervention","t_s":1}"#, "`action` is nothing that a hand can do"),
+            (r#"{"event":"intervention","t_s":1,"action":{"do":"fly"}}"#, "`action` is nothing that a hand can do"),
+        ] {
+            let found = line_2(line);
+            assert!(found.starts_with(&format!("`t.jsonl`, line 2: {why}")), "{line}: {found}");
+        }
+        let slot = |seconds: f64| format!(r#"{{"event":"slot","t_s":{seconds:?},"digest":"{DIGEST}"}}"#);
+        let unordered = message(format!("{HEADER}\n{}\n{}\n", slot(2.0), slot(1.0)));
+        assert_eq!(unordered, "`t.jsonl`, line 3: the slot ends before the one above it");
+        let end = slot(1.0).replace("slot", "end");
+        let after = message(format!("{HEADER}\n{end}\n{end}\n"));
+        assert_eq!(after, "`t.jsonl`, line 3: it comes after the end of the run");
+    }
+
+    #[test]
+    fn a_line_without_an_end_is_refused_before_it_fills_the_memory() {
+        let endless = io::Cursor::new(HEADER).chain(io::Cursor::new("\n")).chain(io::repeat(b' '));
+        let reader = TraceReader::new(BufReader::new(endless), Path::new("t.jsonl")).expect("a header");
+        let why = Recorded::of(reader).expect_err("a line without an end").to_string();
+        assert_eq!(why, format!("`t.jsonl`, line 2: it is longer than {MAX_LINE} bytes"));
+    }
+}
