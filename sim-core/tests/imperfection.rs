@@ -506,7 +506,7 @@ fn errors_that_are_set_at_the_start_are_those_of_the_making() {
     for imperfection in [all(), systematic(), Imperfection::default()] {
         let ends = |mut motion: Motion| {
             motion.command(Time(3), drive(0.3, 0.2, 1.5), &[]).expect("sound");
-            motion.command(Time::from_millis(900), Command::Speed(Twist::new(0.3, 1.0)), &[]).expect("sound");
+            motion.command(Time::from_millis(900), Command::Twist(Twist::new(0.3, 1.0)), &[]).expect("sound");
             [Time::from_millis(500), Time::from_millis(2_000)].map(|at| (motion.state(at), motion.odometry(at)))
         };
         let mut set = robot(model(), room(4.0), 5, systematic());
@@ -520,7 +520,7 @@ fn errors_that_change_on_the_way_change_what_comes_after_only() {
     let [before, change, end] = [480, 500, 1_500].map(Time::from_millis);
     let driving = |imperfection| {
         let mut motion = robot(model(), vec![], 3, imperfection);
-        motion.command(Time::ZERO, Command::Speed(Twist::new(0.25, 0.0)), &[]).expect("sound");
+        motion.command(Time::ZERO, Command::Twist(Twist::new(0.25, 0.0)), &[]).expect("sound");
         motion
     };
     let (mut perfect, mut slipping) = (driving(Imperfection::default()), driving(Imperfection::default()));

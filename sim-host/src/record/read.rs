@@ -195,7 +195,7 @@ impl<R: BufRead> TraceReader<R> {
         let head =
             Head::deserialize(&value).map_err(|error| self.wrong(&format!("it is no line of a trace: {error}")))?;
         if !(0.0..=MAX_SECONDS).contains(&head.t_s) {
-            return Err(self.wrong(&format!("`t_s` {} is no time: expected 0 to {MAX_SECONDS} seconds", head.t_s)));
+            return Err(self.wrong(&format!("`t_s` {:?} is no time: expected 0 to {MAX_SECONDS} seconds", head.t_s)));
         }
         let at = Time((head.t_s * 1e6).round() as i64);
         let digest = |this: &Self| head.digest.ok_or_else(|| this.wrong("it has no `digest`"));
