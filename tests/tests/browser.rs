@@ -26,6 +26,11 @@ fn access_reconnection_keyboard_and_watched_programs() {
 }
 
 #[test]
+fn bodies_are_dragged() {
+    run("scene");
+}
+
+#[test]
 fn recordings() {
     run("replay");
 }

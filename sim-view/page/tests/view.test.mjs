@@ -16,7 +16,7 @@ if (!skip) {
   before(async () => {
     cpSync(fileURLToPath(new URL("room", import.meta.url)), folder, { recursive: true });
     eyesim = await Eyesim.start(["view", "room.scene.toml", "--no-open", "--port", "0"], { cwd: folder });
-    browser = await launch(true);
+    browser = await launch();
     ({ page, heard, control, close } = await open(browser, eyesim.url, { hasTouch: true, acceptDownloads: true }));
     await heard.until("a snapshot", ({ snapshot }) => snapshot);
   });
@@ -125,15 +125,15 @@ test("readings are in the table, and plotted when they are ticked", { skip }, as
   const reading = await heard.until("a reading", () => heard.reading(KEYS, "PSD_FRONT"));
   assert.equal(reading.unit, "m");
   const shown = page.locator("[data-reading=PSD_FRONT] td.number").first();
-  await page.waitForFunction((mm) => document.querySelector("[data-reading=PSD_FRONT] td.number").textContent === `${mm} mm`, await shownText(KEYS));
+  await page.waitForFunction((text) => document.querySelector("[data-reading=PSD_FRONT] td.number").textContent === text, shownText(reading.value));
   assert.match(await shown.textContent(), /mm$/);
   await page.getByLabel("Plot PSD_FRONT", { exact: true }).check();
   await control("plot").locator("canvas").waitFor();
 });
 
-async function shownText(robot) {
-  const { value } = heard.reading(robot, "PSD_FRONT");
-  return Number.isInteger(value * 1000) ? String(value * 1000) : (value * 1000).toFixed(1);
+function shownText(value_m) {
+  const mm = value_m * 1000;
+  return `${Number.isInteger(mm) ? mm : mm.toFixed(1)} mm`;
 }
 
 test("error models act at once, and back", { skip }, async () => {
@@ -237,7 +237,7 @@ test("robots and objects are added and taken out", { skip }, async () => {
   await heard.until("it is gone", ({ scene, snapshot }) => scene.objects.length === 1 && snapshot.objects.length === 1);
 });
 
-test("the scene, the trace and a picture are saved", { skip }, async () => {
+test("the scene is saved as it is now", { skip }, async () => {
   await unfold(page, "save-panel");
   const save = async (button) => {
     const [file] = await Promise.all([page.waitForEvent("download"), control(button).click()]);
@@ -246,8 +246,6 @@ test("the scene, the trace and a picture are saved", { skip }, async () => {
   const scene = String(await save("save-scene"));
   assert.match(scene, /x_mm = 600/, "the robot is where it was put");
   writeFileSync(join(folder, "saved.scene.toml"), scene);
-  const picture = await save("save-picture");
-  assert.equal(picture.subarray(1, 4).toString(), "PNG");
 });
 
 test("events are listed and jump to their robot", { skip }, async () => {

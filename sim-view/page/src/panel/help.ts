@@ -8,9 +8,13 @@ import { allShortcuts, shortcut } from "./keyboard";
 /** Keys that work where the focus is. */
 const ELSEWHERE: [keys: string, what: string][] = [
   ["Tab, Shift+Tab", "To the next or previous control"],
-  ["↑ ↓ Home End", "In the list of robots: choose; in lists: move"],
+  ["↑ ↓ Home End", "In the list of robots: choose; in other lists: move"],
   ["Enter", "In the list of events: jump there; in fields: do it"],
-  ["Escape", "Close this help"],
+  ["Arrows, + -", "In the 3D view: look from elsewhere, nearer, farther"],
+  ["Alt+arrows", "In the 3D view: shift it"],
+  ["Page Up, Page Down", "In the 3D view: choose another robot"],
+  ["Shift+arrows, [ ]", "In the 3D view: move and turn what is selected"],
+  ["Escape", "Close this help; in the 3D view: leave what is moved where it was"],
 ];
 
 export function helpPanel(_model: Model): HTMLElement {
