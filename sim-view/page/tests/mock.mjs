@@ -7,6 +7,7 @@ import { createServer } from "node:http";
 import { fileURLToPath } from "node:url";
 
 const DIST = fileURLToPath(new URL("../dist/", import.meta.url));
+const PATIENCE_MS = 60_000;
 const TYPES = { html: "text/html", js: "text/javascript", css: "text/css" };
 
 export class Mock {
@@ -35,10 +36,15 @@ export class Mock {
 
   /** The next request that fulfils `is`, past or to come. */
   async request(is) {
+    const deadline = Date.now() + PATIENCE_MS;
     for (;;) {
       const found = this.requests.find(is);
       if (found) return found;
-      await new Promise((done) => this.#waiting.push(done));
+      if (Date.now() > deadline) throw new Error(`never asked; asked was ${JSON.stringify(this.requests.slice(-5))}`);
+      await new Promise((done) => {
+        this.#waiting.push(done);
+        setTimeout(done, PATIENCE_MS).unref();
+      });
     }
   }
 

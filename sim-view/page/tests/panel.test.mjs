@@ -43,6 +43,7 @@ test("20,000 events are no problem", { skip }, async () => {
 
 test("an event jumps to its robot", { skip }, async () => {
   mock.send({ type: "events", ...events(8) });
+  await page.locator("#events-8").waitFor();
   await control("events").press("Home");
   await control("events").press("ArrowDown");
   await control("events").press("Enter");
