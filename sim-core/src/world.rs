@@ -244,7 +244,7 @@ impl World {
     /// Puts a movable object at `world_from_object`, at rest and awake, at the end of the present slot: before
     /// [`World::advance`]. Of several places the last one stands.
     ///
-    /// Any place will do: in a wall or a body it is pushed out.
+    /// Any place will do: in a wall or a body it is pushed out. An object that is gone stays so.
     ///
     /// # Errors
     /// [`PlaceError`] for a position that is not finite or beyond 10^9 m.

@@ -10,3 +10,4 @@ pub mod robios;
 pub mod scenery;
 pub mod setup;
 pub mod window;
+pub mod workshop;

@@ -1,15 +1,11 @@
 //! From a scene to a run that can start: finds, builds and loads the programs, makes world and robots.
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
-use sim_core::build;
-use sim_core::drive::Motion;
 use sim_core::format::{NoiseRef, ObjectSpec, PathRef, RobotSpec, SceneSpec, Span};
 use sim_core::noise::Profile;
-use sim_core::radio::Channel;
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
@@ -23,13 +19,11 @@ use crate::program::generation::{Generation, Wanted};
 use crate::program::load::{LoadError, Loader, OpenError, check_mappings};
 use crate::program::prepare::{Code, Prepared, prepare};
 use crate::record::frame::Frames;
-use crate::robios::Devices;
-use crate::robios::irtv::Remote;
-use crate::robios::key::{Keys, Press};
-use crate::robios::robot::{Robot, RobotParts};
-use crate::robios::storage::Storage;
+use crate::robios::key::Press;
+use crate::robios::robot::Robot;
 use crate::robios::truth::{Census, Counted};
 use crate::scenery::LazyScenery;
+use crate::workshop::Maker;
 
 /// What the scene says of the generation that a robot's program is written for.
 pub fn wanted_of(robot: &RobotSpec) -> Wanted {
@@ -114,29 +108,46 @@ impl Programs {
         exec: Exec,
         debug: Option<&Debug>,
     ) -> anyhow::Result<Vec<Option<RobotProgram>>> {
-        let in_host = self.iter().filter(|program| exec_of(program, exec) == Exec::Thread);
-        let copies = in_host.filter_map(|program| Some((&**program.image()?, 1)));
-        check_mappings(copies, MAPPINGS_PER_FLOW)?;
+        check_room(self.iter(), exec)?;
         let mut loader = Loader::new().context("no folder to load programs from")?;
-        let named = |robot: &RobotSpec, error: LoadError| anyhow!("{} (`{}`): {error}", robot.id, robot.program_name());
         Child::make_room(self.iter().filter(|program| exec_of(program, exec) == Exec::Process).count());
         // All processes start before the first one is waited for.
         let mut loading = Vec::with_capacity(scene.robots.len());
         for (robot, program) in scene.robots.iter().zip(&self.of_robots) {
             let debugger = debug.filter(|debug| debug.robot == robot.id).map(|debug| &debug.debugger);
-            let begun = program.as_ref().map(|program| match exec_of(program, exec) {
-                Exec::Thread if debugger.is_none() => {
-                    loader.load(program, &robot.arguments).map(RobotProgram::Thread).map(Loading::Done)
-                }
-                _ => Loading::begin(robot, program, &mut loader, debugger),
-            });
-            loading.push(begun.transpose().map_err(|error| named(robot, error))?);
+            let begun = program.as_ref().map(|program| Loading::begin(robot, program, exec, &mut loader, debugger));
+            loading.push(begun.transpose().map_err(|error| of_robot(robot, &error))?);
         }
         let finish = |(robot, loading): (&RobotSpec, Option<Loading>)| {
-            loading.map(|loading| loading.finish(robot).map_err(|error| named(robot, error))).transpose()
+            loading.map(|loading| loading.finish(robot).map_err(|error| of_robot(robot, &error))).transpose()
         };
         scene.robots.iter().zip(loading).map(finish).collect()
     }
+}
+
+/// Loads its program for one more robot, as [`Programs::load`] does for those of the scene.
+///
+/// # Errors
+/// Why it cannot be loaded.
+pub fn load_program(
+    robot: &RobotSpec,
+    program: &Arc<Prepared>,
+    exec: Exec,
+    loader: &mut Loader,
+) -> anyhow::Result<RobotProgram> {
+    check_room([program], exec)?;
+    let loading = Loading::begin(robot, program, exec, loader, None);
+    loading.and_then(|loading| loading.finish(robot)).map_err(|error| of_robot(robot, &error))
+}
+
+/// Checks that the kernel lets this process map the copies and the stacks of these programs.
+fn check_room<'a>(programs: impl IntoIterator<Item = &'a Arc<Prepared>>, exec: Exec) -> Result<(), LoadError> {
+    let in_host = programs.into_iter().filter(|program| exec_of(program, exec) == Exec::Thread);
+    check_mappings(in_host.filter_map(|program| Some((&**program.image()?, 1))), MAPPINGS_PER_FLOW)
+}
+
+fn of_robot(robot: &RobotSpec, error: &LoadError) -> anyhow::Error {
+    anyhow!("{} (`{}`): {error}", robot.id, robot.program_name())
 }
 
 /// A robot whose program runs under a debugger.
@@ -167,9 +178,13 @@ impl Loading {
     fn begin(
         robot: &RobotSpec,
         program: &Arc<Prepared>,
+        exec: Exec,
         loader: &mut Loader,
         debugger: Option<&Debugger>,
     ) -> Result<Self, LoadError> {
+        if debugger.is_none() && exec_of(program, exec) == Exec::Thread {
+            return loader.load(program, &robot.arguments).map(RobotProgram::Thread).map(Self::Done);
+        }
         let path = program.source.path().to_owned();
         let (child, library) = match (&program.code, debugger) {
             (Code::Python(_), Some(_)) => {
@@ -261,59 +276,18 @@ pub fn build_world(
     programs: &Programs,
     options: &RobotOptions<'_>,
 ) -> anyhow::Result<(World, Vec<Robot>)> {
-    debug_assert!(scene.robots.iter().enumerate().all(|(index, robot)| robot.id.index() == index));
-    let walls = build::obstacles(scene);
-    let census = Arc::new(census(scene));
-    let mut models = BTreeMap::new();
-    let mut profiles = Profiles::default();
-    let mut robots = Vec::with_capacity(scene.robots.len());
-    let mut heard = Vec::with_capacity(scene.robots.len());
-    for (spec, program) in scene.robots.iter().zip(&programs.of_robots) {
-        let model = models.entry(&spec.robi.file).or_insert_with(|| Arc::new(build::model(&spec.robi)));
-        model.check().with_context(|| format!("robot type `{}`", spec.robi.file))?;
-        let presses = options.keys.iter().filter(|press| press.robot.is_none_or(|robot| robot == spec.id));
-        let generation = program.as_ref().and_then(|program| program.generation());
-        let new_devices = if generation == Some(7) { Devices::of_robios7 } else { Devices::new };
-        let (remote, keys): (Vec<&Press>, Vec<_>) = presses.partition(|press| press.touch.remote_key().is_some());
-        let keys = Keys::scripted(keys.iter().map(|press| (press.at, press.touch)));
-        let mut devices = new_devices(&spec.robi, keys).among(Arc::clone(&census));
-        devices.remote =
-            Remote::scripted(remote.iter().filter_map(|press| Some((press.at, press.touch.remote_key()?))));
-        devices.storage = Storage::new(Path::new(&scene.folder));
-        devices.os.may_execute = options.may_execute;
-        devices.camera = devices.camera.in_run(Arc::clone(&options.scenery), options.frames.clone());
-        let motion = Motion::new(spec.id, Arc::clone(model), Arc::clone(&walls), spec.start);
-        let profile = profiles.of(spec);
-        heard.push(profile.as_ref().map(|profile| profile.radio).unwrap_or_default());
-        let mut robot = Robot::new(RobotParts {
-            program: program.as_ref().map(|program| program.name.clone()).unwrap_or_default(),
-            motion,
-            spec: Arc::clone(&spec.robi),
-            devices,
-            seed: options.seed,
-            is_verbose: options.is_verbose,
-        });
-        if let Some(profile) = profile {
-            robot = robot.with_noise(&profile).context("noise of the drive")?;
-        }
-        robot.record_start();
-        robots.push(robot);
-    }
-    let world = World::new(walls, options.slot, robots.iter_mut().map(|robot| &mut robot.motion));
-    let objects = build::movable(scene).map(|object| (build::properties(object), object.pose));
-    let radio = Channel::new(scene.radio, options.seed, heard);
-    Ok((world.with_objects(objects).with_space(build::space(scene)).with_radio(radio), robots))
+    Maker::new(scene, options).world(scene, &programs.of_robots)
 }
 
 /// The noise profiles of the robots, each made once.
 #[derive(Default)]
-struct Profiles<'a> {
+pub(crate) struct Profiles<'a> {
     made: Vec<(&'a NoiseRef, Option<Arc<Profile>>)>,
 }
 
 impl<'a> Profiles<'a> {
     /// The profile of a robot; `None` where it has no errors.
-    fn of(&mut self, robot: &'a RobotSpec) -> Option<Arc<Profile>> {
+    pub fn of(&mut self, robot: &'a RobotSpec) -> Option<Arc<Profile>> {
         let noise = robot.noise.as_ref()?;
         if let Some((_, made)) = self.made.iter().find(|(known, _)| *known == noise) {
             return made.clone();
@@ -335,5 +309,5 @@ pub fn census(scene: &SceneSpec) -> Census {
         Counted::Movable(ObjectId(movable))
     };
     let objects = scene.objects.iter().map(counted).collect();
-    Census { robots: scene.robots.len(), objects }
+    Census { robots: scene.robots.len(), objects, ..Census::default() }
 }

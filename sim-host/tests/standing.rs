@@ -86,7 +86,8 @@ fn run(folder: &Path, scene: &SceneSpec, lanes: usize) -> Ended {
     let trace = Trace::create(&folder.join("trace.jsonl"), &header).expect("a trace");
     let executor = Box::new(ThreadExecutor::new(robots.len(), programs.iter().count(), lanes));
     let recorder = Recorder::new(0, slot, vec![Box::new(trace)]);
-    let parts = Parts { world, robots, programs: loaded, executor, costs: Costs::default(), recorder, gate: None };
+    let costs = Costs::default();
+    let parts = Parts { world, robots, programs: loaded, workshop: None, executor, costs, recorder, gate: None };
     Run::execute(parts, &limits, |_| ()).expect("a run")
 }
 

@@ -59,12 +59,6 @@ impl Channel {
         }
     }
 
-    /// `robot`, whose id is higher than those of all before, comes into the run: what happens to each of its messages.
-    pub fn add_receiver(&mut self, robot: RobotId, errors: Radio) {
-        self.errors.resize(robot.index(), Radio::default());
-        self.errors.push(errors);
-    }
-
     /// What carries the messages.
     pub fn model(&self) -> &Model {
         &self.model

@@ -128,9 +128,10 @@ impl Objects {
         self.bodies.properties(object)
     }
 
-    /// Pose at `at` as it was public at `at`.
+    /// Pose at `at` as it was public at `at`; of an object that is gone, where it was last.
     pub fn pose(&self, object: ObjectId, at: Time) -> Pose {
-        let publications = &self.tracks[object.index()].publications;
+        let ObjectTrack { publications, presence, .. } = &self.tracks[object.index()];
+        let at = at.min(presence.until);
         let in_force = publications.iter().rposition(|(since, _)| *since <= at).unwrap_or(0);
         publications[in_force].1.pose(self.properties(object), at)
     }
@@ -149,7 +150,9 @@ impl Objects {
     /// Keeps where an object is to be put at the slot's end.
     pub fn place(&mut self, object: ObjectId, world_from_object: Pose) {
         assert!(object.index() < self.len(), "the scene has this object");
-        self.places.push((object, world_from_object));
+        if !self.bodies.is_gone(object) {
+            self.places.push((object, world_from_object));
+        }
     }
 
     /// Puts the objects where they are to be at the slot's end.

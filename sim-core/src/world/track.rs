@@ -60,16 +60,17 @@ impl Track {
 
     /// Centre of the body at `at`, as it was public at `at`.
     pub fn centre(&self, at: Time) -> DVec2 {
-        self.leg(at).centre(at)
+        self.leg(at).centre(at.min(self.presence.until))
     }
 
     /// Pose of the body at `at`, as it was public at `at`.
     pub fn pose(&self, at: Time) -> Pose {
-        self.leg(at).pose(at)
+        self.leg(at).pose(at.min(self.presence.until))
     }
 
-    /// The leg in force at `at`, as it was public at `at`.
+    /// The leg in force at `at`, as it was public at `at`; of a body that is gone, when it left.
     fn leg(&self, at: Time) -> &Leg {
+        let at = at.min(self.presence.until);
         let in_force = self.publications.iter().rposition(|publication| publication.since <= at);
         leg_at(&self.publications[in_force.unwrap_or(0)].legs, at)
     }

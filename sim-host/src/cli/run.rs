@@ -12,12 +12,15 @@ use anyhow::{Context, bail, ensure};
 use clap::{Args, FromArgMatches as _};
 use glam::DVec2;
 use parking_lot::Mutex;
+use sim_core::ObjectId;
 use sim_core::build;
 use sim_core::format::{
-    CostsRef, Diagnostic, Files, InputFile, ObjectSpec, SceneSpec, Severity, decode, is_scene, load_scene_with,
+    CostsRef, Diagnostic, Files, InputFile, ObjectSpec, RobotSpec, SceneSpec, Severity, decode, is_scene,
+    load_scene_with,
 };
 use sim_core::pose::Pose;
 use sim_core::time::Time;
+use sim_core::world::Presence;
 use sim_core::world::World;
 
 use super::cc::parse_api;
@@ -41,10 +44,12 @@ use crate::record::event::KindSet;
 use crate::record::frame::{FrameFailures, Frames};
 use crate::record::report::{Input, ObjectReport, REPORT_SCHEMA, RobotReport};
 use crate::record::trace::{TraceHeader, TraceRobot};
+use crate::record::trail::Way;
 use crate::record::{Digest, Log, Outcome, Record, RecordError, Recorded, Recorder, Report, Sink, Trace, Trails};
 use crate::robios::robot::Robot;
 use crate::scenery::LazyScenery;
-use crate::setup::{Debug, Programs, RobotOptions, build_world};
+use crate::setup::{Debug, Programs, RobotOptions};
+use crate::workshop::Workshop;
 
 /// Simulated seconds after which a run ends when the user says nothing and nobody watches.
 const DEFAULT_UNTIL: f64 = 600.0;
@@ -271,6 +276,7 @@ pub struct Built {
     programs: Programs,
     inputs: Vec<Input>,
     frames: Option<Arc<Frames>>,
+    workshop: Workshop,
     world: World,
     robots: Vec<Robot>,
 }
@@ -386,8 +392,9 @@ impl Built {
             scenery: Arc::clone(&scenery),
             frames: frames.clone(),
         };
-        let (world, robots) = build_world(&scene, &programs, &robot_options)?;
-        Ok(Self { options, scene, scenery, programs, inputs, frames, world, robots })
+        let mut workshop = Workshop::new(Arc::clone(&scene), &programs, args.exec, &robot_options);
+        let (world, robots) = workshop.build_world()?;
+        Ok(Self { options, scene, scenery, programs, inputs, frames, workshop, world, robots })
     }
 
     /// Loads the programs.
@@ -427,7 +434,7 @@ impl Ready {
     /// Files that cannot be written, and a system without room for the robots.
     pub fn run(self, args: &RunArgs, company: Company) -> anyhow::Result<Ran> {
         let Self { built, programs: loaded } = self;
-        let Built { options, scene, scenery, programs, mut inputs, frames, world, robots } = built;
+        let Built { options, scene, scenery, programs, mut inputs, frames, workshop, world, robots } = built;
         let until = options.until.or(company.until).unwrap_or(Time::from_seconds_ceil(DEFAULT_UNTIL));
         let is_hidden = args.verbose || args.quiet || company.is_quiet;
         let mut progress = if is_hidden { Progress::hidden() } else { Progress::new(until) };
@@ -456,6 +463,7 @@ impl Ready {
             programs: loaded,
             executor: Box::new(ThreadExecutor::new(robots.len(), programs.iter().count(), limits.lanes)),
             robots,
+            workshop: Some(workshop),
             costs: options.costs.clone(),
             recorder: Recorder::new(options.seed, options.slot, all),
             gate: company.gate,
@@ -645,8 +653,20 @@ fn inputs(scene: &[InputFile], costs: Option<&InputFile>, programs: &Programs) -
     inputs
 }
 
+/// All robots and movable objects that ever were in the run, in order of their ids.
+fn cast(scene: &SceneSpec, ended: &Ended) -> (Vec<RobotSpec>, Vec<ObjectSpec>) {
+    match &*ended.run.workshop() {
+        Some(workshop) => (workshop.robots().to_vec(), workshop.objects().to_vec()),
+        None => (scene.robots.clone(), build::movable(scene).cloned().collect()),
+    }
+}
+
 fn report(options: &Options, scene: &SceneSpec, ended: &Ended, inputs: Vec<Input>) -> Report {
-    let robot = |(spec, end): (&sim_core::format::RobotSpec, &RobotEnd)| RobotReport {
+    let (robots, objects) = cast(scene, ended);
+    let world = ended.run.world.read();
+    let added = |presence: Presence| (presence.since >= Time::ZERO).then(|| presence.since.seconds());
+    let removed = |presence: Presence| (presence.until < Time::NEVER).then(|| presence.until.seconds());
+    let robot = |(spec, end): (&RobotSpec, &RobotEnd)| RobotReport {
         id: spec.id.0,
         name: spec.robi.name.clone(),
         program: spec.program_name().to_owned(),
@@ -659,12 +679,16 @@ fn report(options: &Options, scene: &SceneSpec, ended: &Ended, inputs: Vec<Input
         path_m: end.path,
         contacts: u64::from(end.contacts),
         lcd: end.panel.lines(),
+        added_s: added(world.robot_presence(spec.id)),
+        removed_s: removed(world.robot_presence(spec.id)),
     };
     let object = |(id, (spec, end)): (u32, (&ObjectSpec, &Pose))| ObjectReport {
         id,
         name: spec.kind.name.clone(),
         start: spec.pose.into(),
         pose: (*end).into(),
+        added_s: added(world.object_presence(ObjectId(id))),
+        removed_s: removed(world.object_presence(ObjectId(id))),
     };
     Report {
         schema: REPORT_SCHEMA,
@@ -676,21 +700,22 @@ fn report(options: &Options, scene: &SceneSpec, ended: &Ended, inputs: Vec<Input
         sim_time_s: ended.time.seconds(),
         real_time_s: ended.real_time.as_secs_f64(),
         digest: ended.digest,
-        robots: scene.robots.iter().zip(&ended.robots).map(robot).collect(),
-        objects: (1..).zip(build::movable(scene).zip(&ended.objects)).map(object).collect(),
+        robots: robots.iter().zip(&ended.robots).map(robot).collect(),
+        objects: (1..).zip(objects.iter().zip(&ended.objects)).map(object).collect(),
     }
 }
 
 /// Writes the picture of the run.
 fn write_plot(path: &Path, scene: &SceneSpec, trails: &Trails, ended: &Ended) -> anyhow::Result<()> {
-    let robot = |(index, spec): (usize, &sim_core::format::RobotSpec)| RunRobot {
+    let (robots, movable) = cast(scene, ended);
+    let robot = |((spec, end), trail): ((&RobotSpec, &RobotEnd), &Way)| RunRobot {
         id: spec.id.0,
         robi: Arc::clone(&spec.robi),
         start: spec.start,
-        end: ended.robots[index].pose,
-        trails: trails.trails()[index].lines(),
+        end: end.pose,
+        trails: trail.lines(),
     };
-    let robots: Vec<RunRobot> = scene.robots.iter().enumerate().map(robot).collect();
+    let robots: Vec<RunRobot> = robots.iter().zip(&ended.robots).zip(trails.trails()).map(robot).collect();
     let object = |object: &ObjectSpec, end: Pose, trails: Vec<Vec<DVec2>>| RunObject {
         kind: Arc::clone(&object.kind),
         start: object.pose,
@@ -699,7 +724,7 @@ fn write_plot(path: &Path, scene: &SceneSpec, trails: &Trails, ended: &Ended) ->
     };
     let fixed = scene.objects.iter().filter(|spec| spec.kind.is_fixed);
     let fixed = fixed.map(|spec| object(spec, spec.pose, Vec::new()));
-    let moved = build::movable(scene).zip(ended.objects.iter().zip(trails.objects()));
+    let moved = movable.iter().zip(ended.objects.iter().zip(trails.objects()));
     let moved = moved.map(|(spec, (end, trail))| object(spec, *end, trail.lines()));
     let objects: Vec<RunObject> = fixed.chain(moved).collect();
     let drawing = plot::draw_run(&RunPicture {

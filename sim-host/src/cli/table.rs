@@ -269,7 +269,7 @@ fn fold(line: &str, screen: Screen) -> String {
 fn outcome_style(outcome: Outcome) -> Style {
     match outcome {
         Outcome::Finished => Style::new().green(),
-        Outcome::Running | Outcome::NoProgram => Style::new(),
+        Outcome::Running | Outcome::NoProgram | Outcome::Removed => Style::new(),
         Outcome::Interrupted => Style::new().yellow(),
         Outcome::Waiting | Outcome::Failed | Outcome::Timeout => Style::new().red(),
     }
@@ -300,6 +300,8 @@ mod tests {
             path_m: 1.6,
             contacts: 0,
             lcd: if id == 1 { lcd } else { vec![String::new(); 7] },
+            added_s: None,
+            removed_s: None,
         }
     }
 

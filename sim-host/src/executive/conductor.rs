@@ -27,6 +27,8 @@ use crate::robios::truth::{Placeable, Placement};
 /// Who runs, who waits until when, and where the run's record goes.
 pub struct Conductor {
     lanes: Vec<Lane>,
+    /// As many as there may be.
+    most_lanes: usize,
     /// For each robot the lane that it ran in last.
     homes: Vec<u32>,
     /// Suspended or ended in the present slot.
@@ -121,6 +123,7 @@ impl Conductor {
         let lanes = plan.lanes.clamp(1, alive.max(1));
         let mut conductor = Self {
             lanes: (0..lanes).map(|_| Lane::default()).collect(),
+            most_lanes: plan.lanes,
             homes: vec![0; count],
             ran: Vec::new(),
             moving: Vec::new(),
@@ -332,7 +335,7 @@ impl Conductor {
     fn act(&mut self, at: Time, actions: Vec<Intervention>, run: &Run, world: &mut World) {
         let at = at.floor_to(world.slot()).max(world.slot_start());
         for Intervention { action, answer } in actions {
-            let checked = if at < self.until { intervene::check(&action, run, world) } else { Err(Refusal::Over) };
+            let checked = if at < self.until { intervene::check(&action, at, run, world) } else { Err(Refusal::Over) };
             answer(checked.map(|deed| {
                 world.advance_to(at);
                 self.has_acted = true;
@@ -354,9 +357,35 @@ impl Conductor {
             self.ran.push(id);
         }
         self.record_objects(world, at, effect.object.into_iter());
+        if let Some((id, has_program)) = effect.came {
+            self.admit(id, has_program, at);
+        }
+        if let Some(id) = effect.left {
+            // Its program is turned back from the call that it is in.
+            self.moving.retain(|moving| *moving != id);
+            if !self.has_departed(id) {
+                self.sleep_until(id, at);
+            }
+        }
         if effect.is_end {
             self.end_with(End::Interrupted);
         }
+    }
+
+    /// One more robot, which has the next id, is due at `at` if it has a program.
+    fn admit(&mut self, robot: RobotId, has_program: bool, at: Time) {
+        self.homes.push(0);
+        self.wake_numbers.push(0);
+        self.departed.push(!has_program);
+        if has_program {
+            self.alive += 1;
+            if self.lanes.len() < self.most_lanes.min(self.alive) {
+                self.lanes.push(Lane::default());
+            }
+            self.homes[robot.index()] = (robot.index() % self.lanes.len()) as u32;
+            self.sleep_until(robot, at);
+        }
+        self.ran.push(robot);
     }
 
     /// Records where the movable objects start, once.
@@ -388,7 +417,8 @@ impl Conductor {
             self.place(placement, world, &mut robots);
         }
         let contacts = {
-            let mut motions: Vec<&mut Motion> = robots.iter_mut().map(|robot| &mut robot.motion).collect();
+            let there = robots.iter_mut().filter(|robot| !run.is_removed(robot.id));
+            let mut motions: Vec<&mut Motion> = there.map(|robot| &mut robot.motion).collect();
             world.advance(&mut motions)
         };
         self.record_objects(world, slot_end, world.moved_objects().iter().copied());
@@ -401,6 +431,10 @@ impl Conductor {
         self.traffic.deliver(slot_end, &mut robots);
         save_files(&mut robots);
         for robot in &mut robots {
+            if run.is_removed(robot.id) {
+                self.recorder.collect(&mut robot.journal);
+                continue;
+            }
             robot.record_pose(slot_end);
             if robot.motion.is_active() {
                 self.moving.push(robot.id);

@@ -8,6 +8,7 @@ use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 use sim_view::protocol::Action;
 
+use super::cast;
 use super::run::Run;
 use crate::record::event::WORLD;
 use crate::record::{Event, Journal};
@@ -77,6 +78,8 @@ pub enum Deed {
     SetNoise(Vec<(RobotId, Profile)>),
     /// Sensors of a robot are switched on or off.
     SwitchSensor(RobotId, String, bool),
+    /// A robot or a movable object comes into the world or leaves it.
+    Cast(cast::Change),
     /// The run ends.
     End,
 }
@@ -86,17 +89,21 @@ pub enum Deed {
 pub struct Effect {
     /// What these robots wait for may have come, or their motion has changed.
     pub robots: Vec<RobotId>,
-    /// This object has been put elsewhere.
+    /// This object has been put elsewhere, or has come into the world.
     pub object: Option<ObjectId>,
+    /// This robot has come into the world, with a program or without.
+    pub came: Option<(RobotId, bool)>,
+    /// This robot has been taken out of it: its program is to leave.
+    pub left: Option<RobotId>,
     /// The run ends.
     pub is_end: bool,
 }
 
-/// What `action` means in this run.
+/// What `action` means in this run, at the start of the slot at `at`.
 ///
 /// # Errors
 /// [`Refusal`] for what is not there or makes no sense; nothing changes then.
-pub fn check(action: &Action, run: &Run, world: &World) -> Result<Deed, Refusal> {
+pub fn check(action: &Action, at: Time, run: &Run, world: &World) -> Result<Deed, Refusal> {
     Ok(match action {
         Action::Press { robot, key } => Deed::Press(robot_of(*robot, world)?, parse_touch(key)?),
         Action::PlaceRobot { robot, x_m, y_m, phi_rad } => {
@@ -128,9 +135,7 @@ pub fn check(action: &Action, run: &Run, world: &World) -> Result<Deed, Refusal>
         Action::AddRobot { .. }
         | Action::RemoveRobot { .. }
         | Action::AddObject { .. }
-        | Action::RemoveObject { .. } => {
-            return Err(Refusal::Other("bodies cannot come into this run, or leave it".to_owned()));
-        }
+        | Action::RemoveObject { .. } => cast::check(action, at, run, world).map(Deed::Cast)?,
         Action::End {} => Deed::End,
     })
 }
@@ -173,6 +178,7 @@ pub fn carry_out(deed: Deed, at: Time, run: &Run, world: &mut World, journal: &m
             run.robot(id).switch_sensor(at, &sensor, is_on);
             Effect::default()
         }
+        Deed::Cast(change) => cast::carry_out(change, at, run, world),
         Deed::End => Effect { is_end: true, ..Effect::default() },
     }
 }
@@ -185,18 +191,18 @@ impl Effect {
 }
 
 /// The robots that are in the world now.
-fn present_robots(world: &World) -> impl Iterator<Item = RobotId> {
+pub(super) fn present_robots(world: &World) -> impl Iterator<Item = RobotId> {
     let all = (0..world.robot_count()).map(RobotId::from_index);
     all.filter(|id| world.is_robot_there(*id, world.slot_start()))
 }
 
 /// The robot of this number.
-fn robot_of(number: u32, world: &World) -> Result<RobotId, Refusal> {
+pub(super) fn robot_of(number: u32, world: &World) -> Result<RobotId, Refusal> {
     present_robots(world).find(|id| id.0 == number).ok_or(Refusal::NoRobot(number))
 }
 
 /// The movable object of this number.
-fn object_of(number: u32, world: &World) -> Result<ObjectId, Refusal> {
+pub(super) fn object_of(number: u32, world: &World) -> Result<ObjectId, Refusal> {
     let known = (1..=world.object_count()).contains(&(number as usize)).then_some(ObjectId(number));
     known.filter(|id| world.is_object_there(*id, world.slot_start())).ok_or(Refusal::NoObject(number))
 }

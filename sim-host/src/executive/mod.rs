@@ -6,6 +6,7 @@
 //! and [`watchdog`] catch programs that fault or never return.
 
 pub mod bell;
+pub mod cast;
 pub mod conductor;
 pub mod fault;
 pub mod gate;
@@ -33,6 +34,9 @@ use crate::robios::caller::Call;
 /// A robot has one flow for each of its tasks, of which one has the robot's baton: first that of `main`. A flow starts suspended.
 /// Exactly the robots run that the conductor resumed and that have not suspended themselves since, each by the flow with the baton.
 pub trait Executor: Send + Sync {
+    /// Gets ready for robots up to this one.
+    fn admit(&self, robot: RobotId);
+
     /// Creates a flow of the robot, suspended, for its task of this number ([`MAIN`](crate::robios::task::MAIN) for `main`'s, which
     /// comes first). `flow` returns when the task has ended: the number of the task that gets the baton then, none for `main`'s.
     ///
@@ -40,7 +44,7 @@ pub trait Executor: Send + Sync {
     /// When the system has no room for another flow.
     fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> std::io::Result<()>;
 
-    /// The flow of the robot's first task serves this process from now on, in which its program runs. To be told before it starts.
+    /// The flow of the robot's first task serves this process, in which its program runs. To be told before it is resumed.
     fn serve(&self, robot: RobotId, child: Arc<process::Child>);
 
     /// Lets the robot's flow with the baton go on, in `lane`: the flows of one lane run one after the other, so they are best kept

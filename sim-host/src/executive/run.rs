@@ -1,7 +1,7 @@
 //! One run: its robots, its world and its slot loop, started, supervised and brought to an end.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
+use std::sync::{Arc, Weak};
 use std::time::{Duration, Instant};
 
 use parking_lot::{Mutex, MutexGuard, RwLock};
@@ -26,16 +26,16 @@ use crate::robios::panel::Panel;
 use crate::robios::radio;
 use crate::robios::robot::{Ending, Robot};
 use crate::robios::task::MAIN;
+use crate::workshop::Workshop;
 
 /// Everything that the robots' flows share.
 pub struct Run {
     /// The world; written only between slots, when no robot runs.
     pub(crate) world: RwLock<World>,
-    robots: Vec<Mutex<Robot>>,
-    /// Their programs, in the same order; none for a robot that only stands there.
-    programs: Vec<Option<RobotProgram>>,
-    /// The robots that have a program; the others only stand there.
-    with_program: Vec<RobotId>,
+    /// All robots that ever were in the run, in the order of their ids.
+    members: boxcar::Vec<Member>,
+    /// What more of them are made of, where the run can grow.
+    workshop: Mutex<Option<Workshop>>,
     conductor: Mutex<Conductor>,
     executor: Box<dyn Executor>,
     /// Robots whose processes broke, and how: nobody else is harmed.
@@ -47,6 +47,23 @@ pub struct Run {
     slot_end: AtomicI64,
     is_stopping: AtomicBool,
     is_verbose: bool,
+    /// This run, to be shared with the flows of robots that come later.
+    own: Weak<Run>,
+}
+
+/// A robot in a run.
+pub(super) struct Member {
+    robot: Mutex<Robot>,
+    /// None for a robot that only stands there.
+    program: Option<RobotProgram>,
+    /// It has been taken out of the world: its program is to leave.
+    is_removed: AtomicBool,
+}
+
+impl Member {
+    pub fn new(robot: Robot, program: Option<RobotProgram>) -> Self {
+        Self { robot: Mutex::new(robot), program, is_removed: AtomicBool::new(false) }
+    }
 }
 
 /// What a run is made of.
@@ -57,6 +74,8 @@ pub struct Parts {
     pub robots: Vec<Robot>,
     /// Their programs, in the same order; none for a robot that only stands there.
     pub programs: Vec<Option<RobotProgram>>,
+    /// What robots and objects that come later are made of; none where nobody can come.
+    pub workshop: Option<Workshop>,
     /// How flows are run.
     pub executor: Box<dyn Executor>,
     /// What calls cost.
@@ -139,16 +158,18 @@ impl Run {
         let bell = Bell::new()?;
         signal::install(&bell)?;
         let has_program: Vec<bool> = parts.programs.iter().map(Option::is_some).collect();
-        let with_program: Vec<_> =
-            (0..has_program.len()).filter(|index| has_program[*index]).map(RobotId::from_index).collect();
         let plan = Plan { has_program, lanes: limits.lanes, until: limits.until };
-        let run = Arc::new(Self {
+        let run = Arc::new_cyclic(|own| Self {
             slot_start: AtomicI64::new(parts.world.slot_start().0),
             slot_end: AtomicI64::new(parts.world.slot_end().0),
             world: RwLock::new(parts.world),
-            robots: parts.robots.into_iter().map(Mutex::new).collect(),
-            programs: parts.programs,
-            with_program,
+            members: parts
+                .robots
+                .into_iter()
+                .zip(parts.programs)
+                .map(|(robot, program)| Member::new(robot, program))
+                .collect(),
+            workshop: Mutex::new(parts.workshop),
             conductor: Mutex::new(Conductor::new(&plan, parts.recorder, parts.gate)),
             executor: parts.executor,
             lost: Mutex::default(),
@@ -156,13 +177,10 @@ impl Run {
             bell,
             is_stopping: AtomicBool::new(false),
             is_verbose: limits.is_verbose,
+            own: Weak::clone(own),
         });
         for id in run.ids_with_program() {
-            let flow = Arc::clone(&run);
-            if let Some(child) = run.program(id).and_then(RobotProgram::child) {
-                run.executor.serve(id, Arc::clone(child));
-            }
-            run.executor.start(id, MAIN, Box::new(move || flow.live(id)))?;
+            run.program(id).map_or(Ok(()), |program| run.start_program(id, program))?;
         }
         let hand_over = run.conductor.lock().begin(&run);
         run.resume(&hand_over);
@@ -174,22 +192,51 @@ impl Run {
         broken.append(&mut run.lost.lock());
         let ended = run.conclude(&broken, start);
         let deadline = Instant::now() + LEAVE;
-        run.programs.iter().flatten().for_each(|program| program.end(deadline));
+        run.members.iter().filter_map(|(_, member)| member.program.as_ref()).for_each(|program| program.end(deadline));
         Ok(ended)
+    }
+
+    /// Gives the program of robot `id` its first flow, suspended.
+    ///
+    /// # Errors
+    /// When the system has no room for it.
+    pub(super) fn start_program(&self, id: RobotId, program: &RobotProgram) -> std::io::Result<()> {
+        let own = Weak::clone(&self.own);
+        self.executor.admit(id);
+        self.executor.start(id, MAIN, Box::new(move || own.upgrade()?.live(id)))?;
+        if let Some(child) = program.child() {
+            self.executor.serve(id, Arc::clone(child));
+        }
+        Ok(())
+    }
+
+    /// Takes a robot in, which has the next id.
+    pub(super) fn admit(&self, member: Member) {
+        self.members.push(member);
+    }
+
+    /// The program of robot `id` is to leave: it is turned back from the call that it is in.
+    pub(super) fn dismiss(&self, id: RobotId) {
+        self.members[id.index()].is_removed.store(true, Ordering::Release);
+    }
+
+    /// Who is in the run, and what more of them are made of; none where nobody can come.
+    pub fn workshop(&self) -> MutexGuard<'_, Option<Workshop>> {
+        self.workshop.lock()
     }
 
     /// The state of robot `id`.
     pub fn robot(&self, id: RobotId) -> MutexGuard<'_, Robot> {
-        self.robots[id.index()].lock()
+        self.members[id.index()].robot.lock()
     }
 
-    /// Number of robots, of which the last has this id.
+    /// Number of robots, those that have been removed included: the last has this id.
     pub fn robot_count(&self) -> usize {
-        self.robots.len()
+        self.members.count()
     }
 
     fn program(&self, id: RobotId) -> Option<&RobotProgram> {
-        self.programs[id.index()].as_ref()
+        self.members[id.index()].program.as_ref()
     }
 
     /// True for a robot that has a program, be it over.
@@ -197,9 +244,9 @@ impl Run {
         self.program(id).is_some()
     }
 
-    /// The robots that have a program.
+    /// The robots that have a program; the others only stand there.
     pub fn ids_with_program(&self) -> impl Iterator<Item = RobotId> {
-        self.with_program.iter().copied()
+        self.members.iter().filter(|(_, member)| member.program.is_some()).map(|(index, _)| RobotId::from_index(index))
     }
 
     /// Start of the present slot.
@@ -227,9 +274,19 @@ impl Run {
         self.is_verbose
     }
 
-    /// True once programs are to leave: every call is turned back.
-    pub(crate) fn is_stopping(&self) -> bool {
+    /// True once all programs are to leave.
+    fn is_stopping(&self) -> bool {
         self.is_stopping.load(Ordering::Acquire)
+    }
+
+    /// True once robot `id` has been taken out of the world.
+    pub fn is_removed(&self, id: RobotId) -> bool {
+        self.members[id.index()].is_removed.load(Ordering::Acquire)
+    }
+
+    /// True once the program of robot `id` is to leave: every call is turned back.
+    pub(crate) fn is_leaving(&self, id: RobotId) -> bool {
+        self.is_stopping() || self.is_removed(id)
     }
 
     /// What wakes the supervisor.
@@ -255,7 +312,7 @@ impl Run {
         } else {
             self.executor.suspend(robot);
         }
-        if self.is_stopping() { Err(Stop) } else { Ok(()) }
+        if self.is_leaving(robot) { Err(Stop) } else { Ok(()) }
     }
 
     fn resume(&self, hand_over: &HandOver) {
@@ -266,10 +323,10 @@ impl Run {
 
     /// The life of a robot's first flow, which runs `main`.
     fn live(self: Arc<Self>, id: RobotId) -> Option<u32> {
-        if let (false, Some(program)) = (self.is_stopping(), self.program(id)) {
+        if let (false, Some(program)) = (self.is_leaving(id), self.program(id)) {
             let caller = Caller::new(Arc::clone(&self), id);
             let result = program.run(&caller);
-            if result.is_ok() && !self.is_stopping() {
+            if result.is_ok() && !self.is_leaving(id) {
                 self.robot(id).hint_at_living_tasks();
             }
             // The other tasks return through calls that `caller` answers.
@@ -282,11 +339,13 @@ impl Run {
                     self.lost.lock().push((id, broken));
                     ending
                 }
-                _ if self.is_stopping() => Ending::Stopped,
+                _ if self.is_leaving(id) => Ending::Stopped,
                 Ok(code) => Ending::Exited { code },
                 Err(_) => Ending::Stopped,
             };
             self.robot(id).ending.get_or_insert(ending);
+        } else if self.is_removed(id) {
+            self.robot(id).ending.get_or_insert(Ending::Stopped);
         }
         if self.is_stopping() {
             self.conductor.lock().leave(id);
@@ -321,7 +380,7 @@ impl Run {
     fn live_task(&self, id: RobotId, code: Callback) -> u32 {
         let is_left = {
             let tasks = &self.robot(id).tasks;
-            self.is_stopping() || tasks.is_leaving() || tasks.is_killed()
+            self.is_leaving(id) || tasks.is_leaving() || tasks.is_killed()
         };
         let result = if is_left { Err(Stop) } else { self.executor.call_back(id, code) };
         let mut robot = self.robot(id);
@@ -373,9 +432,23 @@ impl Run {
     /// Watches over the run until it is over; returns the robots that broke.
     fn supervise(&self, limits: &Limits, watch: &mut impl FnMut(&Run)) -> Vec<(RobotId, Broken)> {
         let mut all_broken = Vec::new();
+        // Removed robots whose programs do not leave: nobody waits for them any more.
+        let mut left_behind: Vec<RobotId> = Vec::new();
         loop {
             self.bell.wait(LOOK);
             for (id, broken) in self.executor.broken() {
+                if left_behind.contains(&id) {
+                    continue;
+                }
+                if broken.is_overdue && self.is_removed(id) {
+                    left_behind.push(id);
+                    let mut robot = self.robot(id);
+                    robot.ending.get_or_insert(Ending::Stopped);
+                    robot.hint("the robot has been removed and its program did not leave: it is left behind");
+                    drop(robot);
+                    self.bury(id);
+                    continue;
+                }
                 if all_broken.iter().all(|(known, _)| *known != id) {
                     let broken = self.with_task(id, broken);
                     self.robot(id).ending.get_or_insert(Ending::broken(&broken));
@@ -399,6 +472,7 @@ impl Run {
             drop(conductor);
             if !watchdog::is_debugged() {
                 for id in running {
+                    let timeout = if self.is_removed(id) { timeout.min(LEAVE.as_secs_f64()) } else { timeout };
                     if self.executor.is_overdue(id, timeout) {
                         self.executor.break_overdue(id);
                     }
@@ -428,15 +502,18 @@ impl Run {
         let time = conductor.time(&self.world.read());
         let end = conductor.take_end();
         let senders = Senders::among(self.ids_with_program().map(|id| self.robot(id)));
-        let finish = Finish { end: &end, time, robots: self.robots.len(), senders };
+        let finish = Finish { end: &end, time, robots: self.robot_count(), senders };
         let mut undecided = self.world.write().radio_mut().finish(time).into_iter().peekable();
         conductor.collect_world();
-        let mut robots = Vec::with_capacity(self.robots.len());
-        for (index, program) in self.programs.iter().enumerate() {
+        let mut robots = Vec::with_capacity(self.robot_count());
+        for (index, Member { program, .. }) in &self.members {
             let id = RobotId::from_index(index);
             let mut robot = self.robot(id);
             let broken = broken.iter().find(|(other, _)| *other == id).map(|(_, broken)| broken);
             let standing = match program {
+                Some(_) if broken.is_none() && self.is_removed(id) && robot.ending == Some(Ending::Stopped) => {
+                    Standing::removed()
+                }
                 Some(program) => standing::judge(&mut robot, &finish, broken, program),
                 None => Standing::without_program(),
             };

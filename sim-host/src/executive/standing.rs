@@ -23,6 +23,11 @@ pub struct Standing {
 }
 
 impl Standing {
+    /// That of a robot that was taken out of the world while its program ran.
+    pub fn removed() -> Self {
+        Self { outcome: Outcome::Removed, reason: None, exit_code: None, fault: None }
+    }
+
     /// That of a robot without a program.
     pub fn without_program() -> Self {
         Self { outcome: Outcome::NoProgram, reason: None, exit_code: None, fault: None }

@@ -27,7 +27,9 @@ const RESERVE: usize = 128 << 10;
 
 /// Executor with one OS thread a task.
 pub struct ThreadExecutor {
-    robots: Vec<Arc<Threads>>,
+    robots: boxcar::Vec<Arc<Threads>>,
+    /// The processor of each lane.
+    processors: Arc<[usize]>,
 }
 
 /// The threads of one robot.
@@ -78,13 +80,11 @@ impl ThreadExecutor {
     /// measured a hand-over to another one costs two to three times as much.
     pub fn new(count: usize, flows: usize, lanes: usize) -> Self {
         let processors: Arc<[usize]> = if flows > lanes { processors(lanes).into() } else { Arc::default() };
-        let threads = || Threads {
-            lane: AtomicU32::new(u32::MAX),
-            processors: Arc::clone(&processors),
-            child: OnceLock::new(),
-            flows: Mutex::default(),
-        };
-        Self { robots: (0..count).map(|_| Arc::new(threads())).collect() }
+        let executor = Self { robots: boxcar::Vec::with_capacity(count), processors };
+        if count > 0 {
+            executor.admit(RobotId::from_index(count - 1));
+        }
+        executor
     }
 
     fn robot(&self, robot: RobotId) -> &Arc<Threads> {
@@ -170,6 +170,17 @@ impl Threads {
 }
 
 impl Executor for ThreadExecutor {
+    fn admit(&self, robot: RobotId) {
+        while self.robots.count() <= robot.index() {
+            self.robots.push(Arc::new(Threads {
+                lane: AtomicU32::new(u32::MAX),
+                processors: Arc::clone(&self.processors),
+                child: OnceLock::new(),
+                flows: Mutex::default(),
+            }));
+        }
+    }
+
     fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<()> {
         let threads = Arc::clone(self.robot(robot));
         let place: &'static Flow = threads.flows.lock().spare.pop().unwrap_or_else(|| Box::leak(Box::default()));
@@ -259,7 +270,7 @@ impl Executor for ThreadExecutor {
 
     fn broken(&self) -> Vec<(RobotId, Broken)> {
         let mut all = Vec::new();
-        for (index, threads) in self.robots.iter().enumerate() {
+        for (index, threads) in &self.robots {
             let flows = threads.flows.lock();
             for (task, Flow { block, .. }) in &flows.list {
                 if let Some(fault) = block.fault() {

@@ -24,6 +24,8 @@ pub enum Outcome {
     Timeout,
     /// The robot has no program: it only stands there.
     NoProgram,
+    /// The robot was taken out of the world before its program ended.
+    Removed,
 }
 
 impl Outcome {
@@ -37,6 +39,7 @@ impl Outcome {
             Self::Failed => "failed",
             Self::Timeout => "timeout",
             Self::NoProgram => "no_program",
+            Self::Removed => "removed",
         }
     }
 

@@ -53,8 +53,12 @@ pub struct ObjectReport {
     pub name: String,
     /// Where it was at first.
     pub start: PlanarPose,
-    /// Where it is.
+    /// Where it is, or was when it was removed.
     pub pose: PlanarPose,
+    /// When it was added, s; none if it was there from the start.
+    pub added_s: Option<f64>,
+    /// When it was removed, s; none if it is still there.
+    pub removed_s: Option<f64>,
 }
 
 /// A file that was read.
@@ -108,6 +112,10 @@ pub struct RobotReport {
     pub contacts: u64,
     /// The text lines of the display, from the top.
     pub lcd: Vec<String>,
+    /// When it was added, s; none if it was there from the start.
+    pub added_s: Option<f64>,
+    /// When it was removed, s; none if it is still there.
+    pub removed_s: Option<f64>,
 }
 
 /// A pose in the units of the report.
@@ -211,6 +219,8 @@ mod tests {
             path_m: 1.6,
             contacts: 2,
             lcd,
+            added_s: None,
+            removed_s: Some(4.5),
         };
         let odometry = Some(PlanarPose { x_m: 0.0, y_m: -0.0, phi_rad: 1.0 });
         let other = RobotReport {
@@ -237,6 +247,8 @@ mod tests {
                 name: "Golf".into(),
                 start: Pose::new(1.0, 1.0, 0.0).into(),
                 pose: Pose::new(1.5, 1.0, 0.5).into(),
+                added_s: Some(1.0),
+                removed_s: None,
             }],
         }
     }

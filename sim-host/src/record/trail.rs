@@ -190,6 +190,14 @@ impl Trails {
     }
 }
 
+/// Continues a body's way; that of one which has come into the run begins.
+fn push(ways: &mut Vec<Way>, index: usize, position: DVec2) {
+    match ways.get_mut(index) {
+        Some(way) => way.push(position),
+        None => ways.push(Way::new(position)),
+    }
+}
+
 impl Sink for Trails {
     fn interest(&self) -> KindSet {
         KindSet::of(&[Kind::Pose, Kind::Object, Kind::Placed, Kind::ObjectPlaced, Kind::Contact])
@@ -198,14 +206,10 @@ impl Sink for Trails {
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
         match record.event {
             Event::Pose { x_m, y_m, .. } => {
-                if let Some(trail) = self.trails.get_mut(record.robot.index()) {
-                    trail.push(DVec2::new(x_m, y_m));
-                }
+                push(&mut self.trails, record.robot.index(), DVec2::new(x_m, y_m));
             }
             Event::Object { object, x_m, y_m, .. } => {
-                if let Some(trail) = self.objects.get_mut(ObjectId(object).index()) {
-                    trail.push(DVec2::new(x_m, y_m));
-                }
+                push(&mut self.objects, ObjectId(object).index(), DVec2::new(x_m, y_m));
             }
             Event::Placed { x_m, y_m, .. } => {
                 if let Some(trail) = self.trails.get_mut(record.robot.index()) {

@@ -286,7 +286,7 @@ impl Caller {
         drop(robot);
         self.run.executor().switch(self.id, task);
         let mut robot = self.robot();
-        let is_left = robot.tasks.is_leaving() || self.run.is_stopping();
+        let is_left = robot.tasks.is_leaving() || self.run.is_leaving(self.id);
         if is_left || robot.tasks.take_kill() { Err(Stop) } else { Ok(robot) }
     }
 
@@ -352,7 +352,7 @@ impl Caller {
             let task = task.map(|task| format!(" of {task}")).unwrap_or_default();
             return Err(self.fail(robot, format!("stack overflow in `{}`{task}", call.name())));
         }
-        let result = if self.run.is_stopping() { Err(Stop) } else { body(self) };
+        let result = if self.run.is_leaving(self.id) { Err(Stop) } else { body(self) };
         executor.leave(self.id);
         result
     }

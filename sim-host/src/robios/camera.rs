@@ -27,7 +27,7 @@ use super::picture;
 use super::robot::Robot;
 use super::servo::Servos;
 use super::switch::Sensor;
-use super::truth::{Census, Counted};
+use super::truth::{Census, Counted, Placeable};
 use crate::record::frame::{Frame, Frames, Pixels};
 use crate::record::{Digest, Event};
 use crate::scenery::LazyScenery;
@@ -294,13 +294,18 @@ pub fn numbers_of_labels(labels: &Picture<Label>, census: &Census) -> Vec<i32> {
     let movable: Vec<usize> =
         (0..census.objects.len()).filter(|place| matches!(census.objects[*place], Counted::Movable(_))).collect();
     let object = |place: usize| CAM_BODY + (census.robots + 1 + place) as i32;
+    let newcomer = |who: Placeable| CAM_BODY + census.number_of_newcomer(who).unwrap_or_default();
     let number = |label: &Label| match label {
         Label::Sky => CAM_SKY,
         Label::Ground => CAM_FLOOR,
         Label::Wall(_) => CAM_WALL,
         Label::Fixed(place) => object(*place as usize),
-        Label::Object(id) => object(movable.get(id.index()).copied().unwrap_or_default()),
-        Label::Robot(RobotId(number)) => CAM_BODY + *number as i32,
+        Label::Object(id) => match movable.get(id.index()) {
+            Some(place) => object(*place),
+            None => newcomer(Placeable::Object(*id)),
+        },
+        Label::Robot(id) if id.index() < census.robots => CAM_BODY + id.0 as i32,
+        Label::Robot(id) => newcomer(Placeable::Robot(*id)),
     };
     labels.pixels().iter().map(number).collect()
 }
@@ -411,7 +416,10 @@ mod tests {
         let world = World::new(walls, Time::from_millis(100_000), [&mut motion]);
         let devices = Devices::new(&spec, key::Keys::default());
         let (program, spec) = ("test".to_owned(), Arc::new(spec));
-        (Robot::new(RobotParts { program, motion, devices, spec, seed: 0, is_verbose: false }), world)
+        (
+            Robot::new(RobotParts { program, start: Time::ZERO, motion, devices, spec, seed: 0, is_verbose: false }),
+            world,
+        )
     }
 
     #[test]
@@ -494,7 +502,7 @@ mod tests {
             Counted::Fixed(sim_core::pose::Pose::default()),
             Counted::Movable(ObjectId(2)),
         ];
-        let census = Census { robots: 2, objects };
+        let census = Census { robots: 2, objects, ..Census::default() };
         let labels = [
             Label::Sky,
             Label::Ground,

@@ -4,6 +4,7 @@
 //! [`crate::executive::radio`]. Sources: RoBIOS 6 library, radio communication; RoBIOS-7 library, radio communication.
 
 use robios_sys::robios6::{BROADCAST, RadioIOParameters};
+use sim_core::RobotId;
 use sim_core::radio::{Address, Change, Delivery, Member, Message, Sending, Station};
 use sim_core::time::Time;
 use sim_core::world::World;
@@ -143,7 +144,7 @@ pub fn send(robot: &mut Robot, world: &World, call: impl Into<Call>, to: u32, pa
 /// True for the address of another robot of the scene, as far as is known, and for that of all.
 fn is_known(robot: &Robot, world: &World, address: u32) -> bool {
     let is_own = robot.devices.radio.member().is_some_and(|member| member.address == address);
-    let is_number = (1..=robot.devices.census.robots).contains(&(address as usize));
+    let is_number = address > 0 && world.is_robot_there(RobotId(address), robot.now);
     let is_on = || world.radio().members().iter().any(|member| member.address == address);
     address == BROADCAST as u32 || !is_own && (is_number || is_on())
 }

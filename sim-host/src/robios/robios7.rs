@@ -296,11 +296,11 @@ impl Robios7 for Caller {
         fn SIMGetRobot(id: i32, x: &mut Out<i32>, y: &mut Out<i32>, z: &mut Out<i32>, phi: &mut Out<i32>) -> () =
             |robot, world| truth::robot_pose(robot, world, id, [x, y, z, phi]);
         fn SIMSetRobot(id: i32, x: i32, y: i32, _z: i32, phi: i32) -> () =
-            |robot, _| truth::set_robot(robot, id, [x, y, phi]);
+            |robot, world| truth::set_robot(robot, world, id, [x, y, phi]);
         fn SIMGetObject(id: i32, x: &mut Out<i32>, y: &mut Out<i32>, z: &mut Out<i32>, phi: &mut Out<i32>) -> () =
             |robot, world| truth::object_pose(robot, world, id, [x, y, z, phi]);
         fn SIMSetObject(id: i32, x: i32, y: i32, _z: i32, phi: i32) -> () =
-            |robot, _| truth::set_object(robot, id, [x, y, phi]);
+            |robot, world| truth::set_object(robot, world, id, [x, y, phi]);
         fn SIMGetRobotCount() -> i32 = |robot, _| truth::robot_count(robot);
         fn SIMGetObjectCount() -> i32 = |robot, _| truth::object_count(robot);
     }

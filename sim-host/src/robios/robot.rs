@@ -64,6 +64,8 @@ pub struct Robot {
 pub struct RobotParts {
     /// The name of its program; empty for a robot without one.
     pub program: String,
+    /// When it starts.
+    pub start: Time,
     /// Where it starts.
     pub motion: Motion,
     /// What its robi file says.
@@ -133,14 +135,14 @@ pub enum Ending {
 }
 
 impl Robot {
-    /// A robot at time 0.
+    /// A robot at its start.
     pub fn new(parts: RobotParts) -> Self {
-        let RobotParts { program, mut motion, spec, devices, seed, is_verbose } = parts;
+        let RobotParts { program, start, mut motion, spec, devices, seed, is_verbose } = parts;
         let id = motion.id();
-        let start = motion.pose(Time::ZERO);
+        let recorded_pose = Some(motion.pose(start));
         Self {
             id,
-            now: Time::ZERO,
+            now: start,
             program,
             motion,
             spec,
@@ -153,7 +155,7 @@ impl Robot {
             placements: Vec::new(),
             noise: Profile::default(),
             seed,
-            recorded_pose: Some(start),
+            recorded_pose,
         }
     }
 
@@ -171,7 +173,7 @@ impl Robot {
     /// # Errors
     /// The first number that makes no sense for its drive.
     pub fn with_noise(mut self, profile: &Profile) -> Result<Self, ModelError> {
-        self.set_noise(Time::ZERO, profile)?;
+        self.set_noise(self.now, profile)?;
         Ok(self)
     }
 
@@ -253,6 +255,12 @@ impl Robot {
         if let Err(error) = self.motion.command(self.now, Command::Halt, &touching) {
             unreachable!("a halt is never refused: {error}");
         }
+    }
+
+    /// Records where it is when it comes into a running world; of a robot that is there from the start the scene says it.
+    pub fn record_arrival(&mut self) {
+        self.recorded_pose = None;
+        self.record_pose(self.now);
     }
 
     /// Records where it is at the end of a slot, if it has moved since the last record.

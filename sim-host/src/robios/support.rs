@@ -44,7 +44,7 @@ impl Support for Caller {
     fn console(&self, stream: i32, bytes: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(bytes.unwrap_or_default());
         // A program that is told to stop still leaves what it has printed; it pays no time for it any more.
-        let result = if self.run().is_stopping() { Ok(()) } else { self.call(SupportCall::console, |_, _| ()) };
+        let result = if self.run().is_leaving(self.id()) { Ok(()) } else { self.call(SupportCall::console, |_, _| ()) };
         self.at_once(SupportCall::console, |robot| print_lines(robot, stream, &text));
         result.map(|()| 0)
     }

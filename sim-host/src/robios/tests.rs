@@ -79,6 +79,7 @@ impl Bench {
         let presses = [(Time(2_500_000), KEY1), (Time(3_000_000), KEY3)];
         let keys = Keys::scripted(presses.map(|(at, code)| (at, Touch::Key(code))));
         let robot = Robot::new(RobotParts {
+            start: Time::ZERO,
             program: "test".to_owned(),
             motion,
             devices: Devices::new(&spec, keys),

@@ -12,13 +12,16 @@ use robios_sys::{Out, Robios7Call as Call};
 use super::robot::Robot;
 use super::unit7::{pose, pose_numbers};
 
-/// What the numbers of the scene mean: its robots from 1 on, then its objects in the order of the sim file.
+/// What numbers mean to programs: the robots of the scene from 1 on, then its objects in the order of the sim file, then whoever has
+/// come into the run, in this order.
 #[derive(Clone, Debug, Default)]
 pub struct Census {
     /// Number of robots.
     pub robots: usize,
     /// The objects, fixed ones included.
     pub objects: Vec<Counted>,
+    /// Robots and movable objects that were added to the run.
+    pub newcomers: boxcar::Vec<Placeable>,
 }
 
 /// An object with a number.
@@ -57,14 +60,32 @@ impl Census {
     fn robot(&self, number: i32, own: RobotId) -> Option<RobotId> {
         match usize::try_from(number).ok()? {
             0 => Some(own),
-            number => (number <= self.robots).then(|| RobotId::from_index(number - 1)),
+            number if number <= self.robots => Some(RobotId::from_index(number - 1)),
+            number => match self.newcomer(number)? {
+                Placeable::Robot(id) => Some(id),
+                Placeable::Object(_) => None,
+            },
         }
     }
 
     /// The object of a number.
     fn object(&self, number: i32) -> Option<Counted> {
-        let place = usize::try_from(number).ok()?.checked_sub(self.robots + 1)?;
-        self.objects.get(place).copied()
+        let number = usize::try_from(number).ok()?;
+        let of_scene = self.objects.get(number.checked_sub(self.robots + 1)?).copied();
+        of_scene.or_else(|| match self.newcomer(number)? {
+            Placeable::Object(id) => Some(Counted::Movable(id)),
+            Placeable::Robot(_) => None,
+        })
+    }
+
+    fn newcomer(&self, number: usize) -> Option<Placeable> {
+        self.newcomers.get(number.checked_sub(self.robots + self.objects.len() + 1)?).copied()
+    }
+
+    /// The number of somebody who was added to the run.
+    pub fn number_of_newcomer(&self, who: Placeable) -> Option<i32> {
+        let (place, _) = self.newcomers.iter().find(|(_, newcomer)| **newcomer == who)?;
+        Some((self.robots + self.objects.len() + 1 + place) as i32)
     }
 }
 
@@ -74,15 +95,21 @@ pub fn robot_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out
         return no_robot(robot, Call::SIMGetRobot, number);
     };
     let now = robot.now;
+    if id != robot.id && !world.is_robot_there(id, now) {
+        return robot.rejected(Call::SIMGetRobot, |_| is_gone("robot", number));
+    }
     let pose = if id == robot.id { robot.motion.pose(now) } else { world.robot_pose(id, now) };
     give(&pose, into);
 }
 
 /// `SIMSetRobot`: at once for the own robot, of another one at the slot's end. Odometry does not notice it.
-pub fn set_robot(robot: &mut Robot, number: i32, to: [i32; 3]) {
+pub fn set_robot(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
     let Some(id) = robot.devices.census.robot(number, robot.id) else {
         return no_robot(robot, Call::SIMSetRobot, number);
     };
+    if id != robot.id && !world.is_robot_there(id, robot.now) {
+        return robot.rejected(Call::SIMSetRobot, |_| is_gone("robot", number));
+    }
     let pose = pose(to);
     if id != robot.id {
         return place(robot, Placeable::Robot(id), pose);
@@ -95,6 +122,9 @@ pub fn set_robot(robot: &mut Robot, number: i32, to: [i32; 3]) {
 /// `SIMGetObject`
 pub fn object_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out<i32>; 4]) {
     let pose = match robot.devices.census.object(number) {
+        Some(Counted::Movable(object)) if !world.is_object_there(object, robot.now) => {
+            return robot.rejected(Call::SIMGetObject, |_| is_gone("object", number));
+        }
         Some(Counted::Movable(object)) => world.object_pose(object, robot.now),
         Some(Counted::Fixed(pose)) => pose,
         None => return no_object(robot, Call::SIMGetObject, number),
@@ -103,8 +133,11 @@ pub fn object_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Ou
 }
 
 /// `SIMSetObject`: at the slot's end.
-pub fn set_object(robot: &mut Robot, number: i32, to: [i32; 3]) {
+pub fn set_object(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
     match robot.devices.census.object(number) {
+        Some(Counted::Movable(object)) if !world.is_object_there(object, robot.now) => {
+            robot.rejected(Call::SIMSetObject, |_| is_gone("object", number));
+        }
         Some(Counted::Movable(object)) => place(robot, Placeable::Object(object), pose(to)),
         Some(Counted::Fixed(_)) => {
             robot.rejected(Call::SIMSetObject, |_| format!("object {number} is fixed: it stays where it is"));
@@ -130,6 +163,10 @@ fn give(pose: &Pose, [x, y, z, phi]: [&mut Out<i32>; 4]) {
     z.set(0);
 }
 
+fn is_gone(what: &str, number: i32) -> String {
+    format!("{what} {number} has been taken out of the world")
+}
+
 fn place(robot: &mut Robot, what: Placeable, pose: Pose) {
     robot.placements.push(Placement { time: robot.now, by: robot.id, what, pose });
 }
@@ -142,7 +179,7 @@ fn no_robot(robot: &mut Robot, call: Call, number: i32) {
 
 fn no_object(robot: &mut Robot, call: Call, number: i32) {
     robot.rejected(call, |robot| {
-        let Census { robots, objects } = &*robot.devices.census;
+        let Census { robots, objects, .. } = &*robot.devices.census;
         match objects.len() {
             0 => format!("there is no object {number}, since the scene has none"),
             count => format!(
@@ -161,11 +198,19 @@ mod tests {
     #[test]
     fn objects_are_numbered_on_from_the_robots() {
         let (can, stone) = (Counted::Movable(ObjectId(1)), Counted::Fixed(Pose::new(1.0, 2.0, 0.0)));
-        let census = Census { robots: 2, objects: vec![can, stone] };
+        let census = Census { robots: 2, objects: vec![can, stone], ..Census::default() };
         let own = RobotId(2);
         assert_eq!([0, 1, 2].map(|number| census.robot(number, own)), [Some(own), Some(RobotId(1)), Some(own)]);
         assert_eq!([-1, 3, i32::MIN].map(|number| census.robot(number, own)), [None; 3]);
         assert_eq!([3, 4].map(|number| census.object(number)), [Some(can), Some(stone)]);
         assert_eq!([0, 2, 5, -7, i32::MAX].map(|number| census.object(number)), [None; 5]);
+
+        let [ball, guest] = [Placeable::Object(ObjectId(2)), Placeable::Robot(RobotId(3))];
+        census.newcomers.push(ball);
+        census.newcomers.push(guest);
+        assert_eq!((census.object(5), census.robot(5, own)), (Some(Counted::Movable(ObjectId(2))), None));
+        assert_eq!((census.object(6), census.robot(6, own)), (None, Some(RobotId(3))));
+        assert_eq!([ball, guest].map(|who| census.number_of_newcomer(who)), [Some(5), Some(6)]);
+        assert_eq!((census.object(7), census.robot(7, own)), (None, None));
     }
 }

@@ -1,0 +1,352 @@
+//! What the robots and movable objects of a run are made of: at its start, and those that come later.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::{Context, anyhow};
+use sim_core::build;
+use sim_core::drive::{Model, Motion};
+use sim_core::format::{ObjectSpec, ObjectType, RobiSpec, RobotSpec, SceneSpec, builtin};
+use sim_core::noise::{Profile, Radio};
+use sim_core::pose::Pose;
+use sim_core::radio::Channel;
+use sim_core::scene::Walls;
+use sim_core::time::Time;
+use sim_core::world::World;
+use sim_core::{ObjectId, RobotId};
+use sim_view::protocol;
+
+use crate::executive::process::Child;
+use crate::executive::program::{Exec, RobotProgram};
+use crate::program::load::Loader;
+use crate::program::prepare::Prepared;
+use crate::record::frame::Frames;
+use crate::robios::Devices;
+use crate::robios::irtv::Remote;
+use crate::robios::key::{Keys, Press};
+use crate::robios::robot::{Robot, RobotParts};
+use crate::robios::storage::Storage;
+use crate::robios::truth::{Census, Placeable};
+use crate::scenery::{LazyScenery, Newcomer};
+use crate::setup::{self, Profiles, Programs, RobotOptions};
+
+/// Most robots that may come into a run after its start, those that have left again included: each keeps its number, its record
+/// and, in this process, its program for ever. Our choice.
+pub const MOST_ROBOTS: usize = 1_000;
+
+/// The same of movable objects.
+pub const MOST_OBJECTS: usize = 10_000;
+
+/// Who is in a run, and what more of them are made of.
+pub struct Workshop {
+    scene: Arc<SceneSpec>,
+    /// Everybody who ever was in the run, in the order of their ids.
+    robots: Vec<RobotSpec>,
+    objects: Vec<ObjectSpec>,
+    /// Their programs, in the same order as the robots.
+    programs: Vec<Option<Arc<Prepared>>>,
+    robot_types: Vec<(String, Arc<RobiSpec>)>,
+    object_types: Vec<(String, Arc<ObjectType>)>,
+    maker: Maker,
+    exec: Exec,
+    /// Since a program was loaded for somebody who came later.
+    loader: Option<Loader>,
+}
+
+/// A robot that is about to come into the run.
+pub struct NewRobot {
+    /// What it is.
+    pub spec: RobotSpec,
+    /// It itself.
+    pub robot: Robot,
+    /// What happens to its messages.
+    pub heard: Radio,
+    /// Its program, loaded, and what that is a copy of; none for a robot that only stands there.
+    pub program: Option<(RobotProgram, Arc<Prepared>)>,
+}
+
+impl Workshop {
+    /// That of a run of `scene` with these programs, which run as `exec` says.
+    pub fn new(scene: Arc<SceneSpec>, programs: &Programs, exec: Exec, options: &RobotOptions<'_>) -> Self {
+        let movable: Vec<ObjectSpec> = build::movable(&scene).cloned().collect();
+        let robis = scene.robots.iter().map(|robot| &robot.robi);
+        let robis = robis.map(|robi| (robi.name.as_str(), robi.file.as_str(), Arc::clone(robi)));
+        let built_in = builtin::ROBOTS.iter().filter_map(|name| Some((*name, *name, Arc::new(builtin::robot(name)?))));
+        let robot_types = types(robis.chain(built_in));
+        let kinds = movable.iter().map(|object| (object.kind.name.as_str(), object.kind.file.as_str(), &object.kind));
+        let kinds = kinds.map(|(name, file, kind)| (name, file, Arc::clone(kind)));
+        let built_in =
+            builtin::OBJECTS.iter().filter_map(|name| Some((*name, *name, Arc::new(builtin::object(name)?))));
+        let object_types = types(kinds.chain(built_in));
+        Self {
+            robots: scene.robots.clone(),
+            objects: movable,
+            programs: programs.of_robots.clone(),
+            robot_types,
+            object_types,
+            maker: Maker::new(&scene, options),
+            scene,
+            exec,
+            loader: None,
+        }
+    }
+
+    /// The scene as its files say it.
+    pub fn scene(&self) -> &Arc<SceneSpec> {
+        &self.scene
+    }
+
+    /// All robots that ever were in the run, in the order of their ids, as they came.
+    pub fn robots(&self) -> &[RobotSpec] {
+        &self.robots
+    }
+
+    /// All movable objects that ever were in the run, in the order of their ids, as they came.
+    pub fn objects(&self) -> &[ObjectSpec] {
+        &self.objects
+    }
+
+    /// What can be added: the types of the scene, then those that are built in.
+    pub fn types(&self) -> protocol::Workshop {
+        let names = |names: &mut dyn Iterator<Item = &String>| names.cloned().collect();
+        protocol::Workshop {
+            robots: names(&mut self.robot_types.iter().map(|(name, _)| name)),
+            objects: names(&mut self.object_types.iter().map(|(name, _)| name)),
+        }
+    }
+
+    /// The world at time 0 and its robots.
+    ///
+    /// # Errors
+    /// A robot type with which nothing can be computed.
+    pub fn build_world(&mut self) -> anyhow::Result<(World, Vec<Robot>)> {
+        let Self { scene, programs, maker, .. } = self;
+        maker.world(scene, programs)
+    }
+
+    /// The type of robots of this name.
+    ///
+    /// # Errors
+    /// In words, when there is none.
+    pub fn robot_type(&self, name: &str) -> Result<Arc<RobiSpec>, String> {
+        find(&self.robot_types, name).ok_or_else(|| unknown("robots", name, &self.types().robots))
+    }
+
+    /// The type of movable objects of this name.
+    ///
+    /// # Errors
+    /// In words, when there is none.
+    pub fn object_type(&self, name: &str) -> Result<Arc<ObjectType>, String> {
+        find(&self.object_types, name).ok_or_else(|| unknown("movable objects", name, &self.types().objects))
+    }
+
+    /// The robot that has the next id, of type `robi`, at `start` from `since` on; its program is that of the robot `program_of`.
+    /// Errors of devices and drive are those of that robot, else of the first one of its type, else of the scene.
+    ///
+    /// # Errors
+    /// In words: a program that cannot be loaded, a robot that has none, or more robots than may come.
+    pub fn robot(
+        &mut self,
+        robi: Arc<RobiSpec>,
+        program_of: Option<RobotId>,
+        start: Pose,
+        since: Time,
+    ) -> anyhow::Result<NewRobot> {
+        self.check_room(self.robots.len() - self.scene.robots.len(), MOST_ROBOTS, "robots")?;
+        let model = program_of.map(|id| &self.robots[id.index()]);
+        let of_type = || self.robots.iter().find(|robot| Arc::ptr_eq(&robot.robi, &robi));
+        let noise = model.or_else(of_type).map_or(&self.scene.run.noise, |robot| &robot.noise).clone();
+        let prepared = program_of.and_then(|id| self.programs[id.index()].clone());
+        if let (Some(id), None) = (program_of, &prepared) {
+            return Err(anyhow!("robot {} has no program", id.0));
+        }
+        let spec = RobotSpec {
+            id: RobotId::from_index(self.robots.len()),
+            robi,
+            start,
+            program: model.and_then(|robot| robot.program.clone()),
+            arguments: model.map(|robot| robot.arguments.clone()).unwrap_or_default(),
+            api: model.and_then(|robot| robot.api),
+            noise,
+            dialect: model.and_then(|robot| robot.dialect),
+            span: Default::default(),
+        };
+        let profile = spec.noise.as_ref().and_then(|noise| noise.profile()).map(Arc::new);
+        let (robot, heard) = self.maker.robot(&spec, prepared.as_ref(), profile, since)?;
+        let program = prepared.map(|prepared| Ok::<_, anyhow::Error>((self.load(&spec, &prepared)?, prepared)));
+        Ok(NewRobot { spec, robot, heard, program: program.transpose()? })
+    }
+
+    /// Loads a program for one more robot. A thread of its own does it, since the stack of a robot's may be at its end.
+    fn load(&mut self, spec: &RobotSpec, prepared: &Arc<Prepared>) -> anyhow::Result<RobotProgram> {
+        Child::make_room(self.robots.len() + 1);
+        let (loader, exec) = (&mut self.loader, self.exec);
+        let load = || {
+            let loader = match loader {
+                Some(loader) => loader,
+                None => loader.insert(Loader::new().context("no folder to load programs from")?),
+            };
+            setup::load_program(spec, prepared, exec, loader)
+        };
+        std::thread::scope(|scope| {
+            scope.spawn(load).join().unwrap_or_else(|_| Err(anyhow!("its program cannot be loaded")))
+        })
+    }
+
+    /// The movable object that has the next id, of type `kind`, at `pose`.
+    ///
+    /// # Errors
+    /// In words: more objects than may come.
+    pub fn object(&self, kind: Arc<ObjectType>, pose: Pose) -> anyhow::Result<ObjectSpec> {
+        self.check_room(self.objects.len() - build::movable(&self.scene).count(), MOST_OBJECTS, "movable objects")?;
+        let friction = kind.friction;
+        Ok(ObjectSpec { kind, pose, friction, span: Default::default() })
+    }
+
+    fn check_room(&self, added: usize, most: usize, what: &str) -> anyhow::Result<()> {
+        if added < most {
+            Ok(())
+        } else {
+            Err(anyhow!("{most} {what} have been added to this run, and no more may be"))
+        }
+    }
+
+    /// A robot has come into the run.
+    pub fn keep_robot(&mut self, spec: RobotSpec, program: Option<Arc<Prepared>>) {
+        self.maker.census.newcomers.push(Placeable::Robot(spec.id));
+        self.maker.scenery.add(Newcomer::Robot(spec.id, Arc::clone(&spec.robi)));
+        self.robots.push(spec);
+        self.programs.push(program);
+    }
+
+    /// A movable object has come into the run.
+    pub fn keep_object(&mut self, id: ObjectId, spec: ObjectSpec) {
+        self.maker.census.newcomers.push(Placeable::Object(id));
+        self.maker.scenery.add(Newcomer::Object(id, Arc::clone(&spec.kind)));
+        self.objects.push(spec);
+    }
+}
+
+/// Types by their names, each once; where another one has the name already, by its file.
+fn types<'a, T>(all: impl Iterator<Item = (&'a str, &'a str, Arc<T>)>) -> Vec<(String, Arc<T>)> {
+    let mut types: Vec<(String, Arc<T>)> = Vec::new();
+    let mut known: Vec<(String, String)> = Vec::new();
+    for (name, file, kind) in all {
+        let both = (name.to_owned(), file.to_owned());
+        if known.contains(&both) {
+            continue;
+        }
+        known.push(both);
+        let is_free = |word: &&str| types.iter().all(|(taken, _)| taken != word);
+        if let Some(word) = [name, file].into_iter().find(is_free) {
+            types.push((word.to_owned(), kind));
+        }
+    }
+    types
+}
+
+fn find<T>(types: &[(String, Arc<T>)], name: &str) -> Option<Arc<T>> {
+    types.iter().find(|(known, _)| known == name).map(|(_, kind)| Arc::clone(kind))
+}
+
+fn unknown(what: &str, name: &str, known: &[String]) -> String {
+    format!("there is no type of {what} `{name}`, accepted: {}", known.join(", "))
+}
+
+/// Makes the robots of a run.
+pub(crate) struct Maker {
+    folder: PathBuf,
+    seed: u64,
+    slot: Time,
+    keys: Vec<Press>,
+    may_execute: bool,
+    is_verbose: bool,
+    scenery: Arc<LazyScenery>,
+    frames: Option<Arc<Frames>>,
+    walls: Arc<Walls>,
+    census: Arc<Census>,
+    /// By the files of the types.
+    models: BTreeMap<String, Arc<Model>>,
+}
+
+impl Maker {
+    pub fn new(scene: &SceneSpec, options: &RobotOptions<'_>) -> Self {
+        Self {
+            folder: Path::new(&scene.folder).to_owned(),
+            seed: options.seed,
+            slot: options.slot,
+            keys: options.keys.to_vec(),
+            may_execute: options.may_execute,
+            is_verbose: options.is_verbose,
+            scenery: Arc::clone(&options.scenery),
+            frames: options.frames.clone(),
+            walls: build::obstacles(scene),
+            census: Arc::new(setup::census(scene)),
+            models: BTreeMap::new(),
+        }
+    }
+
+    /// The world at time 0 and its robots.
+    pub fn world(
+        &mut self,
+        scene: &SceneSpec,
+        programs: &[Option<Arc<Prepared>>],
+    ) -> anyhow::Result<(World, Vec<Robot>)> {
+        debug_assert!(scene.robots.iter().enumerate().all(|(index, robot)| robot.id.index() == index));
+        let mut profiles = Profiles::default();
+        let mut robots = Vec::with_capacity(scene.robots.len());
+        let mut heard = Vec::with_capacity(scene.robots.len());
+        for (spec, program) in scene.robots.iter().zip(programs) {
+            let (robot, radio) = self.robot(spec, program.as_ref(), profiles.of(spec), Time::ZERO)?;
+            robots.push(robot);
+            heard.push(radio);
+        }
+        let walls = Arc::clone(&self.walls);
+        let world = World::new(walls, self.slot, robots.iter_mut().map(|robot| &mut robot.motion));
+        let objects = build::movable(scene).map(|object| (build::properties(object), object.pose));
+        let radio = Channel::new(scene.radio, self.seed, heard);
+        Ok((world.with_objects(objects).with_space(build::space(scene)).with_radio(radio), robots))
+    }
+
+    /// A robot that comes at `since`, and what happens to its messages.
+    fn robot(
+        &mut self,
+        spec: &RobotSpec,
+        program: Option<&Arc<Prepared>>,
+        profile: Option<Arc<Profile>>,
+        since: Time,
+    ) -> anyhow::Result<(Robot, Radio)> {
+        let new_model = || Arc::new(build::model(&spec.robi));
+        let model = Arc::clone(self.models.entry(spec.robi.file.clone()).or_insert_with(new_model));
+        model.check().with_context(|| format!("robot type `{}`", spec.robi.file))?;
+        let is_meant = |press: &&Press| press.robot.is_none_or(|robot| robot == spec.id) && press.at >= since;
+        let presses = self.keys.iter().filter(is_meant);
+        let generation = program.and_then(|program| program.generation());
+        let new_devices = if generation == Some(7) { Devices::of_robios7 } else { Devices::new };
+        let (remote, keys): (Vec<&Press>, Vec<_>) = presses.partition(|press| press.touch.remote_key().is_some());
+        let keys = Keys::scripted(keys.iter().map(|press| (press.at, press.touch)));
+        let mut devices = new_devices(&spec.robi, keys).among(Arc::clone(&self.census));
+        devices.remote =
+            Remote::scripted(remote.iter().filter_map(|press| Some((press.at, press.touch.remote_key()?))));
+        devices.storage = Storage::new(&self.folder);
+        devices.os.may_execute = self.may_execute;
+        devices.camera = devices.camera.in_run(Arc::clone(&self.scenery), self.frames.clone());
+        let motion = Motion::new(spec.id, model, Arc::clone(&self.walls), spec.start).starting_at(since);
+        let heard = profile.as_ref().map(|profile| profile.radio).unwrap_or_default();
+        let mut robot = Robot::new(RobotParts {
+            program: program.map(|program| program.name.clone()).unwrap_or_default(),
+            start: since,
+            motion,
+            spec: Arc::clone(&spec.robi),
+            devices,
+            seed: self.seed,
+            is_verbose: self.is_verbose,
+        });
+        if let Some(profile) = profile {
+            robot = robot.with_noise(&profile).context("noise of the drive")?;
+        }
+        robot.record_start();
+        Ok((robot, heard))
+    }
+}
