@@ -148,7 +148,7 @@ fn run((folder, scene): &(tempfile::TempDir, SceneSpec), lanes: usize, actions: 
     let mut workshop = Workshop::new(Arc::clone(&scene), &programs, Exec::Thread, &options);
     let (world, robots) = workshop.build_world().unwrap_or_else(|error| panic!("{error:#}"));
     let limits = Limits { lanes, until: Time::from_millis(10_000), timeout: 10.0, is_verbose: false };
-    let header = TraceHeader { seed: 0, slot_us: slot.0, robots: Vec::new() };
+    let header = TraceHeader { seed: 0, slot_us: slot.0, robots: Vec::new(), run: Vec::new(), inputs: Vec::new() };
     let trace_file = folder.join("trace.jsonl");
     let trace = Trace::create(&trace_file, &header).expect("a trace");
     let answers = Arc::default();
