@@ -89,4 +89,5 @@ function fill(row: Row, { standing, now_s, why, is_stalled }: RobotState): void 
   row.standing.dataset["is"] = is_stalled ? "stalled" : standing;
   setText(row.time, `${now_s.toFixed(2)} s`);
   setText(row.why, why);
+  row.why.title = why;
 }

@@ -29,7 +29,7 @@ export function runPanel(model: Model): HTMLElement {
     start({ number: seed.value.trim() });
   };
   const time = element("output", { className: "number time", testid: "time", ariaLive: "off", label: "Virtual time" });
-  const rate = element("output", { className: "number muted", testid: "rate", ariaLive: "off", label: "Rate reached" });
+  const rate = element("output", { className: "number muted", testid: "rate", ariaLive: "off", label: "Rate reached", title: "Simulated seconds for each second of real time" });
   const state = element("output", { className: "state", testid: "run-state", ariaLive: "polite" });
   const clock = element("div", { className: "row" }, [time, rate, state]);
   const speeds = element("div", { className: "row" }, [labelled("Speed", slider), exact, "×"]);
@@ -100,7 +100,8 @@ export function runPanel(model: Model): HTMLElement {
     seed.placeholder = scene?.seed ?? "";
     if (!snapshot) return;
     setText(time, `${snapshot.t_s.toFixed(2)} s`);
-    setText(rate, `${rateName(snapshot.rate)}, seed ${scene?.seed ?? "?"}`);
+    setText(rate, rateName(snapshot.rate));
+    seed.title = `The seed of this run is ${scene?.seed ?? "unknown"}`;
     setText(state, stateName(model, snapshot));
     state.dataset["is"] = snapshot.state.is;
   }
@@ -138,7 +139,7 @@ function speedName(factor: number | null): string {
 }
 
 function rateName(rate: number): string {
-  return `${rate >= 100 ? rate.toFixed(0) : rate.toPrecision(2)}× real time`;
+  return `${rate >= 100 ? rate.toFixed(0) : rate.toPrecision(2)}×`;
 }
 
 /** Place of the step that is nearest to a speed. */

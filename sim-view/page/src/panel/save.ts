@@ -9,16 +9,14 @@ import { notify } from "./notice";
 const FILES = [
   { name: "scene.toml", text: "Scene as TOML", testid: "save-scene", title: "With everybody where they are now" },
   { name: "trace.jsonl", text: "Trace", testid: "save-trace", title: "Events of this run so far, for `eyesim replay`" },
-  { name: "recording.json", text: "Recording", testid: "save-recording", title: "What a page plays" },
+  { name: "run.recording.json", text: "Recording", testid: "save-recording", title: "What a page plays" },
 ];
 
 export function savePanel(model: Model): HTMLElement {
   const picture = button("Screenshot", "save-picture", () => void screenshot(), "The 3D view as PNG");
   const files = FILES.map(({ name, text, testid, title }) => button(text, testid, () => void save(name), title));
   const panel = section("Save", "save-panel", false, [element("div", { className: "row" }, [picture, ...files])]);
-  model.subscribe("player", () => {
-    for (const file of files.slice(0, 2)) file.hidden = model.player !== null;
-  });
+  model.subscribe("player", () => (files[0]!.hidden = model.player !== null));
   return panel;
 
   function fileName(ending: string): string {
@@ -31,12 +29,14 @@ export function savePanel(model: Model): HTMLElement {
     else notify("There is no 3D view to take a picture of");
   }
 
-  async function save(name: string): Promise<void> {
+  async function save(file: string): Promise<void> {
+    // A live run has no `recording.json`: by that pages tell it from a replay.
+    const name = model.player ? file.replace("run.", "") : file;
     const embedded = name === "recording.json" ? document.getElementById("recording")?.textContent : undefined;
     if (embedded) return saveAs(fileName(".recording.json"), new Blob([embedded], { type: "application/json" }));
     try {
       const response = await fetch(`files/${name}`);
-      if (response.ok) saveAs(fileName(name === "scene.toml" ? ".scene.toml" : `.${name}`), await response.blob());
+      if (response.ok) saveAs(fileName(`.${file.replace("run.", "")}`), await response.blob());
       else if (response.status === 404) notify(`eyesim keeps no ${name} of this run`);
       else notify(`${name} was not saved: ${await response.text()}`);
     } catch {
