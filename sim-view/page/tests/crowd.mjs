@@ -8,10 +8,10 @@ const SLOT_S = 0.05;
 const BEAMS = 6;
 
 /** A crowd in a hall: `start()` lets it drive in real time. */
-export async function crowd(count, port = 0, sides = 96) {
+export async function crowd(count, port = 0) {
   const mock = await Mock.open(port);
   const size_m = Math.max(2, 0.6 * Math.sqrt(count));
-  mock.scene = scene(count, size_m, sides);
+  mock.scene = scene(count, size_m);
   const motions = Array.from({ length: count }, (_, i) => motion(i, count, size_m));
   let [t_s, number] = [0, 0];
   mock.start = () =>
@@ -24,7 +24,7 @@ export async function crowd(count, port = 0, sides = 96) {
   return mock;
 }
 
-function scene(count, size_m, sides) {
+function scene(count, size_m) {
   const wall = (x, y, length, angle, colour) => ({ x, y, length, angle, colour });
   const walls = [
     wall(0, 0, size_m, 0, [214, 120, 60]),
@@ -42,7 +42,7 @@ function scene(count, size_m, sides) {
     title: `${count} robots`,
     slot_s: SLOT_S,
     bounds_m: [[0, 0], [size_m, size_m]],
-    meshes: [robotMesh(sides), ...walls.map(({ length, colour }) => box(length, 0.01, 0.12, colour))],
+    meshes: [robotMesh(), ...walls.map(({ length, colour }) => box(length, 0.01, 0.12, colour))],
     parts: [
       ...walls.map(({ x, y, angle }, i) => ({ mesh: i + 1, place: { on: "world", what: "wall", at: at(x, y, angle) } })),
       ...Array.from({ length: count }, (_, i) => ({ mesh: 0, place: { on: "robot", robot: i + 1 } })),
@@ -112,8 +112,9 @@ function fate(number, t_s, count) {
   return { number, t_s, robot, kind, text: `message ${number} of ${from}`, fields };
 }
 
-/** A round hull with a wedge ahead: with 96 sides as many triangles as the simulator's own. */
-function robotMesh(sides) {
+/** A round hull with a wedge ahead, of about as many triangles as the simulator's own. */
+function robotMesh() {
+  const sides = 96;
   const [body, wedge] = [[], []];
   const at = (radius, i, z) => [radius * Math.cos((2 * Math.PI * i) / sides), radius * Math.sin((2 * Math.PI * i) / sides), z];
   for (let i = 0; i < sides; i++) {
