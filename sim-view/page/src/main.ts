@@ -19,10 +19,11 @@ const recording = await findRecording();
 const title = element("h1", { className: "title", textContent: "eyesim" });
 const bar = element("header", { className: "top" }, [title]);
 const scene = sceneView(model);
-const view = element("main", { className: "view" }, [scene.element, timeline(model, recording?.events ?? null)]);
+const line = timeline(model, recording?.events ?? null);
+line.append(connectionStatus(model));
+const view = element("main", { className: "view" }, [scene.element, line]);
 const side = element("aside", { className: "side", label: "Panels" });
 for (const panel of panels(model)) (panel.classList.contains("bar") ? bar : side).append(panel);
-bar.append(connectionStatus(model));
 document.body.append(bar, view, side);
 
 model.subscribe("scene", () => {

@@ -76,7 +76,7 @@ export class Eye {
 
   /** The whole world at a slant, as close as it fits. */
   home(isSmooth = true): void {
-    this.lookFrom(new THREE.Vector3(0.1, -0.72, 0.78), isSmooth);
+    this.lookFrom(new THREE.Vector3(0.08, -0.62, 0.86), isSmooth);
   }
 
   /** From straight above, y upwards. */

@@ -14,6 +14,8 @@ const GHOST: Colour = [0.62, 0.35, 0.95];
 /** Distance of the handle from the body's middle, in radii. */
 const HANDLE = 1.9;
 const LABEL_LIFT_PX = 16;
+/** Odometry that differs so much from the robot's motion between two details was set. */
+const SET_M = 0.1;
 
 export class Marks {
   readonly rings = new THREE.Group();
@@ -28,6 +30,8 @@ export class Marks {
   private readonly ghostFill = new Pen("triangles", { renderOrder: 3 });
   private readonly colour = new THREE.Color();
   private readonly ghostPose: Pose = { x_m: 0, y_m: 0, phi_rad: 0 };
+  /** Pose and odometry of each robot, by its number, where the odometry's frame was found; and as they were last. */
+  private readonly anchors = new Map<number, { pose: Pose; odometry: Pose; lastPose: Pose; lastOdometry: Pose }>();
 
   constructor(
     private readonly model: Model,
@@ -35,6 +39,24 @@ export class Marks {
   ) {
     this.selection.add(this.selectionPen.object, this.handlePen.object);
     this.ghost.add(this.ghostPen.object, this.ghostFill.object);
+  }
+
+  /** Finds the odometry's frame in the world anew: another run has begun. */
+  restart(): void {
+    this.anchors.clear();
+  }
+
+  /** Takes the odometry of the chosen robot. Its frame is where the robot was when it was seen first, or when its program set it. */
+  takeOdometry(): void {
+    const detail = this.model.chosen === null ? undefined : this.model.details.get(this.model.chosen);
+    if (!detail) return;
+    const { robot, pose, odometry } = detail;
+    const anchor = this.anchors.get(robot);
+    const step = (from: Pose, to: Pose) => Math.hypot(to.x_m - from.x_m, to.y_m - from.y_m);
+    const isSet =
+      anchor && Math.abs(step(anchor.lastPose, pose) - step(anchor.lastOdometry, odometry)) > SET_M;
+    if (!anchor || isSet) this.anchors.set(robot, { pose, odometry, lastPose: pose, lastOdometry: odometry });
+    else [anchor.lastPose, anchor.lastOdometry] = [pose, odometry];
   }
 
   rebuild(): void {
@@ -141,9 +163,11 @@ export class Marks {
     fill.begin();
     const body = this.bodies.robot(this.model.chosen);
     const detail = this.model.chosen === null ? undefined : this.model.details.get(this.model.chosen);
-    if (body?.isThere && detail && detail.run === this.model.scene?.run) {
-      // It moves with the robot between two details.
-      relate(detail.pose, detail.odometry, body.pose, this.ghostPose);
+    const anchor = detail && this.anchors.get(detail.robot);
+    if (body?.isThere && anchor && detail.run === this.model.scene?.run) {
+      // Where it believes to be, in the world; between two details it moves with the robot.
+      relate(anchor.odometry, detail.odometry, anchor.pose, this.ghostPose);
+      relate(detail.pose, { ...this.ghostPose }, body.pose, this.ghostPose);
       const { x_m, y_m, phi_rad } = this.ghostPose;
       const radius = body.extent.radius_m;
       const z = body.extent.height_m;

@@ -50,6 +50,7 @@ export class View {
   private eye: Eye | null = null;
   private size: { width: number; height: number } = { width: 1, height: 1 };
   private lastTitle = "";
+  private lastRun = 0;
   private last_ms = 0;
   private isStale = true;
   private isMoved = true;
@@ -122,6 +123,7 @@ export class View {
     });
     const detail = () => {
       this.beams.takeScan();
+      this.marks.takeOdometry();
       stale();
     };
     model.subscribe("detail", detail);
@@ -148,6 +150,8 @@ export class View {
     this.world = new World(scene, this.bodies, () => (this.isStale = true));
     this.scene.add(this.world.group);
     this.marks.rebuild();
+    if (this.lastRun !== scene.run) this.marks.restart();
+    this.lastRun = scene.run;
     this.trails.rebuild();
     this.beams.rebuild();
     this.happenings.rebuild();

@@ -85,8 +85,8 @@ export class World {
     const { shadow } = this.sun;
     shadow.mapSize.set(2048, 2048);
     Object.assign(shadow.camera, { left: -radius, right: radius, bottom: -radius, top: radius, near: 0.5, far: 4 * radius + 2 });
-    shadow.normalBias = radius / 400;
-    shadow.bias = -0.0005;
+    shadow.normalBias = radius / 250;
+    shadow.bias = -0.001;
     this.group.add(new THREE.AmbientLight(0xffffff, Math.PI * ambient), fill, this.sun, this.sun.target);
   }
 
