@@ -62,8 +62,8 @@ export function plotPanel(model: Model, picks: Picks): HTMLElement {
       key = needed;
     }
     if (!plot) return;
-    plot.setData(dataOf(shown), false);
     const [min, max] = range();
+    plot.setData(dataOf(shown, [min, max]), false);
     plot.setScale("x", { min, max });
   }
 
@@ -105,7 +105,7 @@ export function plotPanel(model: Model, picks: Picks): HTMLElement {
           })),
         ],
       },
-      dataOf(series),
+      dataOf(series, range()),
       place,
     );
     made.over.addEventListener("dblclick", follow);
@@ -163,10 +163,15 @@ export function plotPanel(model: Model, picks: Picks): HTMLElement {
   }
 }
 
-/** All curves over the times of all. */
-function dataOf(series: readonly Series[]): uPlot.AlignedData {
+/** All curves over the times of all, and a point more at either end, so that lines go to the edge. */
+function dataOf(series: readonly Series[], [from, to]: [number, number]): uPlot.AlignedData {
   if (series.length === 0) return [[]];
-  return uPlot.join(series.map(({ times_s, values }) => [times_s, values] as uPlot.AlignedData));
+  const tables = series.map(({ times_s, values }) => {
+    const first = Math.max(0, times_s.findIndex((t) => t >= from) - 1);
+    const after = times_s.findLastIndex((t) => t <= to) + 2;
+    return [times_s.slice(first, after), values.slice(first, after)] as uPlot.AlignedData;
+  });
+  return uPlot.join(tables);
 }
 
 /** A colour of the style sheet as canvases take it. */
