@@ -2,12 +2,12 @@
 // "update" finds where all is and writes it down, "render" hands it to WebGL. What WebGL draws itself is left out: a graphics card
 // does it, where there is none a software rasteriser in another process.
 import { crowd } from "../tests/crowd.mjs";
-import { launch } from "./browser.mjs";
+import { launch } from "../tests/browser.mjs";
 
 const FRAMES = 300;
 const count = Number(process.argv[2] ?? 100);
 const mock = await crowd(count, 0, 3);
-const browser = await launch();
+const browser = await launch(true);
 const page = await browser.newPage({ viewport: { width: 320, height: 240 } });
 await page.addInitScript(() => {
   const { prototype } = WebGL2RenderingContext;

@@ -8,9 +8,11 @@ const MAX_PIECES = 24_000;
 /** Length of a piece, and half its width, in radii of the robot. */
 const STEP = 0.25;
 const HALF_WIDTH = 0.12;
-/** A robot that has come farther than this many of its radii, and is faster than this, was put there: the ribbon is torn. */
+/** A robot that has come farther than this many of its radii, and was not seen driving there, was put there: the ribbon is torn. */
 const LEAP = 4;
 const FASTEST_M_PER_S = 3;
+/** Longest time between two frames in which the way is known well enough. */
+const BLINK_S = 0.5;
 
 export class Trails {
   readonly group = new THREE.Group();
@@ -68,7 +70,8 @@ export class Trails {
     const way = Math.hypot(dx, dy);
     if (way < STEP * radius) return;
     const isThere = body.isThere && !body.held;
-    if (isThere && way < LEAP * radius + FASTEST_M_PER_S * (this.t_s - last[i + 2]!)) this.lay(body, dx, dy, way);
+    const seen_s = Math.min(BLINK_S, this.t_s - last[i + 2]!);
+    if (isThere && way < LEAP * radius + FASTEST_M_PER_S * seen_s) this.lay(body, dx, dy, way);
     last[i] = isThere ? x_m : NaN;
     last[i + 1] = y_m;
     last[i + 2] = this.t_s;

@@ -209,6 +209,7 @@ export class View {
     const { clientWidth: width, clientHeight: height } = this.element;
     if (width === 0 || height === 0) return;
     this.size = { width, height };
+    this.element.style.setProperty("--height", `${height}px`);
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.renderer.setSize(width, height, false);
     this.eye?.resize();
@@ -281,7 +282,7 @@ export class View {
       group("trails", "Trails", true, this.trails.group),
       group("beams", "Beams", true, beams.beams),
       group("scan", "Laser scan", true, beams.scan),
-      group("frusta", "What cameras see", false, beams.frusta),
+      group("frusta", "Camera views", false, beams.frusta),
       group("radio", "Radio", true, happenings.radio),
       group("contacts", "Contacts", true, happenings.contacts),
       group("odometry", "Odometry", false, marks.ghost),
