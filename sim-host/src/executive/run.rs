@@ -47,6 +47,8 @@ pub struct Run {
     slot_end: AtomicI64,
     is_stopping: AtomicBool,
     is_verbose: bool,
+    /// Somebody has wanted to see the calls of single robots: their journals say of which.
+    has_listeners: AtomicBool,
     /// This run, to be shared with the flows of robots that come later.
     own: Weak<Run>,
 }
@@ -177,6 +179,7 @@ impl Run {
             bell,
             is_stopping: AtomicBool::new(false),
             is_verbose: limits.is_verbose,
+            has_listeners: AtomicBool::new(false),
             own: Weak::clone(own),
         });
         for id in run.ids_with_program() {
@@ -269,9 +272,15 @@ impl Run {
         self.costs.of(call)
     }
 
-    /// True when every call is recorded.
-    pub(crate) fn is_verbose(&self) -> bool {
-        self.is_verbose
+    /// True when the calls of robot `id` are recorded.
+    pub(crate) fn is_verbose(&self, id: RobotId) -> bool {
+        self.is_verbose || self.has_listeners.load(Ordering::Relaxed) && self.robot(id).journal.is_verbose()
+    }
+
+    /// Lets the calls of robot `id` be recorded, or no longer, between two slots.
+    pub fn listen_to(&self, id: RobotId, is_wanted: bool) {
+        self.robot(id).journal.set_verbose(is_wanted);
+        self.has_listeners.fetch_or(is_wanted, Ordering::Relaxed);
     }
 
     /// True once all programs are to leave.

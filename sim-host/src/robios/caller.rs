@@ -432,7 +432,7 @@ impl Caller {
 
 impl CallContext for Caller {
     fn is_logging(&self) -> bool {
-        self.run.is_verbose()
+        self.run.is_verbose(self.id)
     }
 
     fn log_call(&self, record: &CallRecord<'_>) {

@@ -132,7 +132,7 @@ impl Show {
         let wants_calls = |looks: &[Look], robot| looks.iter().any(|look| look.robot == robot && look.calls);
         for Look { robot, .. } in self.looks.iter().chain(&looks) {
             if (1..=run.robot_count()).contains(&(*robot as usize)) {
-                run.robot(RobotId(*robot)).journal.set_verbose(wants_calls(&looks, *robot));
+                run.listen_to(RobotId(*robot), wants_calls(&looks, *robot));
             }
         }
         self.looks = looks;
