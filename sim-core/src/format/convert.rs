@@ -7,6 +7,9 @@ use super::print::{self, Printed};
 use super::spec::{
     LooksSpec, ObjectLine, PathRef, RobotLine, SceneForm, SceneSpec, SimSpec, StartRef, TypeRef, WorldKind, WorldLine,
 };
+use crate::RobotId;
+use crate::pose::Pose;
+
 use super::{
     Span, decode, load_maze, load_object, load_robi, load_scene, load_world, path, read_scene, read_sim, scene,
 };
@@ -29,6 +32,100 @@ pub struct Converted {
     pub diagnostics: Vec<Diagnostic>,
     /// The source and the files that it names.
     pub inputs: Vec<super::InputFile>,
+}
+
+/// A body that is in a running world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Standing {
+    /// Its number: that of a robot, or that of a movable object.
+    pub number: u32,
+    /// Name of its type.
+    pub kind: String,
+    /// Where it stands.
+    pub pose: Pose,
+}
+
+/// The text of the scene `from` in our own form with its robots and movable objects as they stand in a run: each at its pose,
+/// those that have gone left out, those that have come added, these robots without a program. Robots are numbered anew.
+///
+/// References are those of the scene's own folder. Objects that the world's file places stay where it places them.
+///
+/// # Errors
+/// What is wrong with the scene, where that keeps it from being read.
+pub fn scene_as_it_stands(
+    from: &str,
+    files: &dyn Files,
+    robots: &[Standing],
+    objects: &[Standing],
+) -> Result<String, Vec<Diagnostic>> {
+    let loaded = load_scene(from, files);
+    if loaded.has_errors() {
+        return Err(loaded.diagnostics);
+    }
+    let mut sim = Conversion { from, to: from, files, lost: Sink::new(from), outputs: Vec::new() }.source();
+    settle_named(&mut sim, &loaded.scene);
+    if sim.world.is_none() && sim.inline.world.is_none() {
+        sim.inline.world = Some(loaded.scene.world.clone());
+    }
+    // Numbers have no gaps.
+    let ids = (0..).map(RobotId::from_index);
+    let lines =
+        ids.zip(robots).map(|(id, robot)| RobotLine { id: Some(id), ..line_of_robot(robot, &sim, &loaded.scene) });
+    sim.robots = lines.collect();
+    place_objects(&mut sim, &loaded.scene, objects);
+    Ok(print::print_scene(&sim))
+}
+
+/// The line of a robot that stands there.
+fn line_of_robot(robot: &Standing, sim: &SimSpec, scene: &SceneSpec) -> RobotLine {
+    let spec = scene.robots.iter().find(|spec| spec.id == RobotId(robot.number));
+    let line = spec.and_then(|spec| sim.robots.iter().find(|line| line.span == spec.span)).cloned();
+    let line = line.unwrap_or_else(|| RobotLine {
+        id: None,
+        kind: named(&robot.kind),
+        program: None,
+        arguments: Vec::new(),
+        api: None,
+        noise: None,
+        start: StartRef::Next,
+        span: Span::default(),
+    });
+    RobotLine { start: StartRef::Pose(robot.pose), ..line }
+}
+
+/// Puts the movable objects of a scene's lines where they stand.
+fn place_objects(sim: &mut SimSpec, scene: &SceneSpec, objects: &[Standing]) {
+    let mut number = scene.objects.iter().filter(|object| !object.kind.is_fixed).count() as u32;
+    let of_scene = number;
+    // The world's objects come before those of the scene's lines, whose spans are of another file.
+    let mut lines: Vec<usize> = (0..sim.objects.len()).collect();
+    let mut gone = Vec::new();
+    for spec in scene.objects.iter().rev() {
+        let place = lines.iter().rposition(|line| sim.objects[*line].span == spec.span);
+        let line = place.map(|place| lines.remove(place));
+        if spec.kind.is_fixed {
+            continue;
+        }
+        match (line, objects.iter().find(|object| object.number == number)) {
+            (Some(line), Some(now)) => sim.objects[line].pose = now.pose,
+            (Some(line), None) => gone.push(line),
+            (None, _) => {}
+        }
+        number -= 1;
+    }
+    gone.into_iter().for_each(|line| drop(sim.objects.remove(line)));
+    let new = objects.iter().filter(|object| object.number > of_scene);
+    let line = |object: &Standing| ObjectLine {
+        kind: named(&object.kind),
+        pose: object.pose,
+        friction: None,
+        span: Span::default(),
+    };
+    sim.objects.extend(new.map(line));
+}
+
+fn named(kind: &str) -> TypeRef {
+    TypeRef::Name(PathRef { text: kind.to_owned(), span: Span::default() })
 }
 
 /// A kind of file, by its extension.
@@ -360,4 +457,62 @@ fn settle_named(sim: &mut SimSpec, scene: &SceneSpec) {
 /// A name as part of a file's name.
 fn safe(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || matches!(c, '-' | '_') { c } else { '_' }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::load::FileError;
+    use super::*;
+
+    /// A scene with two lines of robots and one object.
+    struct One;
+
+    impl Files for One {
+        fn read(&self, path: &str) -> Result<Vec<u8>, FileError> {
+            match path {
+                "a.sim" => Ok(b"world a.wld\nS4 100 200 0 p.c\nS4 500 200 90\nCan 700 300 0\nCan 700 600 0\n".to_vec()),
+                "a.wld" => Ok(b"floor 2000 1000\n".to_vec()),
+                _ => Err(FileError::Missing),
+            }
+        }
+
+        fn list(&self, _: &str) -> Vec<String> {
+            vec!["a.sim".into(), "a.wld".into()]
+        }
+
+        fn home(&self) -> Option<&str> {
+            None
+        }
+    }
+
+    fn standing(number: u32, kind: &str, x: f64) -> Standing {
+        Standing { number, kind: kind.into(), pose: Pose::new(x, 0.25, 0.5) }
+    }
+
+    #[test]
+    fn a_scene_is_written_as_it_stands() {
+        let robots = [standing(1, "S4", 0.75), standing(3, "LabBot", 1.5)];
+        let objects = [standing(2, "Can", 0.4), standing(3, "Can", 1.75)];
+        let text = scene_as_it_stands("a.sim", &One, &robots, &objects).expect("a scene");
+        let (sim, diagnostics) = read_scene("b.scene.toml", &text);
+        assert_eq!(diagnostics, [], "{text}");
+        let of_robot = |line: &RobotLine| {
+            let StartRef::Pose(pose) = line.start else { panic!("a pose") };
+            let program = line.program.as_ref().map(|program| program.text.clone());
+            (line.id, line.kind.written().text.clone(), (pose.position.x * 1000.0).round(), program)
+        };
+        let known: Vec<_> = sim.robots.iter().chain(&sim.named).map(of_robot).collect();
+        let expected = [
+            (Some(RobotId(1)), "S4".to_owned(), 750.0, Some("p.c".to_owned())),
+            (Some(RobotId(2)), "LabBot".to_owned(), 1500.0, None),
+        ];
+        assert_eq!(known, expected, "{text}");
+        let places: Vec<f64> = sim.objects.iter().map(|line| (line.pose.position.x * 1000.0).round()).collect();
+        assert_eq!(places, [400.0, 1750.0], "the first has gone, the third has come: {text}");
+    }
+
+    #[test]
+    fn of_a_scene_that_cannot_be_read_is_told_why() {
+        assert!(!scene_as_it_stands("b.sim", &One, &[], &[]).expect_err("there is none").is_empty());
+    }
 }

@@ -36,7 +36,7 @@ mod world;
 
 pub use code::{Code, UnknownCode};
 pub use companion::read_companion;
-pub use convert::{Converted, Output, convert};
+pub use convert::{Converted, Output, Standing, convert, scene_as_it_stands};
 pub use diagnostic::{Diagnostic, Severity, Span, has_errors};
 pub use esobj::read_esobj;
 pub use load::{

@@ -13,6 +13,7 @@ pub mod png;
 pub mod read;
 pub mod recorder;
 pub mod report;
+pub mod tape;
 pub mod trace;
 pub mod trail;
 
@@ -23,5 +24,6 @@ pub use log::Log;
 pub use read::{Recorded, TraceError, TraceReader};
 pub use recorder::{RecordError, Recorder, Sink};
 pub use report::Report;
+pub use tape::Tape;
 pub use trace::Trace;
 pub use trail::Trails;

@@ -6,14 +6,16 @@ use std::time::{Duration, Instant};
 use glam::DVec3;
 use sim_core::RobotId;
 use sim_core::camera::Camera;
+use sim_core::format::Parameter;
 use sim_core::world::World;
-use sim_view::protocol::{Detail, Picture, Scan};
+use sim_view::protocol::{self, Detail, Picture, Scan, SensorState};
 
 use super::{planar, png_url};
 use crate::executive::run::Run;
 use crate::record::frame::Pixels;
 use crate::robios::panel::PanelRef;
 use crate::robios::robot::Robot;
+use crate::robios::switch::Sensor;
 use crate::robios::{camera, lidar};
 use crate::scenery::LazyScenery;
 
@@ -40,11 +42,22 @@ impl Details {
             from_m: from.to_array(),
             points_m: points.iter().map(DVec3::to_array).collect(),
         };
-        let scan = lidar::points(&mut robot, world, at).map(points);
+        let is_scanning = robot.devices.switches.is_on(Sensor::Lidar);
+        let scan = lidar::points(&mut robot, world, at).filter(|_| is_scanning).map(points);
         let panel = panel.unwrap_or_else(|| robot.devices.panel());
         let (lcd, lcd_text) = (self.display(id, panel), panel.lines());
-        let (robot, t_s) = (id.0, at.seconds());
-        Detail { robot, t_s, pose, odometry, lcd, lcd_text, scan, ..Detail::default() }
+        Detail {
+            robot: id.0,
+            t_s: at.seconds(),
+            pose,
+            odometry,
+            lcd,
+            lcd_text,
+            scan,
+            sensors: sensors(&robot),
+            noise: robot.noise_parameters().iter().map(parameter).collect(),
+            ..Detail::default()
+        }
     }
 
     /// The picture of a display, unless it is that of the last time.
@@ -74,6 +87,24 @@ impl Details {
         let still = scenery.still(world, at);
         let seen = self.renderer.colour(&still, &view, Some(robot.id), camera::samples(robot));
         Some(picture(seen.size(), seen.pixels().as_flattened()))
+    }
+}
+
+/// Its sensors in the order of the scene.
+fn sensors(robot: &Robot) -> Vec<SensorState> {
+    robot.sensors_on().into_iter().map(|(name, is_on)| SensorState { name: name.to_owned(), is_on }).collect()
+}
+
+/// More than any number of an error model that makes sense; pages have no infinite numbers.
+const MOST: f64 = 1e6;
+
+fn parameter(parameter: &Parameter) -> protocol::Parameter {
+    protocol::Parameter {
+        name: parameter.name(),
+        what: parameter.what.to_owned(),
+        value: parameter.value.clamp(-MOST, MOST),
+        range: parameter.range.map(|bound| bound.clamp(-MOST, MOST)),
+        unit: parameter.unit.to_owned(),
     }
 }
 

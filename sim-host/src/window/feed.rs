@@ -139,87 +139,144 @@ impl Sink for Feed {
 }
 
 /// An event as pages get it, with its number within the run.
-pub fn told(number: u32, record: &Record<'_>) -> protocol::Event {
-    let mut fields = serde_json::to_value(record).unwrap_or_default();
+fn told(number: u32, record: &Record<'_>) -> protocol::Event {
+    let fields = serde_json::to_value(record).unwrap_or_default();
+    let robot = (record.robot != WORLD).then_some(record.robot.0);
+    event_of(number, record.time, robot, record.event.kind().name(), fields)
+}
+
+/// The event of a line of a trace as pages get it, with its number within the run.
+pub fn event_of(
+    number: u32,
+    at: Time,
+    robot: Option<u32>,
+    kind: &str,
+    mut fields: serde_json::Value,
+) -> protocol::Event {
     if let Some(fields) = fields.as_object_mut() {
         ["t_s", "robot", "seq", "event"].iter().for_each(|name| drop(fields.remove(*name)));
     }
-    protocol::Event {
-        number,
-        t_s: record.time.seconds(),
-        robot: (record.robot != WORLD).then_some(record.robot.0),
-        kind: record.event.kind().name().to_owned(),
-        text: words(&record.event, &fields),
-        fields,
+    let text = words(kind, &Fields(&fields));
+    protocol::Event { number, t_s: at.seconds(), robot, kind: kind.to_owned(), text, fields }
+}
+
+/// The fields of an event.
+struct Fields<'a>(&'a serde_json::Value);
+
+impl Fields<'_> {
+    fn text(&self, name: &str) -> Printable<'_> {
+        Printable(self.0[name].as_str().unwrap_or_default())
+    }
+
+    fn number(&self, name: &str) -> f64 {
+        self.0[name].as_f64().unwrap_or_default()
+    }
+
+    fn degrees(&self, name: &str) -> f64 {
+        sim_core::unit::degrees_from_radians(self.number(name))
+    }
+
+    fn length(&self, name: &str) -> usize {
+        self.0[name].as_array().map_or(0, Vec::len)
+    }
+
+    fn place(&self) -> String {
+        format!("({:.3} m, {:.3} m)", self.number("x_m"), self.number("y_m"))
+    }
+
+    fn obstacle(&self) -> String {
+        let with = &self.0["with"];
+        match (with["robot"].as_u64(), with["object"].as_u64()) {
+            (Some(robot), _) => format!("r{robot}"),
+            (_, Some(object)) => format!("object {object}"),
+            _ => "a wall".to_owned(),
+        }
     }
 }
 
 /// What happened, in words.
-fn words(event: &Event<'_>, fields: &serde_json::Value) -> String {
-    match event {
-        Event::ProgramStarted { program: "" } => "stands there without a program".to_owned(),
-        Event::ProgramStarted { program } => format!("`{}` begins", Printable(program)),
-        Event::ProgramEnded { outcome, exit_code: None } => format!("its program ends: {}", outcome.name()),
-        Event::ProgramEnded { outcome, exit_code: Some(code) } => {
-            format!("its program ends: {}, exit code {code}", outcome.name())
+fn words(kind: &str, fields: &Fields<'_>) -> String {
+    let text = |name| fields.text(name);
+    let number = |name| fields.number(name);
+    match kind {
+        "program_started" if fields.0["program"] == "" => "stands there without a program".to_owned(),
+        "program_started" => format!("`{}` begins", text("program")),
+        "program_ended" => match fields.0["exit_code"].as_i64() {
+            Some(code) => format!("its program ends: {}, exit code {code}", text("outcome")),
+            None => format!("its program ends: {}", text("outcome")),
+        },
+        "contact" => format!("touches {} at {}", fields.obstacle(), fields.place()),
+        "drive_straight" => {
+            format!("is to drive {:.3} m straight at {:.3} m/s", number("distance_m"), number("v_m_per_s"))
         }
-        Event::Contact { with, x_m, y_m, .. } => {
-            let with = match with {
-                crate::record::Obstacle::Wall => "a wall".to_owned(),
-                crate::record::Obstacle::Robot(robot) => format!("r{robot}"),
-                crate::record::Obstacle::Object(object) => format!("object {object}"),
-            };
-            format!("touches {with} at ({x_m:.3} m, {y_m:.3} m)")
+        "drive_turn" => format!("is to turn by {:.1} degrees", fields.degrees("angle_rad")),
+        "drive_curve" => {
+            let (distance, angle) = (number("distance_m"), fields.degrees("angle_rad"));
+            format!("is to drive {distance:.3} m on a curve of {angle:.1} degrees")
         }
-        Event::DriveStraight { distance_m, v_m_per_s } => {
-            format!("is to drive {distance_m:.3} m straight at {v_m_per_s:.3} m/s")
+        "set_odometry" => {
+            format!("sets its odometry to {}, {:.1} degrees", fields.place(), fields.degrees("phi_rad"))
         }
-        Event::DriveTurn { angle_rad, .. } => format!("is to turn by {:.1} degrees", degrees(*angle_rad)),
-        Event::DriveCurve { distance_m, angle_rad, .. } => {
-            format!("is to drive {distance_m:.3} m on a curve of {:.1} degrees", degrees(*angle_rad))
+        "control_started" => "starts its speed controller".to_owned(),
+        "control_stopped" => "stops its speed controller".to_owned(),
+        "lcd_menu" => format!("menu {}: `{}`", number("position"), text("text")),
+        "tone" => format!("plays {:.0} Hz for {:.2} s", number("frequency_hz"), number("duration_s")),
+        "beep" => "beeps".to_owned(),
+        "sample" => format!("plays a sample of {} bytes", number("length_bytes")),
+        "key" => format!("takes {}", text("key")),
+        "serial_sent" => format!("sends {} bytes by {}", fields.length("data"), text("port")),
+        "serial_received" => format!("takes {} bytes from {}", fields.length("data"), text("port")),
+        "timer_attached" => format!("attaches timer {}, every {:.3} s", number("timer"), number("period_s")),
+        "timer_detached" => format!("detaches timer {}", number("timer")),
+        "stdout" | "stderr" | "reason" | "hint" => text("text").to_string(),
+        "placed" => format!("is put at {} by r{}", fields.place(), number("by")),
+        "object_placed" => format!("object {} is put at {} by r{}", number("object"), fields.place(), number("by")),
+        "radio_sent" => {
+            let to = fields.0["to"].as_u64().map_or("all".to_owned(), |to| format!("r{to}"));
+            format!("sends message {} to {to}, {} bytes", number("message"), fields.length("data"))
         }
-        Event::SetOdometry { x_m, y_m, phi_rad } => {
-            format!("sets its odometry to ({x_m:.3} m, {y_m:.3} m, {:.1} degrees)", degrees(*phi_rad))
+        "radio_arrived" => format!("message {} of r{} arrives", number("message"), number("from")),
+        "radio_lost" => {
+            format!("message {} of r{} is lost: {}", number("message"), number("from"), text("cause"))
         }
-        Event::LcdMenu { position, text } => format!("menu {position}: `{}`", Printable(text)),
-        Event::Tone { frequency_hz, duration_s } => format!("plays {frequency_hz:.0} Hz for {duration_s:.2} s"),
-        Event::Beep {} => "beeps".to_owned(),
-        Event::Sample { length_bytes } => format!("plays a sample of {length_bytes} bytes"),
-        Event::Key { key } => format!("takes {key}"),
-        Event::SerialSent { port, data } => format!("sends {} bytes by {port}", data.len()),
-        Event::SerialReceived { port, data } => format!("takes {} bytes from {port}", data.len()),
-        Event::Stdout { text } | Event::Stderr { text } => Printable(text).to_string(),
-        Event::Placed { by, x_m, y_m, .. } => format!("is put at ({x_m:.3} m, {y_m:.3} m) by r{by}"),
-        Event::ObjectPlaced { object, by, x_m, y_m, .. } => {
-            format!("object {object} is put at ({x_m:.3} m, {y_m:.3} m) by r{by}")
+        "radio_received" => format!("takes message {} of r{}", number("message"), number("from")),
+        "fault" if fields.0["location"] == "" => text("what").to_string(),
+        "fault" => format!("{} at {}", text("what"), text("location")),
+        "call" if fields.0["result"] == "" => format!("{}({})", text("function"), text("arguments")),
+        "call" => format!("{}({}) = {}", text("function"), text("arguments"), text("result")),
+        "intervention" => intervention(&fields.0["action"]),
+        other => plain_words(other, fields.0),
+    }
+}
+
+/// What a hand has done, in words.
+fn intervention(action: &serde_json::Value) -> String {
+    let fields = Fields(action);
+    let number = |name| fields.number(name);
+    match action["do"].as_str().unwrap_or_default() {
+        "press" => format!("a hand presses {} of r{}", fields.text("key"), number("robot")),
+        "place_robot" => format!("a hand puts r{} at {}", number("robot"), fields.place()),
+        "place_object" => format!("a hand puts object {} at {}", number("object"), fields.place()),
+        "set_noise" => {
+            let whose = action["robot"].as_u64().map_or("all".to_owned(), |robot| format!("r{robot}"));
+            format!("a hand sets {} of {whose} to {}", fields.text("parameter"), number("value"))
         }
-        Event::RadioSent { message, to: Some(to), data, .. } => {
-            format!("sends message {message} to r{to}, {} bytes", data.len())
+        "switch_sensor" => {
+            let state = if action["on"] == true { "on" } else { "off" };
+            format!("a hand switches {} of r{} {state}", fields.text("sensor"), number("robot"))
         }
-        Event::RadioSent { message, to: None, data, .. } => {
-            format!("sends message {message} to all, {} bytes", data.len())
-        }
-        Event::RadioArrived { from, message, .. } => format!("message {message} of r{from} arrives"),
-        Event::RadioLost { from, message, cause, .. } => format!("message {message} of r{from} is lost: {cause}"),
-        Event::RadioReceived { from, message, .. } => format!("takes message {message} of r{from}"),
-        Event::Fault { what, location, .. } if !location.is_empty() => format!("{what} at {location}"),
-        Event::Fault { what, .. } => (*what).to_owned(),
-        Event::Reason { text } | Event::Hint { text } => Printable(text).to_string(),
-        Event::Call { function, arguments, result: "" } => format!("{function}({})", Printable(arguments)),
-        Event::Call { function, arguments, result } => {
-            format!("{function}({}) = {}", Printable(arguments), Printable(result))
-        }
-        Event::ControlStarted { .. } => "starts its speed controller".to_owned(),
-        Event::ControlStopped {} => "stops its speed controller".to_owned(),
-        Event::TimerAttached { timer, period_s } => format!("attaches timer {timer}, every {period_s:.3} s"),
-        Event::TimerDetached { timer } => format!("detaches timer {timer}"),
-        other => plain_words(other.kind(), fields),
+        "add_robot" => format!("a hand adds a {} at {}", fields.text("kind"), fields.place()),
+        "remove_robot" => format!("a hand takes r{} away", number("robot")),
+        "add_object" => format!("a hand adds a {} at {}", fields.text("kind"), fields.place()),
+        "remove_object" => format!("a hand takes object {} away", number("object")),
+        "end" => "a hand ends the run".to_owned(),
+        other => plain_words(other, action),
     }
 }
 
 /// The fields by their names.
-fn plain_words(kind: Kind, fields: &serde_json::Value) -> String {
-    let mut words = kind.name().replace('_', " ");
+fn plain_words(kind: &str, fields: &serde_json::Value) -> String {
+    let mut words = kind.replace('_', " ");
     for (name, value) in fields.as_object().into_iter().flatten() {
         // Writing to a string cannot fail.
         _ = write!(words, ", {} {value}", name.replace('_', " "));
@@ -227,6 +284,60 @@ fn plain_words(kind: Kind, fields: &serde_json::Value) -> String {
     words
 }
 
-fn degrees(radians: f64) -> f64 {
-    sim_core::unit::degrees_from_radians(radians)
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::event::{ActionText, Obstacle};
+
+    fn record(event: Event<'_>) -> Record<'_> {
+        Record { time: Time(1_500_000), robot: RobotId(2), sequence: Some(7), event }
+    }
+
+    #[test]
+    fn frequent_kinds_are_readings_and_the_others_events() {
+        let mut feed = Feed::default();
+        for distance_m in [Some(0.5), None] {
+            let event = Event::Distance { device: "PSD_FRONT", distance_m, measured_s: 1.0 };
+            feed.record(&record(event)).expect("it takes everything");
+        }
+        feed.record(&record(Event::Key { key: "KEY1" })).expect("it takes everything");
+        let readings = feed.readings(RobotId(2));
+        assert_eq!((readings.len(), readings[0].value, readings[0].at_s), (1, None, 1.5), "the last one");
+        let events = feed.take_events();
+        assert_eq!((events.len(), events[0].number, &*events[0].text), (1, 1, "takes KEY1"));
+        assert_eq!(events[0].fields, serde_json::json!({"key": "KEY1"}));
+        assert!(feed.take_events().is_empty() && feed.readings(RobotId(1)).is_empty());
+    }
+
+    #[test]
+    fn what_nobody_takes_is_counted_and_left_out() {
+        let mut feed = Feed::default();
+        for _ in 0..MOST_EVENTS + 5 {
+            feed.record(&record(Event::Beep {})).expect("it takes everything");
+        }
+        assert_eq!(feed.take_events().len(), MOST_EVENTS);
+        feed.record(&record(Event::Beep {})).expect("it takes everything");
+        assert_eq!(feed.take_events()[0].number as usize, MOST_EVENTS + 6);
+    }
+
+    #[test]
+    fn events_have_words() {
+        let words = |event| told(1, &record(event)).text;
+        let contact = |with| Event::Contact { at_s: 1.0, with, x_m: 0.5, y_m: 1.25 };
+        assert_eq!(words(contact(Obstacle::Wall)), "touches a wall at (0.500 m, 1.250 m)");
+        assert_eq!(words(contact(Obstacle::Robot(3))), "touches r3 at (0.500 m, 1.250 m)");
+        let sent = Event::RadioSent { message: 4, to: None, begins_s: None, data: &[1, 2] };
+        assert_eq!(words(sent), "sends message 4 to all, 2 bytes");
+        let press = ActionText(r#"{"do":"press","robot":1,"key":"KEY1"}"#);
+        assert_eq!(words(Event::Intervention { action: press }), "a hand presses KEY1 of r1");
+        assert_eq!(words(Event::Call { function: "OSWait", arguments: "5", result: "" }), "OSWait(5)");
+    }
+
+    #[test]
+    fn every_kind_is_told_or_kept_or_shown() {
+        let interest = Feed::default().interest();
+        for kind in Kind::ALL {
+            assert_eq!(interest.contains(*kind), is_told(*kind) || READINGS.contains(kind), "{}", kind.name());
+        }
+    }
 }

@@ -10,6 +10,7 @@ pub mod detail;
 mod device;
 pub mod feed;
 pub mod gate;
+
 pub mod scene;
 pub mod show;
 pub mod snapshot;

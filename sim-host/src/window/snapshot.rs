@@ -11,6 +11,7 @@ use crate::executive::standing::waits_now;
 use crate::robios::ir;
 use crate::robios::range::Sight;
 use crate::robios::robot::{Ending, Robot};
+use crate::robios::switch::Sensor;
 
 /// Most beams of a snapshot; those of the robots that are looked at come first.
 const MOST_BEAMS: usize = 1000;
@@ -69,17 +70,21 @@ pub fn beams(run: &Run, world: &World, ids: impl Iterator<Item = RobotId>) -> Ve
         if beams.len() + sights.len() > MOST_BEAMS {
             break;
         }
-        beams.extend((0..).zip(sights).map(|(sensor, sight)| beam(id, sensor, &sight)));
+        beams.extend(sights.iter().map(|(sensor, sight)| beam(id, *sensor, sight)));
     }
     beams
 }
 
-/// What the sensors look at that come first among the robot's: ranges, then infrared.
-fn sights(robot: &mut Robot, world: &World, at: Time) -> Vec<Sight> {
+/// What those sensors look at that come first among the robot's, ranges, then infrared, each with its place among all; those that
+/// are switched off see nothing.
+fn sights(robot: &mut Robot, world: &World, at: Time) -> Vec<(u32, Sight)> {
     let Robot { devices, motion, .. } = robot;
-    let mut sights = devices.ranges.sights(&devices.servos, motion, world, at);
-    sights.append(&mut ir::sights(robot, world, at));
-    sights
+    let ranges = devices.ranges.sights(&devices.servos, motion, world, at);
+    let kinds = (0..ranges.len()).map(Sensor::Range);
+    let infrareds = ir::sights(robot, world, at);
+    let kinds: Vec<Sensor> = kinds.chain((0..infrareds.len()).map(Sensor::Infrared)).collect();
+    let all = (0..).zip(ranges.into_iter().chain(infrareds)).zip(kinds);
+    all.filter(|(_, sensor)| robot.devices.switches.is_on(*sensor)).map(|(sight, _)| sight).collect()
 }
 
 fn beam(RobotId(robot): RobotId, sensor: u32, sight: &Sight) -> Beam {

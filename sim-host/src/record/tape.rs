@@ -1,0 +1,183 @@
+//! What would stand in the trace of a run, kept in few bytes while it goes on: a trace is made of it when somebody wants one.
+//!
+//! Events are kept in their canonical form in a temporary file without a name, a fraction of the time that lines of JSON take.
+
+use std::fs::File;
+use std::io::{self, Write as _};
+use std::os::unix::fs::FileExt as _;
+use std::path::Path;
+use std::sync::Arc;
+
+use parking_lot::Mutex;
+use serde::{Deserialize, Serialize};
+use sim_core::RobotId;
+use sim_core::time::Time;
+
+use super::digest::Digest;
+use super::event::{Event, Kind, KindSet, Record};
+use super::recorder::{RecordError, Sink};
+use super::trace::{Trace, TraceHeader};
+
+/// Bytes that are kept of one run.
+const MOST_BYTES: u64 = 128 << 20;
+
+/// So many bytes are handed to the file at once.
+const BATCH: usize = 1 << 16;
+
+/// Why there is no trace of a run.
+#[derive(Debug, thiserror::Error)]
+pub enum TapeError {
+    /// It is too long.
+    #[error("so much has happened in this run that it is not kept: `--trace FILE` writes all of it")]
+    Full,
+    /// The operating system refuses.
+    #[error("the temporary file of the run cannot be used: {0}")]
+    File(#[from] io::Error),
+    /// The trace cannot be written.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+}
+
+/// The events of a run so far.
+pub struct Tape {
+    header: TraceHeader,
+    file: Arc<File>,
+    /// Not yet in the file.
+    batch: Vec<u8>,
+    length: u64,
+    failure: Option<TapeError>,
+}
+
+/// What is kept.
+#[derive(Serialize, Deserialize)]
+enum Entry<'a> {
+    Event {
+        time: i64,
+        robot: u32,
+        sequence: Option<u64>,
+        #[serde(borrow)]
+        event: Event<'a>,
+    },
+    Slot {
+        end: i64,
+        digest: [u8; 32],
+    },
+    End {
+        end: i64,
+        digest: [u8; 32],
+    },
+}
+
+impl Tape {
+    /// An empty tape of a run whose trace begins so.
+    ///
+    /// # Errors
+    /// When there is no room for temporary files.
+    pub fn new(header: TraceHeader) -> io::Result<Self> {
+        let file = Arc::new(tempfile::tempfile()?);
+        Ok(Self { header, file, batch: Vec::with_capacity(2 * BATCH), length: 0, failure: None })
+    }
+
+    /// The trace up to now; the tape goes on meanwhile.
+    ///
+    /// # Errors
+    /// [`TapeError`] where it has not been kept.
+    pub fn trace(tape: &Mutex<Self>) -> Result<Vec<u8>, TapeError> {
+        let (file, length, header) = {
+            let mut tape = tape.lock();
+            tape.flush();
+            if let Some(failure) = tape.failure.take() {
+                tape.failure = Some(TapeError::Full);
+                return Err(failure);
+            }
+            (Arc::clone(&tape.file), tape.length, tape.header.clone())
+        };
+        let mut bytes = vec![0; length as usize];
+        file.read_exact_at(&mut bytes, 0)?;
+        let lines = Arc::new(Mutex::new(Vec::new()));
+        let mut trace = Trace::new(Box::new(Shared(Arc::clone(&lines))), Path::new("trace.jsonl"), &header)?;
+        let mut rest = &bytes[..];
+        while !rest.is_empty() {
+            let (entry, after) = postcard::take_from_bytes(rest).map_err(io::Error::other)?;
+            rest = after;
+            match entry {
+                Entry::Event { time, robot, sequence, event } => {
+                    trace.record(&Record { time: Time(time), robot: RobotId(robot), sequence, event })?;
+                }
+                Entry::Slot { end, digest } => trace.end_slot(Time(end), Some(Digest(digest)))?,
+                Entry::End { end, digest } => trace.finish(Time(end), Digest(digest))?,
+            }
+        }
+        // What was recorded since the last slot's end.
+        trace.end_slot(Time::ZERO, None)?;
+        drop(trace);
+        Ok(std::mem::take(&mut *lines.lock()))
+    }
+
+    fn keep(&mut self, entry: &Entry<'_>) {
+        if self.failure.is_some() {
+            return;
+        }
+        let batch = std::mem::take(&mut self.batch);
+        match postcard::to_extend(entry, batch) {
+            Ok(batch) => self.batch = batch,
+            Err(error) => self.failure = Some(io::Error::other(error).into()),
+        }
+        if self.batch.len() >= BATCH {
+            self.flush();
+        }
+    }
+
+    fn flush(&mut self) {
+        let batch = &mut self.batch;
+        let written = (&*self.file).write_all(batch);
+        self.length += batch.len() as u64;
+        batch.clear();
+        if let Err(error) = written {
+            self.failure = Some(error.into());
+        } else if self.length > MOST_BYTES {
+            self.failure = Some(TapeError::Full);
+            // Nobody needs what is there.
+            let _ = self.file.set_len(0);
+        }
+    }
+}
+
+/// Never fails: a run does not end for want of a download.
+impl Sink for Tape {
+    fn interest(&self) -> KindSet {
+        KindSet::ALL.without(Kind::Call)
+    }
+
+    fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
+        let Record { time, robot, sequence, event } = *record;
+        self.keep(&Entry::Event { time: time.0, robot: robot.0, sequence, event });
+        Ok(())
+    }
+
+    fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
+        if let Some(Digest(digest)) = digest {
+            self.keep(&Entry::Slot { end: end.0, digest });
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, end: Time, Digest(digest): Digest) -> Result<(), RecordError> {
+        self.keep(&Entry::End { end: end.0, digest });
+        Ok(())
+    }
+}
+
+/// Memory that outlives who writes to it.
+struct Shared(Arc<Mutex<Vec<u8>>>);
+
+impl io::Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.lock().extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

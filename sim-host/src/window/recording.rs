@@ -1,0 +1,348 @@
+//! A run as a page plays it, made from its trace.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::io::BufRead;
+
+use sim_core::time::Time;
+use sim_view::protocol::{Action, Life, Recording, Scene, Shown, Standing, Stood, Track};
+
+use super::feed::{event_of, is_told};
+use crate::record::Kind;
+use crate::record::read::{Line, RecordedEvent, TraceError, TraceReader};
+use crate::robios::lcd::{self, Lcd};
+
+/// How far a track may be from the recorded positions, m.
+const TOLERANCE: f64 = 2e-3;
+
+/// How far it may be from the recorded headings, rad.
+const TOLERANCE_RAD: f64 = TAU / 360.0;
+
+/// Most events of a kind.
+const MOST_OF_KIND: u32 = 5_000;
+
+/// Time between two contents of a display, at first: it doubles when there are more than [`MOST_SHOWN`].
+const DISPLAY_PERIOD: f64 = 0.1;
+
+/// Most contents of a display.
+const MOST_SHOWN: usize = 4_000;
+
+/// Makes a recording of the trace of a run in which there is this to see.
+///
+/// # Errors
+/// [`TraceError`] for a line that is wrong; a trace that was cut off is told of in the recording.
+pub fn recording<R: BufRead>(
+    mut trace: TraceReader<R>,
+    scene: Scene,
+    mut remarks: Vec<String>,
+) -> Result<Recording, TraceError> {
+    let slot = Time(trace.header().slot_us).seconds();
+    let mut maker = Maker {
+        slot,
+        robots: scene.robots.iter().map(|robot| (robot.id, RobotMaker::default())).collect(),
+        objects: scene.objects.iter().map(|object| (object.id, TrackMaker::default())).collect(),
+        events: Vec::new(),
+        counts: BTreeMap::new(),
+        count: 0,
+    };
+    let (mut duration_s, mut end) = (0.0_f64, None);
+    while let Some(line) = trace.next_line()? {
+        match line {
+            Line::Event(event) => maker.take(event),
+            Line::Slot { end, .. } => duration_s = duration_s.max(end.seconds()),
+            Line::End { end: at, digest } => {
+                duration_s = duration_s.max(at.seconds());
+                end = Some(digest);
+            }
+        }
+    }
+    if end.is_none() {
+        remarks.push(format!("the trace was cut off after {duration_s:.3} s"));
+    }
+    let Maker { robots, objects, events, count, .. } = maker;
+    Ok(Recording {
+        scene,
+        duration_s,
+        why: if end.is_some() { "the run ended".to_owned() } else { "the trace was cut off".to_owned() },
+        digest: end.map(|digest| digest.to_string()).unwrap_or_default(),
+        remarks,
+        robots: robots.into_values().map(RobotMaker::finish).collect(),
+        objects: objects.into_values().map(TrackMaker::finish).collect(),
+        events_left_out: count - events.len() as u32,
+        events,
+    })
+}
+
+/// Collects what a recording holds.
+struct Maker {
+    slot: f64,
+    robots: BTreeMap<u32, RobotMaker>,
+    objects: BTreeMap<u32, TrackMaker>,
+    events: Vec<sim_view::protocol::Event>,
+    /// By kind how many there are.
+    counts: BTreeMap<String, u32>,
+    /// Events that pages are told of.
+    count: u32,
+}
+
+impl Maker {
+    fn take(&mut self, event: RecordedEvent) {
+        let RecordedEvent { at, robot, kind, fields } = event;
+        let t_s = at.seconds();
+        self.move_bodies(t_s, robot, &kind, &fields);
+        if let Some(maker) = robot.and_then(|robot| self.robots.get_mut(&robot)) {
+            maker.take(t_s, &kind, &fields);
+        }
+        let known = Kind::ALL.iter().find(|known| known.name() == kind);
+        if known.is_none_or(|kind| is_told(*kind)) {
+            self.count += 1;
+            let of_kind = self.counts.entry(kind.clone()).or_default();
+            *of_kind += 1;
+            if *of_kind <= MOST_OF_KIND {
+                self.events.push(event_of(self.count, at, robot, &kind, fields));
+            }
+        }
+    }
+
+    /// Follows the bodies.
+    fn move_bodies(&mut self, t_s: f64, robot: Option<u32>, kind: &str, fields: &serde_json::Value) {
+        let slot = self.slot;
+        let object = fields["object"].as_u64().and_then(|object| u32::try_from(object).ok());
+        let track = match kind {
+            "pose" | "placed" => robot.and_then(|robot| self.robots.get_mut(&robot)).map(|maker| &mut maker.track),
+            "object" | "object_placed" => object.and_then(|object| self.objects.get_mut(&object)),
+            "intervention" => return self.intervene(t_s, &fields["action"]),
+            _ => None,
+        };
+        let (Some(track), Some(pose)) = (track, pose_of(fields)) else { return };
+        if matches!(kind, "placed" | "object_placed") { track.jump(t_s, pose) } else { track.push(t_s, pose, slot) }
+    }
+
+    /// Follows the bodies that a hand puts elsewhere, or takes away.
+    fn intervene(&mut self, t_s: f64, action: &serde_json::Value) {
+        let Ok(action) = serde_json::from_value::<Action>(action.clone()) else { return };
+        match action {
+            Action::PlaceRobot { robot, x_m, y_m, phi_rad } => {
+                if let Some(maker) = self.robots.get_mut(&robot) {
+                    maker.track.jump(t_s, [x_m, y_m, phi_rad]);
+                }
+            }
+            Action::PlaceObject { object, x_m, y_m, phi_rad } => {
+                if let Some(track) = self.objects.get_mut(&object) {
+                    track.jump(t_s, [x_m, y_m, phi_rad]);
+                }
+            }
+            Action::RemoveRobot { robot } => {
+                if let Some(maker) = self.robots.get_mut(&robot) {
+                    maker.track.until = Some(t_s);
+                }
+            }
+            Action::RemoveObject { object } => {
+                if let Some(track) = self.objects.get_mut(&object) {
+                    track.until = Some(t_s);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Position and heading, whole turns in it, of a line.
+fn pose_of(fields: &serde_json::Value) -> Option<[f64; 3]> {
+    let number = |name: &str| fields[name].as_f64();
+    let turns = number("turns").unwrap_or_default();
+    Some([number("x_m")?, number("y_m")?, number("phi_rad")? + turns * TAU])
+}
+
+/// Collects what became of a robot.
+#[derive(Default)]
+struct RobotMaker {
+    track: TrackMaker,
+    standings: Vec<Stood>,
+    display: Display,
+}
+
+impl RobotMaker {
+    fn take(&mut self, t_s: f64, kind: &str, fields: &serde_json::Value) {
+        let mut stand = |standing| self.standings.push(Stood { t_s: round(t_s, 1e6), standing, why: String::new() });
+        match kind {
+            "program_started" if fields["program"] == "" => stand(Standing::NoProgram),
+            "program_started" => stand(Standing::Running),
+            "program_ended" => match fields["outcome"].as_str().unwrap_or_default() {
+                "finished" => stand(Standing::Finished),
+                "failed" | "timeout" => stand(Standing::Failed),
+                "waiting" => stand(Standing::Waiting),
+                _ => {}
+            },
+            "reason" => {
+                if let Some(last) = self.standings.last_mut() {
+                    last.why = fields["text"].as_str().unwrap_or_default().to_owned();
+                }
+            }
+            _ => self.display.take(t_s, kind, fields),
+        }
+    }
+
+    fn finish(self) -> Life {
+        Life { track: self.track.finish(), standings: self.standings, lcd: self.display.finish() }
+    }
+}
+
+/// What a display shows.
+#[derive(Default)]
+struct Display {
+    classic: Lcd,
+    /// The lines of a display that is larger than the classic one.
+    lines: Vec<String>,
+    is_large: bool,
+    shown: Vec<Shown>,
+    /// Least time between two contents, s.
+    period: f64,
+}
+
+impl Display {
+    fn take(&mut self, t_s: f64, kind: &str, fields: &serde_json::Value) {
+        let number = |name: &str| fields[name].as_u64().unwrap_or_default() as usize;
+        let text = fields["text"].as_str().unwrap_or_default();
+        match kind {
+            "lcd_text" => self.write(number("row"), number("column"), text),
+            "lcd_clear" => {
+                self.classic.clear();
+                self.lines.clear();
+            }
+            // A position beyond the menu is no position.
+            "lcd_menu" => drop(self.classic.set_menu(number("position") as i32, text.as_bytes())),
+            _ => return,
+        }
+        self.show(t_s);
+    }
+
+    fn write(&mut self, row: usize, column: usize, text: &str) {
+        self.is_large |= row >= lcd::LINES || column + text.chars().count() > lcd::COLUMNS * lcd::LINES;
+        if self.classic.set_position(row as i32, column as i32).is_ok() {
+            self.classic.write(text.as_bytes());
+        }
+        for (below, part) in text.lines().enumerate() {
+            let (row, column) = (row + below, if below == 0 { column } else { 0 });
+            if row >= MOST_ROWS {
+                return;
+            }
+            self.lines.resize(self.lines.len().max(row + 1), String::new());
+            let mut line: Vec<char> = self.lines[row].chars().collect();
+            line.resize(line.len().max(column + part.chars().count()), ' ');
+            part.chars().enumerate().for_each(|(place, letter)| line[column + place] = letter);
+            self.lines[row] = line.into_iter().collect();
+        }
+    }
+
+    fn show(&mut self, t_s: f64) {
+        let lines = if self.is_large { self.lines.clone() } else { self.classic.lines().to_vec() };
+        self.period = self.period.max(DISPLAY_PERIOD);
+        match self.shown.last_mut() {
+            Some(last) if t_s - last.t_s < self.period => last.lines = lines,
+            Some(last) if last.lines == lines => {}
+            _ => self.shown.push(Shown { t_s: round(t_s, 1e3), lines }),
+        }
+        if self.shown.len() > MOST_SHOWN {
+            self.period *= 2.0;
+            let mut since = f64::NEG_INFINITY;
+            self.shown.retain(|shown| {
+                let is_kept = shown.t_s - since >= self.period;
+                since = if is_kept { shown.t_s } else { since };
+                is_kept
+            });
+        }
+    }
+
+    fn finish(self) -> Vec<Shown> {
+        self.shown
+    }
+}
+
+/// More rows than any display has.
+const MOST_ROWS: usize = 256;
+
+/// Collects where a body was, and drops what lies on the way: the slopes of all lines through the last corner that pass everything
+/// since then within the tolerance (swinging door, Bristol 1990).
+#[derive(Default)]
+struct TrackMaker {
+    corners: Vec<Corner>,
+    /// The newest point, not yet a corner, and the slopes that are left.
+    open: Option<(Corner, [[f64; 2]; 3])>,
+    until: Option<f64>,
+}
+
+/// Time, x, y and heading.
+#[derive(Clone, Copy)]
+struct Corner {
+    t_s: f64,
+    pose: [f64; 3],
+}
+
+impl TrackMaker {
+    /// Goes on to `pose` at `t_s`; before the slot of this length it rested.
+    fn push(&mut self, t_s: f64, pose: [f64; 3], slot: f64) {
+        if let Some(last) = self.last()
+            && t_s - last.t_s > 1.5 * slot
+        {
+            self.add(Corner { t_s: t_s - slot, pose: last.pose });
+        }
+        self.add(Corner { t_s, pose });
+    }
+
+    /// Is put to `pose` at `t_s`.
+    fn jump(&mut self, t_s: f64, pose: [f64; 3]) {
+        if let Some(last) = self.last() {
+            self.add(Corner { t_s, pose: last.pose });
+        }
+        self.close();
+        self.corners.push(Corner { t_s, pose });
+    }
+
+    fn last(&self) -> Option<Corner> {
+        self.open.map(|(point, _)| point).or(self.corners.last().copied())
+    }
+
+    fn close(&mut self) {
+        self.corners.extend(self.open.take().map(|(point, _)| point));
+    }
+
+    fn add(&mut self, point: Corner) {
+        let Some(corner) = self.corners.last() else { return self.corners.push(point) };
+        let seconds = point.t_s - corner.t_s;
+        if seconds <= 0.0 {
+            return;
+        }
+        let slope = |axis: usize, slack: f64| (point.pose[axis] - corner.pose[axis] + slack) / seconds;
+        let slack = [TOLERANCE, TOLERANCE, TOLERANCE_RAD];
+        let own: [[f64; 2]; 3] = std::array::from_fn(|axis| [slope(axis, -slack[axis]), slope(axis, slack[axis])]);
+        let slopes = match &self.open {
+            None => own,
+            Some((_, left)) if (0..3).all(|axis| (left[axis][0]..=left[axis][1]).contains(&slope(axis, 0.0))) => {
+                std::array::from_fn(|axis| [left[axis][0].max(own[axis][0]), left[axis][1].min(own[axis][1])])
+            }
+            Some(_) => {
+                self.close();
+                return self.add(point);
+            }
+        };
+        self.open = Some((point, slopes));
+    }
+
+    fn finish(mut self) -> Track {
+        self.close();
+        let axis = |axis: usize| self.corners.iter().map(|corner| round(corner.pose[axis], 1e4)).collect();
+        Track {
+            t_s: self.corners.iter().map(|corner| round(corner.t_s, 1e6)).collect(),
+            x_m: axis(0),
+            y_m: axis(1),
+            phi_rad: axis(2),
+            until_s: self.until,
+        }
+    }
+}
+
+/// A number with as few digits as it takes.
+fn round(number: f64, steps: f64) -> f64 {
+    (number * steps).round() / steps
+}
