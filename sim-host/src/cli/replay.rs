@@ -1,24 +1,39 @@
-//! `eyesim replay`: a recorded run once more.
+//! `eyesim replay`: a recorded run once more, on the page or run again.
 
 use std::collections::VecDeque;
+use std::net::Ipv4Addr;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use anyhow::{bail, ensure};
+use anyhow::{Context as _, bail, ensure};
 use clap::Args;
+use glam::DVec2;
 use parking_lot::Mutex;
+use sim_core::build;
+use sim_core::format::{ObjectSpec, RobotSpec, builtin, load_scene_with};
 use sim_core::time::Time;
+use sim_core::{ObjectId, RobotId};
+use sim_view::page::Page;
+use sim_view::protocol::{Action, Recording, Workshop};
+use sim_view::window::{Access, Download};
 
 use super::EXIT_PROGRAM;
+use super::options::{Options, give_noise};
+use super::output::check_outputs;
 use super::run::{Built, Company, RunArgs, print};
+use super::view::{open_browser, open_window};
 use crate::executive::conductor::End;
 use crate::executive::gate::{Boundary, Gate, Pass};
 use crate::executive::script::Script;
+use crate::files::DiskFiles;
 use crate::record::event::KindSet;
-use crate::record::report::Input;
-use crate::record::{Digest, Record, RecordError, Recorded, Sink};
+use crate::record::report::{Input, write_whole};
+use crate::record::{Digest, Record, RecordError, Recorded, Sink, TraceReader};
+use crate::scenery::{LazyScenery, Newcomer};
+use crate::window::recording::recording;
+use crate::window::scene::{ObjectSubject, RobotSubject, Subject};
 
 /// Arguments of `eyesim replay`.
 #[derive(Args)]
@@ -32,6 +47,15 @@ pub struct ReplayArgs {
     /// Robots that run at one time [default: one for each processor]
     #[arg(long, value_name = "NUMBER", requires = "verify")]
     threads: Option<NonZeroUsize>,
+    /// Write the recording and the page that plays it as one file, which opens from disk anywhere
+    #[arg(long, value_name = "FILE.html", conflicts_with = "verify")]
+    html: Option<PathBuf>,
+    /// Do not open a browser
+    #[arg(long, conflicts_with_all = ["verify", "html"])]
+    no_open: bool,
+    /// Port at which the page is found, 0 for any free one [default: 7351, or any free one if that is taken]
+    #[arg(long, value_name = "NUMBER", conflicts_with_all = ["verify", "html"])]
+    port: Option<u16>,
 }
 
 /// Runs the command.
@@ -39,8 +63,115 @@ pub struct ReplayArgs {
 /// # Errors
 /// A trace that cannot be read or run again.
 pub fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
-    ensure!(args.verify, "expected `--verify`");
-    verify(args)
+    if args.verify {
+        return verify(args);
+    }
+    let recorded = Recorded::read(&args.trace)?;
+    let recording = Arc::new(serde_json::to_string(&recording_of(&recorded, &args.trace)?)?);
+    let page = Page::load(|text| eprintln!("{text}"));
+    if let Some(path) = &args.html {
+        let trace = args.trace.to_string_lossy();
+        check_outputs(&[("--html", path)], std::iter::once(&*trace))?;
+        let text = page.with_recording(&recording).map_err(anyhow::Error::msg)?;
+        write_whole(path, text.as_bytes()).with_context(|| format!("--html `{}`", path.display()))?;
+        print(&format!("{}\n", path.display()))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    if let Some(why) = page.why_missing() {
+        eprintln!("{why}");
+    }
+    let title = args.trace.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let window = open_window(page, Access::Local, Ipv4Addr::LOCALHOST.into(), args.port, &title)?;
+    window.offer("recording.json", Download::new("application/json", move || Ok(recording.as_bytes().to_vec())));
+    let trace = args.trace.clone();
+    let trace = move || std::fs::read(&trace).map_err(|error| error.to_string());
+    window.offer("trace.jsonl", Download::new("application/jsonl", trace));
+    let url = window.url();
+    print(&format!("{url}\n"))?;
+    if !args.no_open && !open_browser(&url) {
+        eprintln!("no browser could be opened: open the address above in one, or set BROWSER");
+    }
+    // Ctrl-C ends the process.
+    loop {
+        std::thread::park();
+    }
+}
+
+/// The recorded run as a page plays it; what its scene looks like is read from the scene's files.
+fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> {
+    let args = args_of(recorded, trace)?;
+    let mut files = DiskFiles::of_environment();
+    let mut loaded = load_scene_with(&files.name(&args.sim), args.seed, &files);
+    if let Some(noise) = &args.noise {
+        give_noise(&mut loaded, noise, &mut files)?;
+    }
+    ensure!(
+        !loaded.has_errors(),
+        "the scene `{0}` of the trace cannot be read any more: `eyesim check {0}` says why",
+        args.sim.display()
+    );
+    let options = Options::new(&args, &mut loaded.scene)?;
+    let remarks = remarks(recorded, &present_inputs(recorded));
+    remarks.iter().for_each(|remark| eprintln!("{remark}"));
+    let spec = Arc::new(loaded.scene);
+    let scenery = LazyScenery::new(Arc::clone(&spec), files, loaded.diagnostics, loaded.inputs);
+    let mut robots: Vec<RobotSubject> = spec.robots.iter().map(subject_of_robot).collect();
+    let mut objects: Vec<ObjectSubject> =
+        (1..).map(ObjectId).zip(build::movable(&spec)).map(subject_of_object).collect();
+    for (_, action) in &recorded.interventions {
+        match action {
+            Action::AddRobot { kind, x_m, y_m, .. } => {
+                let known = robots.iter().find(|robot| robot.robi.name == *kind).map(|robot| Arc::clone(&robot.robi));
+                let Some(robi) = known.or_else(|| builtin::robot(kind).map(Arc::new)) else { continue };
+                let id = RobotId::from_index(robots.len());
+                scenery.add(Newcomer::Robot(id, Arc::clone(&robi)));
+                let position = DVec2::new(*x_m, *y_m);
+                robots.push(RobotSubject { id, robi, program: String::new(), position, has_colours: false });
+            }
+            Action::AddObject { kind, x_m, y_m, .. } => {
+                let known = objects.iter().find(|it| it.kind.name == *kind).map(|object| Arc::clone(&object.kind));
+                let Some(kind) = known.or_else(|| builtin::object(kind).map(Arc::new)) else { continue };
+                let id = ObjectId::from_index(objects.len());
+                scenery.add(Newcomer::Object(id, Arc::clone(&kind)));
+                objects.push(ObjectSubject { id, kind, position: DVec2::new(*x_m, *y_m) });
+            }
+            _ => {}
+        }
+    }
+    let subject = Subject {
+        run: 1,
+        seed: recorded.header.seed,
+        slot: options.slot,
+        spec: &spec,
+        scenery: &scenery.get(),
+        robots,
+        objects,
+        workshop: Workshop::default(),
+    };
+    Ok(recording(TraceReader::open(trace)?, subject.scene(), remarks)?)
+}
+
+fn subject_of_robot(spec: &RobotSpec) -> RobotSubject {
+    RobotSubject {
+        id: spec.id,
+        robi: Arc::clone(&spec.robi),
+        program: spec.program_name().to_owned(),
+        position: spec.start.position,
+        has_colours: spec.api.or(spec.dialect) == Some(7),
+    }
+}
+
+fn subject_of_object((id, spec): (ObjectId, &ObjectSpec)) -> ObjectSubject {
+    ObjectSubject { id, kind: Arc::clone(&spec.kind), position: spec.pose.position }
+}
+
+/// The files that decided what was run, as they are now.
+fn present_inputs(recorded: &Recorded) -> Vec<Input> {
+    let input = |old: &Input| {
+        let path = Path::new(&old.path);
+        Some(Input::new(path, &std::fs::read(path).ok()?))
+    };
+    recorded.header.inputs.iter().filter_map(input).collect()
 }
 
 /// Runs a trace again, and compares the digests slot by slot.

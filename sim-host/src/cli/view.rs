@@ -8,26 +8,29 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime};
 
-use anyhow::ensure;
+use anyhow::{Context as _, ensure};
 use clap::Args;
 use parking_lot::Mutex;
+use sim_core::format::scene_as_it_stands;
 use sim_core::time::Time;
 use sim_view::page::Page;
-use sim_view::protocol::{Build, RunState, Seed, Workshop};
-use sim_view::window::{Access, Asked, Options, Window, random_token};
+use sim_view::protocol::{Build, RunState, Seed};
+use sim_view::window::{Access, Asked, Download, OpenError, Options, Window, random_token};
 
 use super::EXIT_INTERRUPTED;
-use super::run::{Built, Company, Ran, Ready, Rejected, RunArgs, Speed, explain};
+use super::run::{Built, Company, Ran, Ready, Rejected, RunArgs, Speed, explain, trace_header};
 use crate::executive::conductor::End;
 use crate::executive::program::Exec;
 use crate::executive::signal;
-use crate::record::Sink;
+use crate::files::DiskFiles;
+use crate::record::{Sink, Tape, TraceReader};
 use crate::window::control::Control;
 use crate::window::desk::{Desk, Starter};
 use crate::window::feed::Feed;
 use crate::window::gate::WindowGate;
+use crate::window::recording::recording;
 use crate::window::scene::title;
-use crate::window::show::{Moment, Show, ShowParts};
+use crate::window::show::{Moment, Show, ShowParts, Standings};
 
 /// Arguments of `eyesim view`: those of a run, and how it is watched.
 #[derive(Args)]
@@ -77,7 +80,7 @@ const NAP: Duration = Duration::from_millis(20);
 pub fn run(args: ViewArgs) -> anyhow::Result<ExitCode> {
     ensure!(args.run.frames.is_none(), "--frames: it is for `eyesim run`, since the window may start the run again");
     let ready = prepare(&args.run)?;
-    let window = Arc::new(open(&args, title(ready.scene()))?);
+    let window = Arc::new(open(&args, &title(ready.scene()))?);
     say_where(&args, &window);
     let control = Arc::new(Control::default());
     control.ask(|wishes| {
@@ -107,8 +110,8 @@ fn prepare(args: &RunArgs) -> anyhow::Result<Ready> {
     Built::new(args, |_| Ok(()))?.load(args)
 }
 
-/// Opens the window; without --port at another one if the usual one is taken.
-fn open(args: &ViewArgs, title: String) -> anyhow::Result<Window> {
+/// Opens the window that the arguments ask for.
+fn open(args: &ViewArgs, title: &str) -> anyhow::Result<Window> {
     let page = Page::load(|text| eprintln!("{text}"));
     if let Some(why) = page.why_missing() {
         eprintln!("{why}");
@@ -118,14 +121,20 @@ fn open(args: &ViewArgs, title: String) -> anyhow::Result<Window> {
         (None, Some(_)) => Access::Class { token: random_token().map_err(anyhow::Error::msg)? },
         (None, None) => Access::Local,
     };
-    let ip = args.listen.unwrap_or(Ipv4Addr::LOCALHOST.into());
+    open_window(page, access, args.listen.unwrap_or(Ipv4Addr::LOCALHOST.into()), args.port, title)
+}
+
+/// Opens a window at `ip`; without a port at the usual one, or at any free one if that is taken.
+///
+/// # Errors
+/// A port that is taken, or an address of another machine.
+pub fn open_window(page: Page, access: Access, ip: IpAddr, port: Option<u16>, title: &str) -> anyhow::Result<Window> {
     let open = |port, page| {
-        let (access, title) = (access.clone(), title.clone());
-        let version = env!("CARGO_PKG_VERSION").to_owned();
+        let (access, title, version) = (access.clone(), title.to_owned(), env!("CARGO_PKG_VERSION").to_owned());
         Window::open(Options { address: SocketAddr::new(ip, port), access, title, version }, page)
     };
-    match (open(args.port.unwrap_or(PORT), page.clone()), args.port) {
-        (Err(sim_view::window::OpenError::Taken(_)), None) => Ok(open(0, page)?),
+    match (open(port.unwrap_or(PORT), page.clone()), port) {
+        (Err(OpenError::Taken(_)), None) => Ok(open(0, page)?),
         (window, _) => Ok(window?),
     }
 }
@@ -181,7 +190,8 @@ impl Stage {
             self.control.ask(|wishes| {
                 (wishes.is_over, wishes.is_ending, wishes.steps) = (false, false, 0);
             });
-            let sinks: Vec<Box<dyn Sink>> = vec![Box::new(feed)];
+            let tape = self.offer(&ready, &args, &show)?;
+            let sinks: Vec<Box<dyn Sink>> = vec![Box::new(feed), Box::new(tape)];
             let gate = WindowGate::new(Arc::clone(&self.control), Arc::clone(&show));
             let company = Company { gate: Some(Box::new(gate)), sinks, until: Some(Time::NEVER), is_quiet: true };
             let ran = ready.run(&args, company)?;
@@ -222,9 +232,42 @@ impl Stage {
             spec: Arc::clone(ready.scene()),
             scenery: Arc::clone(ready.scenery()),
             feed: Arc::clone(&feed),
-            workshop: Workshop::default(),
         });
         (Arc::new(Mutex::new(show)), feed)
+    }
+
+    /// Offers pages what there is of the run for download, which is kept on the tape that this returns.
+    fn offer(&self, ready: &Ready, args: &RunArgs, show: &Arc<Mutex<Show>>) -> anyhow::Result<Arc<Mutex<Tape>>> {
+        let until = ready.options().until.unwrap_or(Time::NEVER);
+        let header = trace_header(args, ready.options(), ready.scene(), until, ready.inputs());
+        let tape = Arc::new(Mutex::new(Tape::new(header).context("no room for temporary files")?));
+        let of_trace = Arc::clone(&tape);
+        let trace = move || Tape::trace(&of_trace).map_err(|error| error.to_string());
+        self.window.offer("trace.jsonl", Download::new("application/jsonl", trace.clone()));
+        let of_recording = Arc::clone(show);
+        self.window.offer(
+            "recording.json",
+            Download::new("application/json", move || {
+                let scene = of_recording.lock().scene().ok_or("no page has looked at the run yet")?;
+                let trace = trace()?;
+                let reader = TraceReader::new(&*trace, Path::new("trace.jsonl")).map_err(|error| error.to_string())?;
+                let recording = recording(reader, (*scene).clone(), Vec::new()).map_err(|error| error.to_string())?;
+                serde_json::to_vec(&recording).map_err(|error| error.to_string())
+            }),
+        );
+        let (of_scene, file) = (Arc::clone(show), ready.scene().file.clone());
+        self.window.offer(
+            "scene.toml",
+            Download::new("application/toml", move || {
+                let Standings { robots, objects } = of_scene.lock().standings().clone();
+                let text = scene_as_it_stands(&file, &DiskFiles::of_environment(), &robots, &objects);
+                text.map(String::into_bytes).map_err(|diagnostics| {
+                    let words = diagnostics.iter().map(|diagnostic| diagnostic.message.clone());
+                    words.collect::<Vec<_>>().join("\n")
+                })
+            }),
+        );
+        Ok(tape)
     }
 
     /// Shows how the run has ended until another one begins; none when the user interrupts.

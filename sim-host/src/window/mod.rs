@@ -11,6 +11,7 @@ mod device;
 pub mod feed;
 pub mod gate;
 
+pub mod recording;
 pub mod scene;
 pub mod show;
 pub mod snapshot;

@@ -33,7 +33,7 @@ const MOST_SHOWN: usize = 4_000;
 /// [`TraceError`] for a line that is wrong; a trace that was cut off is told of in the recording.
 pub fn recording<R: BufRead>(
     mut trace: TraceReader<R>,
-    scene: Scene,
+    mut scene: Scene,
     mut remarks: Vec<String>,
 ) -> Result<Recording, TraceError> {
     let slot = Time(trace.header().slot_us).seconds();
@@ -60,6 +60,9 @@ pub fn recording<R: BufRead>(
         remarks.push(format!("the trace was cut off after {duration_s:.3} s"));
     }
     let Maker { robots, objects, events, count, .. } = maker;
+    for (robot, maker) in scene.robots.iter_mut().zip(robots.values()) {
+        robot.lcd.has_colours |= maker.display.is_large;
+    }
     Ok(Recording {
         scene,
         duration_s,

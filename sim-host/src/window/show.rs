@@ -3,12 +3,11 @@
 use std::sync::Arc;
 
 use parking_lot::Mutex;
-use sim_core::build;
-use sim_core::format::SceneSpec;
+use sim_core::format::{SceneSpec, Standing};
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
-use sim_view::protocol::{Detail, RunState, Snapshot, Workshop};
+use sim_view::protocol::{Detail, RunState, Scene, Snapshot};
 use sim_view::window::{Look, Window};
 
 use super::detail::Details;
@@ -27,9 +26,10 @@ pub struct Show {
     spec: Arc<SceneSpec>,
     scenery: Arc<LazyScenery>,
     feed: Arc<Mutex<Feed>>,
-    workshop: Workshop,
-    /// The bodies of the scene that pages have got.
-    cast: Option<Cast>,
+    /// The bodies of the scene that pages have got, and that scene.
+    cast: Option<(Cast, Arc<Scene>)>,
+    /// Where bodies stood last.
+    standings: Standings,
     /// Robots of which pages have chosen to see more.
     looks: Vec<Look>,
     details: Details,
@@ -58,8 +58,15 @@ pub struct ShowParts {
     pub scenery: Arc<LazyScenery>,
     /// What happens in it.
     pub feed: Arc<Mutex<Feed>>,
-    /// What can be added to it.
-    pub workshop: Workshop,
+}
+
+/// The robots and the movable objects that are in the world, as they stand.
+#[derive(Clone, Debug, Default)]
+pub struct Standings {
+    /// In the order of their numbers.
+    pub robots: Vec<Standing>,
+    /// In the order of their numbers.
+    pub objects: Vec<Standing>,
 }
 
 /// How a run stands when it is shown.
@@ -83,15 +90,16 @@ pub struct Moment<'a> {
 impl Show {
     /// A show of which nothing has been seen.
     pub fn new(parts: ShowParts) -> Self {
-        let ShowParts { window, run, seed, slot, spec, scenery, feed, workshop } = parts;
-        let (cast, looks, details) = (None, Vec::new(), Details::default());
-        Self { window, run, seed, slot, spec, scenery, feed, workshop, cast, looks, details }
+        let ShowParts { window, run, seed, slot, spec, scenery, feed } = parts;
+        let (cast, standings, looks, details) = (None, Standings::default(), Vec::new(), Details::default());
+        Self { window, run, seed, slot, spec, scenery, feed, cast, standings, looks, details }
     }
 
     /// Shows the run as it stands; without pages only what has happened is kept for those to come.
     pub fn present(&mut self, moment: Moment<'_>) {
         let Moment { run, world, now, state, speed, rate, ends } = moment;
         self.look(run);
+        self.standings = standings(run, world);
         let events = self.feed.lock().take_events();
         if !self.window.has_pages() {
             self.window.tell(events);
@@ -99,7 +107,7 @@ impl Show {
         }
         self.set_scene(run, world);
         self.window.tell(events);
-        let Some(Cast { robots, objects }) = self.cast.clone() else { return };
+        let Some((Cast { robots, objects }, _)) = self.cast.clone() else { return };
         let chosen = self.looks.iter().map(|look| RobotId(look.robot)).filter(|id| robots.contains(id));
         let chosen: Vec<RobotId> = chosen.collect();
         let others = robots.iter().copied().filter(|id| !chosen.contains(id));
@@ -140,28 +148,26 @@ impl Show {
 
     /// Shows what there is to see, if pages have not got it or bodies have come or gone.
     fn set_scene(&mut self, run: &Run, world: &World) {
-        let at = world.slot_start();
-        let robots = (0..world.robot_count()).map(RobotId::from_index).filter(|id| world.is_robot_there(*id, at));
-        let objects = (0..world.object_count()).map(ObjectId::from_index).filter(|id| world.is_object_there(*id, at));
-        let cast = Cast { robots: robots.collect(), objects: objects.collect() };
-        if self.cast.as_ref() == Some(&cast) {
+        let cast = Cast::of(world);
+        if self.cast.as_ref().is_some_and(|(shown, _)| *shown == cast) {
             return;
         }
+        let workshop = run.workshop();
+        let Some(workshop) = &*workshop else { return };
+        let at = world.slot_start();
         let robot = |id: &RobotId| {
-            let robot = run.robot(*id);
-            let program = self.spec.robots.get(id.index()).map_or("", |spec| spec.program_name());
+            let spec = &workshop.robots()[id.index()];
             RobotSubject {
                 id: *id,
-                robi: Arc::clone(&robot.spec),
-                program: if program.is_empty() { robot.program.clone() } else { program.to_owned() },
+                robi: Arc::clone(&spec.robi),
+                program: spec.program_name().to_owned(),
                 position: world.robot_pose(*id, at).position,
-                has_colours: robot.devices.screen.is_some(),
+                has_colours: run.robot(*id).devices.screen.is_some(),
             }
         };
-        let kinds: Vec<_> = build::movable(&self.spec).map(|object| Arc::clone(&object.kind)).collect();
         let object = |id: &ObjectId| {
-            let position = world.object_pose(*id, at).position;
-            Some(ObjectSubject { id: *id, kind: Arc::clone(kinds.get(id.index())?), position })
+            let kind = Arc::clone(&workshop.objects()[id.index()].kind);
+            ObjectSubject { id: *id, kind, position: world.object_pose(*id, at).position }
         };
         let subject = Subject {
             run: self.run,
@@ -170,11 +176,22 @@ impl Show {
             spec: &self.spec,
             scenery: &self.scenery.get(),
             robots: cast.robots.iter().map(robot).collect(),
-            objects: cast.objects.iter().filter_map(object).collect(),
-            workshop: self.workshop.clone(),
+            objects: cast.objects.iter().map(object).collect(),
+            workshop: workshop.types(),
         };
-        self.window.show_scene(subject.scene());
-        self.cast = Some(cast);
+        let scene = subject.scene();
+        self.window.show_scene(scene.clone());
+        self.cast = Some((cast, Arc::new(scene)));
+    }
+
+    /// The scene as pages have got it last; none before the first page.
+    pub fn scene(&self) -> Option<Arc<Scene>> {
+        self.cast.as_ref().map(|(_, scene)| Arc::clone(scene))
+    }
+
+    /// Where bodies stood when the run was shown last.
+    pub fn standings(&self) -> &Standings {
+        &self.standings
     }
 
     fn detail(&mut self, run: &Run, world: &World, look: Look, ends: &[RobotEnd]) -> Detail {
@@ -184,4 +201,28 @@ impl Show {
         let camera = look.camera.then(|| self.details.camera(run, world, id, &self.scenery)).flatten();
         Detail { run: self.run, camera, readings: self.feed.lock().readings(id), ..detail }
     }
+}
+
+impl Cast {
+    fn of(world: &World) -> Self {
+        let at = world.slot_start();
+        let robots = (0..world.robot_count()).map(RobotId::from_index).filter(|id| world.is_robot_there(*id, at));
+        let objects = (0..world.object_count()).map(ObjectId::from_index).filter(|id| world.is_object_there(*id, at));
+        Self { robots: robots.collect(), objects: objects.collect() }
+    }
+}
+
+fn standings(run: &Run, world: &World) -> Standings {
+    let workshop = run.workshop();
+    let Some(workshop) = &*workshop else { return Standings::default() };
+    let (Cast { robots, objects }, at) = (Cast::of(world), world.slot_start());
+    let robot = |id: &RobotId| {
+        let (kind, pose) = (workshop.robots()[id.index()].robi.name.clone(), world.robot_pose(*id, at));
+        Standing { number: id.0, kind, pose }
+    };
+    let object = |id: &ObjectId| {
+        let (kind, pose) = (workshop.objects()[id.index()].kind.name.clone(), world.object_pose(*id, at));
+        Standing { number: id.0, kind, pose }
+    };
+    Standings { robots: robots.iter().map(robot).collect(), objects: objects.iter().map(object).collect() }
 }

@@ -1,0 +1,462 @@
+//! The window over the real binary: what pages get, what becomes of what they ask for, and that watching changes nothing.
+
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::TcpStream;
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+use sim_view::protocol::{
+    Action, Build, Command, Message, PROTOCOL, Recording, Request, RunState, Scene, Seed, Snapshot, Standing, Welcome,
+};
+use tests::{Scratch, number, write_scene};
+use tungstenite::WebSocket;
+
+/// Longer than anything takes here, on a busy machine too.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Drives and turns for ever; shows a number on its display.
+const ROVER: &str = "#include \"eyebot.h\"\nint main(void) {\n  VWHandle vw = VWInit(VW_DRIVE, 1);\n  PSDHandle psd = \
+                     PSDInit(PSD_FRONT);\n  PSDStart(psd, TRUE);\n  for (int i = 0;; i++) {\n    VWDriveStraight(vw, 0.2, \
+                     0.3);\n    VWDriveWait(vw);\n    VWDriveTurn(vw, 1.0, 1.5);\n    VWDriveWait(vw);\n    \
+                     LCDPrintf(\"%d %d\\n\", i, PSDGet(psd));\n  }\n}\n";
+
+/// Waits for a key.
+const WAITER: &str = "#include \"eyebot.h\"\nint main(void) {\n  LCDMenu(\"GO\", \"\", \"\", \"END\");\n  KEYWait(KEY1);\n  \
+                      LCDPrintf(\"pressed\\n\");\n  return 0;\n}\n";
+
+/// A process that serves pages until it is dropped.
+struct Served {
+    child: Child,
+    /// What it prints before it serves.
+    lines: Vec<String>,
+    port: u16,
+}
+
+impl Served {
+    /// Starts `eyesim` with these arguments, of which `--no-open` and a free port are none.
+    fn start(scratch: &Scratch, args: &[&str]) -> Self {
+        let mut command = scratch.command(args);
+        command.args(["--no-open", "--port", "0"]).stdout(Stdio::piped()).stderr(Stdio::null());
+        let mut child = command.spawn().expect("eyesim starts");
+        let mut output = BufReader::new(child.stdout.take().expect("its output"));
+        let mut lines = Vec::new();
+        let count = if args.contains(&"--listen") { 2 } else { 1 };
+        for _ in 0..count {
+            let mut line = String::new();
+            output.read_line(&mut line).expect("it says where it serves");
+            lines.push(line.trim_end().to_owned());
+        }
+        // What programs print is of no interest, but must not fill the pipe.
+        std::thread::spawn(move || std::io::copy(&mut output, &mut std::io::sink()));
+        let (_, rest) = lines[0].split_once("127.0.0.1:").unwrap_or_else(|| panic!("an address: {lines:?}"));
+        let port = rest.split('/').next().expect("a port").parse().expect("a port");
+        Self { child, lines, port }
+    }
+
+    fn page(&self) -> Page {
+        Page::open(self.port, None)
+    }
+
+    /// What a download holds.
+    fn get(&self, path: &str) -> Vec<u8> {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).expect("a connection");
+        let request = format!("GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nConnection: close\r\n\r\n", self.port);
+        stream.write_all(request.as_bytes()).expect("a request");
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).expect("an answer");
+        let end = answer.windows(4).position(|four| four == b"\r\n\r\n").expect("a head") + 4;
+        let head = String::from_utf8_lossy(&answer[..end]).into_owned();
+        assert!(head.starts_with("HTTP/1.1 200"), "{head}{}", String::from_utf8_lossy(&answer[end..]));
+        answer.split_off(end)
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A page, and what it has got.
+struct Page {
+    socket: WebSocket<TcpStream>,
+    number: u32,
+    welcome: Option<Welcome>,
+    scene: Option<Scene>,
+    snapshot: Option<Snapshot>,
+    events: Vec<sim_view::protocol::Event>,
+    lcd_text: Vec<String>,
+    builds: Vec<Build>,
+}
+
+impl Page {
+    fn open(port: u16, token: Option<&str>) -> Self {
+        let stream = TcpStream::connect(("127.0.0.1", port)).expect("a connection");
+        stream.set_read_timeout(Some(PATIENCE)).expect("a socket");
+        let request = tungstenite::http::Request::builder()
+            .uri(format!("ws://127.0.0.1:{port}/ws"))
+            .header("Host", format!("127.0.0.1:{port}"))
+            .header("Origin", format!("http://127.0.0.1:{port}"))
+            .header("Connection", "Upgrade")
+            .header("Upgrade", "websocket")
+            .header("Sec-WebSocket-Version", "13")
+            .header("Sec-WebSocket-Key", tungstenite::handshake::client::generate_key())
+            .body(())
+            .expect("a request");
+        let (socket, _) = tungstenite::client(request, stream).expect("a page is let in");
+        let mut page = Self {
+            socket,
+            number: 0,
+            welcome: None,
+            scene: None,
+            snapshot: None,
+            events: Vec::new(),
+            lcd_text: Vec::new(),
+            builds: Vec::new(),
+        };
+        page.send(&Request::Hello { protocol: PROTOCOL, token: token.map(str::to_owned) });
+        page
+    }
+
+    fn send(&mut self, request: &Request) {
+        let text = serde_json::to_string(request).expect("JSON");
+        self.socket.send(tungstenite::Message::text(text)).expect("a page may speak");
+    }
+
+    /// Takes the next message; the answer if it is one.
+    fn take(&mut self) -> Option<sim_view::protocol::Answer> {
+        let message = loop {
+            match self.socket.read().expect("a message comes in time") {
+                tungstenite::Message::Text(text) => break text,
+                tungstenite::Message::Close(frame) => panic!("the server has hung up: {frame:?}"),
+                _ => {}
+            }
+        };
+        match serde_json::from_str(&message).expect("a message of the protocol") {
+            Message::Welcome(welcome) => self.welcome = Some(welcome),
+            Message::Scene(scene) => self.scene = Some(*scene),
+            Message::Snapshot(snapshot) => self.snapshot = Some(snapshot),
+            Message::Detail(detail) => self.lcd_text = detail.lcd_text,
+            Message::Events(mut events) => self.events.append(&mut events.events),
+            Message::Build(build) => self.builds.push(build),
+            Message::Answer(answer) => return Some(answer),
+        }
+        None
+    }
+
+    /// Takes messages until this holds.
+    fn until(&mut self, what: &str, holds: impl Fn(&Self) -> bool) {
+        let start = Instant::now();
+        while !holds(self) {
+            assert!(start.elapsed() < PATIENCE, "{what} does not come: {:?}", self.snapshot);
+            self.take();
+        }
+    }
+
+    /// Has a command carried out; the refusal if it is refused.
+    fn ask(&mut self, command: Command) -> Option<String> {
+        self.number += 1;
+        let number = self.number;
+        self.send(&Request::Act { number, command });
+        loop {
+            if let Some(answer) = self.take()
+                && answer.number == number
+            {
+                return answer.refused;
+            }
+        }
+    }
+
+    fn act(&mut self, action: Action) -> Option<String> {
+        self.ask(Command::Act { action })
+    }
+
+    fn t_s(&self) -> f64 {
+        self.snapshot.as_ref().map_or(-1.0, |snapshot| snapshot.t_s)
+    }
+
+    fn state(&self) -> Option<&RunState> {
+        self.snapshot.as_ref().map(|snapshot| &snapshot.state)
+    }
+
+    fn digest(&self) -> Option<String> {
+        match self.state()? {
+            RunState::Ended { digest, .. } => Some(digest.clone()),
+            _ => None,
+        }
+    }
+
+    fn seed(&self) -> String {
+        self.scene.as_ref().expect("a scene").seed.clone()
+    }
+
+    fn run(&self) -> u32 {
+        self.snapshot.as_ref().map_or(0, |snapshot| snapshot.run)
+    }
+}
+
+fn scene_of(programs: &[(&str, &str)]) -> Scratch {
+    let scratch = Scratch::new();
+    for (name, text) in programs {
+        scratch.write(name, text);
+    }
+    write_scene(&scratch, &programs.iter().map(|(name, _)| *name).collect::<Vec<_>>());
+    scratch
+}
+
+#[test]
+fn scene_and_snapshots_come_and_go_on() {
+    let scratch = scene_of(&[("rover.c", ROVER), ("waiter.c", WAITER)]);
+    let served = Served::start(&scratch, &["view", "scene.sim"]);
+    let mut page = served.page();
+    page.until("a moving robot", |page| {
+        let robots = page.snapshot.iter().flat_map(|snapshot| &snapshot.robots);
+        robots.flat_map(|robot| &robot.legs).any(|leg| leg.v_m_per_s > 0.2)
+    });
+    assert!(page.welcome.as_ref().is_some_and(|welcome| welcome.may_act && welcome.title == "scene"));
+    let scene = page.scene.clone().expect("a scene");
+    assert_eq!((scene.run, scene.robots.len(), scene.slot_s), (1, 2, 0.05));
+    assert!(scene.parts.len() > 4 && !scene.meshes.is_empty() && scene.ground.is_some());
+    assert_eq!(scene.robots[0].sensors[0].name, "PSD_FRONT");
+    let before = page.t_s();
+    page.until("a later snapshot", |page| page.t_s() > before + 0.2);
+    let snapshot = page.snapshot.clone().expect("a snapshot");
+    assert_eq!((snapshot.robots.len(), snapshot.beams.len(), snapshot.speed), (2, 2, Some(1.0)));
+    assert_eq!(snapshot.robots[1].standing, Standing::Waiting);
+    assert!(snapshot.robots[1].why.starts_with("waits for KEY1"), "{}", snapshot.robots[1].why);
+    assert!(page.events.iter().any(|event| event.kind == "program_started"));
+    page.send(&Request::Look { robot: Some(2), camera: false, calls: false });
+    page.until("a display", |page| page.lcd_text.iter().any(|line| line.contains("GO")));
+}
+
+#[test]
+fn a_run_pauses_steps_and_changes_its_speed() {
+    let scratch = scene_of(&[("rover.c", ROVER)]);
+    let served = Served::start(&scratch, &["view", "scene.sim", "--paused"]);
+    let mut page = served.page();
+    page.until("the pause", |page| page.state() == Some(&RunState::Paused));
+    assert_eq!(page.t_s(), 0.0);
+    for slot in 1..=3 {
+        assert_eq!(page.ask(Command::Step {}), None);
+        page.until("the slot", |page| (page.t_s() - 0.05 * f64::from(slot)).abs() < 1e-9);
+        assert_eq!(page.state(), Some(&RunState::Paused));
+    }
+    assert_eq!(page.ask(Command::Speed { factor: Some(0.5) }), None);
+    page.until("the speed", |page| page.snapshot.as_ref().is_some_and(|snapshot| snapshot.speed == Some(0.5)));
+    assert!(page.ask(Command::Speed { factor: Some(0.0) }).is_some_and(|why| why.contains("at least 0.001")));
+    assert_eq!(page.ask(Command::Run {}), None);
+    page.until("the run", |page| page.state() == Some(&RunState::Running) && page.t_s() > 0.3);
+    assert_eq!(page.ask(Command::Speed { factor: None }), None);
+    page.until("full speed", |page| page.t_s() > 20.0);
+    assert_eq!(page.ask(Command::Pause {}), None);
+    page.until("the pause", |page| page.state() == Some(&RunState::Paused));
+}
+
+#[test]
+fn a_key_of_the_page_reaches_the_program() {
+    let scratch = scene_of(&[("waiter.c", WAITER)]);
+    let served = Served::start(&scratch, &["view", "scene.sim"]);
+    let mut page = served.page();
+    page.until("the wait", |page| page.state() == Some(&RunState::Idle));
+    let refused = page.act(Action::Press { robot: 7, key: "KEY1".into() });
+    assert!(refused.is_some_and(|why| why.contains("no robot 7")));
+    assert_eq!(page.act(Action::Press { robot: 1, key: "KEY1".into() }), None);
+    page.until("the end", |page| page.digest().is_some());
+    let robot = &page.snapshot.as_ref().expect("a snapshot").robots[0];
+    assert_eq!(robot.standing, Standing::Finished);
+    let kinds: Vec<&str> = page.events.iter().map(|event| &*event.kind).collect();
+    assert!(kinds.contains(&"intervention") && kinds.contains(&"key"), "{kinds:?}");
+    page.send(&Request::Look { robot: Some(1), camera: false, calls: false });
+    page.until("the display after the end", |page| page.lcd_text.iter().any(|line| line.contains("pressed")));
+    assert!(page.act(Action::End {}).is_some_and(|why| why.contains("over")));
+}
+
+#[test]
+fn runs_start_again_with_any_seed() {
+    let scratch = scene_of(&[("rover.c", ROVER)]);
+    let served = Served::start(&scratch, &["view", "scene.sim", "--seed", "5"]);
+    let mut page = served.page();
+    page.until("a run", |page| page.t_s() > 0.1);
+    assert_eq!(page.seed(), "5");
+    for (run, seed, expected) in [
+        (2, Seed::Same, Some("5")),
+        (3, Seed::Number("18446744073709551615".into()), Some("18446744073709551615")),
+        (4, Seed::New, None),
+    ] {
+        assert_eq!(page.ask(Command::Restart { seed }), None);
+        page.until("the next run", |page| page.run() == run && page.t_s() > 0.1);
+        match expected {
+            Some(expected) => assert_eq!(page.seed(), expected),
+            None => assert_ne!(page.seed(), "5"),
+        }
+    }
+    assert!(
+        page.ask(Command::Restart { seed: Seed::Number("five".into()) }).is_some_and(|why| why.contains("no seed"))
+    );
+    assert_eq!(page.run(), 4);
+}
+
+#[test]
+fn watched_by_three_pages_a_run_is_the_same() {
+    let scratch = scene_of(&[("rover.c", ROVER), ("rover2.c", ROVER)]);
+    let args = ["--until", "60", "--seed", "3", "--noise", "real"];
+    let report = scratch.report("scene.sim", &args, 0);
+    let served = Served::start(&scratch, &[&["view", "scene.sim", "--paused", "--speed", "max"][..], &args].concat());
+    let (mut one, mut two) = (served.page(), served.page());
+    // This one never reads what it gets.
+    let mut stalled = served.page();
+    stalled.send(&Request::Look { robot: Some(1), camera: true, calls: true });
+    one.send(&Request::Look { robot: Some(1), camera: false, calls: true });
+    two.send(&Request::Look { robot: Some(2), camera: false, calls: false });
+    one.until("a scene", |page| page.scene.is_some() && page.snapshot.is_some());
+    assert_eq!(one.ask(Command::Run {}), None);
+    one.until("the end", |page| page.digest().is_some());
+    two.until("the end", |page| page.digest().is_some());
+    assert_eq!(one.digest().as_deref(), report["digest"].as_str());
+    assert_eq!(one.digest(), two.digest());
+}
+
+#[test]
+fn a_run_with_thirty_interventions_is_run_again_with_the_same_digest() {
+    let scratch = scene_of(&[("rover.c", ROVER), ("waiter.c", WAITER)]);
+    let served = Served::start(&scratch, &["view", "scene.sim", "--paused", "--noise", "mild"]);
+    let mut page = served.page();
+    page.until("the pause", |page| page.state() == Some(&RunState::Paused));
+    for number in 0..30 {
+        let x_m = 1.0 + 0.05 * f64::from(number);
+        let action = match number % 5 {
+            0 => Action::PlaceRobot { robot: 1, x_m, y_m: 2.0, phi_rad: x_m },
+            1 => Action::SetNoise { robot: None, parameter: "psd.sigma_mm".into(), value: f64::from(number) },
+            2 => Action::SwitchSensor { robot: 1, sensor: "PSD_FRONT".into(), on: number % 2 == 0 },
+            3 => Action::Press { robot: 2, key: "KEY4".into() },
+            _ => Action::PlaceRobot { robot: 2, x_m, y_m: 3.0, phi_rad: 0.0 },
+        };
+        assert_eq!(page.act(action), None, "intervention {number}");
+        let before = page.t_s();
+        assert_eq!(page.ask(Command::Step {}), None);
+        page.until("a slot", |page| page.t_s() > before);
+    }
+    let scene = String::from_utf8(served.get("/files/scene.toml")).expect("text");
+    assert!(scene.contains("rover.c"), "{scene}");
+    scratch.write("now.scene.toml", &scene);
+    let checked = scratch.eyesim(&["check", "now.scene.toml"]);
+    assert_eq!(checked.code, Some(0), "{checked:#?}\n{scene}");
+    assert_eq!(page.act(Action::End {}), None);
+    page.until("the end", |page| page.digest().is_some());
+    let trace = String::from_utf8(served.get("/files/trace.jsonl")).expect("text");
+    assert_eq!(trace.lines().filter(|line| line.contains("\"event\":\"intervention\"")).count(), 31);
+    scratch.write("trace.jsonl", &trace);
+    let verified = scratch.eyesim(&["replay", "trace.jsonl", "--verify"]);
+    assert_eq!(verified.code, Some(0), "{verified:#?}");
+    assert!(verified.stdout.contains(&page.digest().expect("a digest")), "{verified:#?}");
+    let recording: Recording = serde_json::from_slice(&served.get("/recording.json")).expect("a recording");
+    assert_eq!((recording.robots.len(), Some(recording.digest)), (2, page.digest()));
+}
+
+#[test]
+fn a_saved_program_starts_the_run_again_unless_it_does_not_compile() {
+    let scratch = scene_of(&[("rover.c", ROVER)]);
+    let served = Served::start(&scratch, &["view", "scene.sim", "--watch", "--seed", "9"]);
+    let mut page = served.page();
+    page.until("a run", |page| page.t_s() > 0.1);
+    scratch.write("rover.c", "#include \"eyebot.h\"\nint main(void) { retrun 0; }\n");
+    page.until("the compiler's word", |page| page.builds.iter().any(|build| matches!(build, Build::Failed { .. })));
+    let Some(Build::Failed { output }) = page.builds.last() else { panic!("{:?}", page.builds) };
+    assert!(output.contains("retrun"), "{output}");
+    let before = page.t_s();
+    page.until("the old run", |page| page.t_s() > before + 0.1);
+    assert_eq!(page.run(), 1);
+    scratch.write("rover.c", WAITER);
+    page.until("the new run", |page| page.run() == 2 && page.state() == Some(&RunState::Idle));
+    assert_eq!(page.seed(), "9");
+}
+
+#[test]
+fn a_class_watches_and_the_teacher_acts() {
+    let scratch = scene_of(&[("waiter.c", WAITER)]);
+    let served = Served::start(&scratch, &["view", "scene.sim", "--listen", "127.0.0.1"]);
+    let (_, token) = served.lines[0].split_once("#token=").expect("the teacher's token");
+    assert!(served.lines[0].starts_with("teacher: ") && token.len() >= 32, "{:?}", served.lines);
+    assert!(served.lines[1].starts_with("class: ") && !served.lines[1].contains("token"), "{:?}", served.lines);
+    let mut pupil = served.page();
+    pupil.until("a welcome", |page| page.welcome.is_some());
+    assert!(pupil.welcome.as_ref().is_some_and(|welcome| !welcome.may_act));
+    assert!(pupil.act(Action::Press { robot: 1, key: "KEY1".into() }).is_some());
+    let mut teacher = Page::open(served.port, Some(token));
+    assert_eq!(teacher.act(Action::Press { robot: 1, key: "KEY1".into() }), None);
+    pupil.until("the end", |page| page.digest().is_some());
+}
+
+#[test]
+fn a_recorded_run_is_served() {
+    let scratch = scene_of(&[("rover.c", ROVER), ("waiter.c", WAITER)]);
+    let report = scratch.report("scene.sim", &["--until", "20", "--trace", "t.jsonl"], 0);
+    let served = Served::start(&scratch, &["replay", "t.jsonl"]);
+    let recording: Recording = serde_json::from_slice(&served.get("/recording.json")).expect("a recording");
+    assert_eq!((recording.duration_s, recording.remarks.len()), (20.0, 0), "{:?}", recording.remarks);
+    assert_eq!(report["digest"], *recording.digest);
+    let track = &recording.robots[0].track;
+    assert!(track.t_s.len() > 10 && track.t_s.len() < 400, "{} points", track.t_s.len());
+    assert!(track.t_s.is_sorted(), "{:?}", track.t_s);
+    for (last, path) in [(track.x_m.last(), "pose.x_m"), (track.y_m.last(), "pose.y_m")] {
+        let truth = number(&report["robots"][0], path);
+        assert!(last.is_some_and(|last| (last - truth).abs() < 2e-3), "within 2 mm: {last:?}, {truth}");
+    }
+    let shown = recording.robots[1].lcd.last().expect("a display");
+    assert!(shown.lines.iter().any(|line| line.contains("GO")), "{shown:?}");
+    assert_eq!(recording.robots[1].standings[0].standing, Standing::Running);
+    drop(served);
+
+    // What was there of a trace that was cut off is played, and what is wrong is said.
+    let whole = scratch.read("t.jsonl");
+    scratch.write("cut.jsonl", &whole[..whole.len() / 2]);
+    scratch.write("scene.sim", &(std::fs::read_to_string(scratch.path().join("scene.sim")).expect("a scene") + "\n"));
+    let served = Served::start(&scratch, &["replay", "cut.jsonl"]);
+    let recording: Recording = serde_json::from_slice(&served.get("/recording.json")).expect("a recording");
+    assert!(recording.digest.is_empty() && recording.duration_s < 20.0);
+    let remarks = recording.remarks.join("; ");
+    assert!(remarks.contains("cut off") && remarks.contains("`scene.sim` has changed"), "{remarks}");
+}
+
+#[test]
+fn what_is_no_trace_is_refused() {
+    let scratch = Scratch::new();
+    for (name, text, words) in [
+        ("empty.jsonl", "", "it is empty"),
+        ("garbage.jsonl", "\u{1}\u{2}\n{}\n", "no JSON"),
+        ("other.jsonl", "{}\n", "header"),
+    ] {
+        scratch.write(name, text);
+        let ran = scratch.eyesim(&["replay", name, "--no-open"]);
+        assert_eq!(ran.code, Some(2), "{ran:#?}");
+        assert!(ran.stderr.contains(name) && ran.stderr.contains(words), "{ran:#?}");
+    }
+    let ran = scratch.eyesim(&["replay", "none.jsonl", "--no-open"]);
+    assert!(ran.code == Some(2) && ran.stderr.contains("none.jsonl"), "{ran:#?}");
+}
+
+#[test]
+fn what_cannot_be_served_is_said() {
+    let scratch = scene_of(&[("rover.c", ROVER)]);
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+    let port = taken.local_addr().expect("an address").port().to_string();
+    let ran = scratch.eyesim(&["view", "scene.sim", "--no-open", "--port", &port]);
+    assert!(ran.code == Some(2) && ran.stderr.contains(&port) && ran.stderr.contains("taken"), "{ran:#?}");
+    std::fs::remove_file(scratch.path().join("rover.c")).expect("a file");
+    let ran = scratch.eyesim(&["view", "scene.sim", "--no-open", "--port", "0"]);
+    assert!(ran.code == Some(2) && ran.stderr.contains("rover.c"), "{ran:#?}");
+}
+
+#[test]
+fn a_scene_without_robots_is_shown_too() {
+    let scratch = Scratch::new();
+    write_scene(&scratch, &[]);
+    let served = Served::start(&scratch, &["view", "scene.sim"]);
+    let mut page = served.page();
+    page.until("the empty room", |page| page.state() == Some(&RunState::Idle));
+    let scene = page.scene.as_ref().expect("a scene");
+    assert!(scene.robots.is_empty() && scene.parts.len() == 4, "{} parts", scene.parts.len());
+    let before = page.t_s();
+    page.until("time", |page| page.t_s() > before + 0.1);
+}
