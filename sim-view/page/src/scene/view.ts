@@ -104,6 +104,11 @@ export class View {
     return this.renderer.info.render;
   }
 
+  /** What the graphics card holds. */
+  get memory(): { geometries: number; textures: number } {
+    return this.renderer.info.memory;
+  }
+
   /** Where a point of the world is on the page, in pixels of it. */
   where(x_m: number, y_m: number, z_m: number): { x: number; y: number } {
     const at = new THREE.Vector3(x_m, y_m, z_m).project(this.eye!.camera);

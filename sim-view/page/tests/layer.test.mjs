@@ -1,0 +1,126 @@
+// What the 3D view draws, with a server that plays a crowd: no simulator is needed.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { launch, skip } from "./browser.mjs";
+import { crowd } from "./crowd.mjs";
+
+const COUNT = 12;
+let mock, browser, page;
+
+if (!skip) {
+  before(async () => {
+    mock = await crowd(COUNT);
+    browser = await launch(true);
+    page = await browser.newPage({ viewport: { width: 480, height: 320 } });
+    // What is handed to WebGL counts here: drawing it would cost seconds without a graphics card.
+    await page.addInitScript(() => {
+      const { prototype } = WebGL2RenderingContext;
+      for (const name of ["clear", "drawArrays", "drawArraysInstanced", "drawElements", "drawElementsInstanced"]) prototype[name] = () => {};
+    });
+    await page.goto(mock.url);
+    await page.waitForFunction(() => globalThis.eyesim?.view?.drawn.triangles > 0);
+  });
+  after(async () => {
+    await browser.close();
+    mock.close();
+  });
+}
+
+/** The next frame that is drawn after something was done. */
+const drawn = async (what) => {
+  const frames = await page.evaluate(() => globalThis.eyesim.view.times.frames);
+  await what();
+  await page.waitForFunction((frames) => globalThis.eyesim.view.times.frames > frames, frames);
+  return page.evaluate(() => ({ ...globalThis.eyesim.view.drawn }));
+};
+/** Switches a layer; what is drawn then. */
+const toggle = (layer) => drawn(() => page.getByTestId(`layer-${layer}`).evaluate((box) => box.click()));
+const at = (t_s, turn = 0) => ({
+  type: "snapshot",
+  run: 1,
+  t_s,
+  state: { is: "paused" },
+  speed: 1,
+  rate: 0,
+  robots: Array.from({ length: COUNT }, (_, i) => ({
+    id: i + 1,
+    legs: [{ t_s, from: { x_m: 0.2 + 0.1 * i, y_m: 1, phi_rad: turn }, v_m_per_s: 0, left_m_per_s: 0, omega_rad_per_s: 0, lasts_s: 0.05 }],
+    standing: "running",
+    now_s: t_s,
+    why: "",
+    is_stalled: false,
+  })),
+  objects: [],
+  beams: [{ robot: 1, sensor: 0, from_m: [0.2, 1, 0.05], to_m: [0.2, 1.3, 0.05], is_hit: true }],
+});
+
+test("each layer is drawn, and is not when it is switched off", { skip }, async () => {
+  await drawn(async () => mock.send(at(0.05)));
+  const { run } = mock.scene;
+  mock.send({ type: "detail", ...detail(run) });
+  await page.waitForFunction(() => globalThis.eyesim.model.details.get(1)?.scan);
+  for (const layer of ["walls", "robots", "surroundings", "rings", "labels", "beams", "scan", "frusta", "odometry", "axes", "grid", "shadows"]) {
+    const isOn = await page.getByTestId(`layer-${layer}`).isChecked();
+    if (!isOn) await toggle(layer);
+    const without = await toggle(layer);
+    const withIt = await toggle(layer);
+    assert(withIt.calls > without.calls, `${layer}: ${without.calls} draw calls without, ${withIt.calls} with it`);
+    if (!isOn) await toggle(layer);
+  }
+});
+
+test("a message that flies is drawn with its fate", { skip }, async () => {
+  const fields = { from: 1, message: 1, arrived_s: 0.05, bit_errors: 0 };
+  await drawn(async () => mock.send(at(0.05)));
+  // Nothing has moved: shadows are not drawn again.
+  const still = await drawn(async () => mock.send(at(0.05)));
+  const event = (number, kind) => ({ number, t_s: 0.05, robot: 2, kind, text: "", fields });
+  mock.send({ type: "events", events: [event(1, "radio_arrived"), event(2, "radio_lost")], missed: 0 });
+  // Its way and its head.
+  await page.waitForFunction((calls) => globalThis.eyesim.view.drawn.calls === calls + 2, still.calls);
+  // The run is paused: both stay in sight.
+  await page.waitForTimeout(1500);
+  assert.equal(await page.evaluate(() => globalThis.eyesim.view.drawn.calls), still.calls + 2);
+});
+
+test("the time that is shown goes on evenly between snapshots", { skip }, async () => {
+  const timer = mock.start();
+  await page.waitForFunction(() => globalThis.eyesim.model.snapshot.t_s > 1);
+  const samples = await page.evaluate(async () => {
+    const found = [];
+    while (found.length < 60) {
+      await new Promise((done) => requestAnimationFrame(done));
+      found.push([globalThis.eyesim.model.clock.t_s, globalThis.eyesim.model.snapshot.t_s]);
+    }
+    return found;
+  });
+  clearInterval(timer);
+  for (const [i, [shown_s, latest_s]] of samples.entries()) {
+    assert(i === 0 || shown_s >= samples[i - 1][0], "it never goes back");
+    assert(shown_s <= latest_s + 0.05 + 1e-9, `${shown_s} s is shown, but nothing is known after the slot that begins at ${latest_s} s`);
+  }
+  const passed_s = samples.at(-1)[0] - samples[0][0];
+  assert(passed_s > 0, "it goes on");
+});
+
+test("runs that start anew take no more memory", { skip }, async () => {
+  const memory = () => page.evaluate(() => ({ ...globalThis.eyesim.view.memory }));
+  const restart = async (run) => {
+    mock.scene.run = run;
+    await drawn(async () => {
+      mock.send({ type: "scene", ...mock.scene });
+      mock.send({ ...at(0.05), run });
+    });
+  };
+  await restart(2);
+  const before = await memory();
+  for (let run = 3; run < 8; run++) await restart(run);
+  assert.deepEqual(await memory(), before);
+});
+
+function detail(run) {
+  const pose = { x_m: 0.2, y_m: 1, phi_rad: 0 };
+  const scan = { from_m: [0.2, 1, 0.05], points_m: [[0.5, 1, 0.05], [0.5, 1.02, 0.05], [0.5, 1.04, 0.05]] };
+  return { run, robot: 1, t_s: 0.05, pose, odometry: pose, lcd: null, lcd_text: [], camera: null, readings: [], sensors: [], noise: [], scan };
+}
