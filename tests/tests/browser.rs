@@ -31,6 +31,11 @@ fn bodies_are_dragged() {
 }
 
 #[test]
+fn layers_messages_time_and_memory() {
+    run("layer");
+}
+
+#[test]
 fn recordings() {
     run("replay");
 }
