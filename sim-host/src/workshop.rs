@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, mpsc};
 
 use anyhow::{Context, anyhow};
 use sim_core::build;
@@ -50,8 +50,30 @@ pub struct Workshop {
     object_types: Vec<(String, Arc<ObjectType>)>,
     maker: Maker,
     exec: Exec,
-    /// Since a program was loaded for somebody who came later.
-    loader: Option<Loader>,
+    /// Where programs are loaded, since that was asked for somebody who came later.
+    orders: Option<mpsc::Sender<Order>>,
+}
+
+/// A program to be loaded for a robot.
+struct Order {
+    spec: RobotSpec,
+    prepared: Arc<Prepared>,
+    answer: mpsc::SyncSender<anyhow::Result<RobotProgram>>,
+}
+
+/// Starts the thread that loads programs for as long as it may get orders: processes end with the thread that started them, so it
+/// cannot be that of a robot.
+fn start_loader(exec: Exec) -> anyhow::Result<mpsc::Sender<Order>> {
+    let mut loader = Loader::new().context("no folder to load programs from")?;
+    let (orders, incoming) = mpsc::channel::<Order>();
+    let serve = move || {
+        for Order { spec, prepared, answer } in incoming {
+            // Who asked waits for this one message.
+            let _ = answer.send(setup::load_program(&spec, &prepared, exec, &mut loader));
+        }
+    };
+    std::thread::Builder::new().name("loader".to_owned()).spawn(serve).context("no room for another thread")?;
+    Ok(orders)
 }
 
 /// A robot that is about to come into the run.
@@ -88,7 +110,7 @@ impl Workshop {
             maker: Maker::new(&scene, options),
             scene,
             exec,
-            loader: None,
+            orders: None,
         }
     }
 
@@ -178,20 +200,19 @@ impl Workshop {
         Ok(NewRobot { spec, robot, heard, program: program.transpose()? })
     }
 
-    /// Loads a program for one more robot. A thread of its own does it, since the stack of a robot's may be at its end.
+    /// Loads a program for one more robot.
     fn load(&mut self, spec: &RobotSpec, prepared: &Arc<Prepared>) -> anyhow::Result<RobotProgram> {
         Child::make_room(self.robots.len() + 1);
-        let (loader, exec) = (&mut self.loader, self.exec);
-        let load = || {
-            let loader = match loader {
-                Some(loader) => loader,
-                None => loader.insert(Loader::new().context("no folder to load programs from")?),
-            };
-            setup::load_program(spec, prepared, exec, loader)
+        let (answer, answered) = mpsc::sync_channel(1);
+        let order = Order { spec: spec.clone(), prepared: Arc::clone(prepared), answer };
+        let exec = self.exec;
+        let orders = match &self.orders {
+            Some(orders) => orders,
+            None => self.orders.insert(start_loader(exec)?),
         };
-        std::thread::scope(|scope| {
-            scope.spawn(load).join().unwrap_or_else(|_| Err(anyhow!("its program cannot be loaded")))
-        })
+        let gone = |_| anyhow!("its program cannot be loaded");
+        orders.send(order).map_err(|_| gone(()))?;
+        answered.recv().map_err(|_| gone(()))?
     }
 
     /// The movable object that has the next id, of type `kind`, at `pose`.

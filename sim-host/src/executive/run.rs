@@ -341,6 +341,7 @@ impl Run {
             // The other tasks return through calls that `caller` answers.
             self.end_tasks(id);
             let ending = match result {
+                Err(broken) if broken.is_overdue && self.is_removed(id) => self.leave_behind(id),
                 Err(broken) if !program.child().is_some_and(|child| child.is_ending()) => {
                     let task = self.robot(id).tasks.first_to_leave();
                     let broken = self.with_task(id, if let Some(task) = task { broken.in_task(task) } else { broken });
@@ -366,6 +367,12 @@ impl Run {
             program.end(Instant::now() + LEAVE);
         }
         None
+    }
+
+    /// The program of robot `id`, which has been removed, has not left in time: nobody waits for it any more.
+    fn leave_behind(&self, id: RobotId) -> Ending {
+        self.robot(id).hint("the robot has been removed and its program did not leave: it is left behind");
+        Ending::Stopped
     }
 
     /// The same, told with the name of the task that broke.
@@ -451,10 +458,8 @@ impl Run {
                 }
                 if broken.is_overdue && self.is_removed(id) {
                     left_behind.push(id);
-                    let mut robot = self.robot(id);
-                    robot.ending.get_or_insert(Ending::Stopped);
-                    robot.hint("the robot has been removed and its program did not leave: it is left behind");
-                    drop(robot);
+                    let ending = self.leave_behind(id);
+                    self.robot(id).ending.get_or_insert(ending);
                     self.bury(id);
                     continue;
                 }
