@@ -6,7 +6,7 @@ import { once } from "node:events";
 import { existsSync } from "node:fs";
 import { chromium } from "playwright-core";
 
-const PATIENCE_MS = 60_000;
+const PATIENCE_MS = 40_000;
 const FLAGS = [
   "--no-sandbox",
   "--disable-background-networking",
