@@ -351,7 +351,7 @@ fn a_run_with_thirty_interventions_is_run_again_with_the_same_digest() {
     let verified = scratch.eyesim(&["replay", "trace.jsonl", "--verify"]);
     assert_eq!(verified.code, Some(0), "{verified:#?}");
     assert!(verified.stdout.contains(&page.digest().expect("a digest")), "{verified:#?}");
-    let recording: Recording = serde_json::from_slice(&served.get("/recording.json")).expect("a recording");
+    let recording: Recording = serde_json::from_slice(&served.get("/files/run.recording.json")).expect("a recording");
     assert_eq!((recording.robots.len(), Some(recording.digest)), (2, page.digest()));
 }
 

@@ -148,7 +148,7 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
         objects,
         workshop: Workshop::default(),
     };
-    Ok(recording(TraceReader::open(trace)?, subject.scene(), remarks)?)
+    Ok(recording(TraceReader::open(trace)?, subject.scene(), &spec, remarks)?)
 }
 
 fn subject_of_robot(spec: &RobotSpec) -> RobotSubject {

@@ -244,14 +244,16 @@ impl Stage {
         let of_trace = Arc::clone(&tape);
         let trace = move || Tape::trace(&of_trace).map_err(|error| error.to_string());
         self.window.offer("trace.jsonl", Download::new("application/jsonl", trace.clone()));
-        let of_recording = Arc::clone(show);
+        let (of_recording, spec) = (Arc::clone(show), Arc::clone(ready.scene()));
+        // Not `recording.json`, by which pages tell a replay from a live run.
         self.window.offer(
-            "recording.json",
+            "run.recording.json",
             Download::new("application/json", move || {
                 let scene = of_recording.lock().scene().ok_or("no page has looked at the run yet")?;
                 let trace = trace()?;
                 let reader = TraceReader::new(&*trace, Path::new("trace.jsonl")).map_err(|error| error.to_string())?;
-                let recording = recording(reader, (*scene).clone(), Vec::new()).map_err(|error| error.to_string())?;
+                let recording =
+                    recording(reader, (*scene).clone(), &spec, Vec::new()).map_err(|error| error.to_string())?;
                 serde_json::to_vec(&recording).map_err(|error| error.to_string())
             }),
         );

@@ -4,10 +4,13 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::io::BufRead;
 
+use sim_core::build;
+use sim_core::format::SceneSpec;
 use sim_core::time::Time;
 use sim_view::protocol::{Action, Life, Recording, Scene, Shown, Standing, Stood, Track};
 
 use super::feed::{event_of, is_told};
+use super::planar;
 use crate::record::Kind;
 use crate::record::read::{Line, RecordedEvent, TraceError, TraceReader};
 use crate::robios::lcd::{self, Lcd};
@@ -27,13 +30,14 @@ const DISPLAY_PERIOD: f64 = 0.1;
 /// Most contents of a display.
 const MOST_SHOWN: usize = 4_000;
 
-/// Makes a recording of the trace of a run in which there is this to see.
+/// Makes a recording of the trace of a run in which there is this to see; `spec` says where robots start, which no trace does.
 ///
 /// # Errors
 /// [`TraceError`] for a line that is wrong; a trace that was cut off is told of in the recording.
 pub fn recording<R: BufRead>(
     mut trace: TraceReader<R>,
     mut scene: Scene,
+    spec: &SceneSpec,
     mut remarks: Vec<String>,
 ) -> Result<Recording, TraceError> {
     let slot = Time(trace.header().slot_us).seconds();
@@ -44,7 +48,13 @@ pub fn recording<R: BufRead>(
         events: Vec::new(),
         counts: BTreeMap::new(),
         count: 0,
+        next_robot: spec.robots.len() as u32 + 1,
+        next_object: build::movable(spec).count() as u32 + 1,
     };
+    for robot in &spec.robots {
+        let start = planar(&robot.start);
+        maker.put_robot(robot.id.0, 0.0, [start.x_m, start.y_m, start.phi_rad]);
+    }
     let (mut duration_s, mut end) = (0.0_f64, None);
     while let Some(line) = trace.next_line()? {
         match line {
@@ -86,6 +96,10 @@ struct Maker {
     counts: BTreeMap<String, u32>,
     /// Events that pages are told of.
     count: u32,
+    /// Number of the next robot that a hand adds.
+    next_robot: u32,
+    /// Number of the next object that a hand adds.
+    next_object: u32,
 }
 
 impl Maker {
@@ -125,15 +139,15 @@ impl Maker {
     fn intervene(&mut self, t_s: f64, action: &serde_json::Value) {
         let Ok(action) = serde_json::from_value::<Action>(action.clone()) else { return };
         match action {
-            Action::PlaceRobot { robot, x_m, y_m, phi_rad } => {
-                if let Some(maker) = self.robots.get_mut(&robot) {
-                    maker.track.jump(t_s, [x_m, y_m, phi_rad]);
-                }
+            Action::PlaceRobot { robot, x_m, y_m, phi_rad } => self.put_robot(robot, t_s, [x_m, y_m, phi_rad]),
+            Action::PlaceObject { object, x_m, y_m, phi_rad } => self.put_object(object, t_s, [x_m, y_m, phi_rad]),
+            Action::AddRobot { x_m, y_m, phi_rad, .. } => {
+                self.put_robot(self.next_robot, t_s, [x_m, y_m, phi_rad]);
+                self.next_robot += 1;
             }
-            Action::PlaceObject { object, x_m, y_m, phi_rad } => {
-                if let Some(track) = self.objects.get_mut(&object) {
-                    track.jump(t_s, [x_m, y_m, phi_rad]);
-                }
+            Action::AddObject { x_m, y_m, phi_rad, .. } => {
+                self.put_object(self.next_object, t_s, [x_m, y_m, phi_rad]);
+                self.next_object += 1;
             }
             Action::RemoveRobot { robot } => {
                 if let Some(maker) = self.robots.get_mut(&robot) {
@@ -146,6 +160,18 @@ impl Maker {
                 }
             }
             _ => {}
+        }
+    }
+
+    fn put_robot(&mut self, robot: u32, t_s: f64, pose: [f64; 3]) {
+        if let Some(maker) = self.robots.get_mut(&robot) {
+            maker.track.jump(t_s, pose);
+        }
+    }
+
+    fn put_object(&mut self, object: u32, t_s: f64, pose: [f64; 3]) {
+        if let Some(track) = self.objects.get_mut(&object) {
+            track.jump(t_s, pose);
         }
     }
 }
