@@ -24,6 +24,9 @@ const MOST_DELAY: Duration = Duration::from_millis(250);
 /// Over so long the speed is measured.
 const RATE_PERIOD: Duration = Duration::from_millis(500);
 
+/// A run at full speed is not shown more often: nobody can follow it anyway.
+const PERIOD_AT_FULL_SPEED: Duration = Duration::from_millis(125);
+
 /// At full speed a run spends at most one part of so many on being shown.
 const SHARE_AT_FULL_SPEED: u32 = 25;
 
@@ -88,8 +91,14 @@ impl WindowGate {
         let rate = if self.is_paused { 0.0 } else { self.rate.measure(start, self.now) };
         let Boundary { run, world, .. } = *boundary;
         self.show.lock().present(Moment { run, world, now: self.now, state, speed: self.speed, rate, ends: &[] });
-        let share = if self.speed.is_none() && !self.is_paused { SHARE_AT_FULL_SPEED } else { 1 };
-        self.not_before = Some(start + share * start.elapsed());
+        let is_full_speed = self.speed.is_none() && !self.is_paused;
+        // Texts of it are made elsewhere, but on the same processors.
+        let rest = if is_full_speed {
+            (SHARE_AT_FULL_SPEED * start.elapsed()).max(PERIOD_AT_FULL_SPEED)
+        } else {
+            start.elapsed()
+        };
+        self.not_before = Some(start + rest);
         self.is_news = false;
     }
 

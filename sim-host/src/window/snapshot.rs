@@ -14,7 +14,7 @@ use crate::robios::robot::{Ending, Robot};
 use crate::robios::switch::Sensor;
 
 /// Most beams of a snapshot; those of the robots that are looked at come first.
-const MOST_BEAMS: usize = 1000;
+const MOST_BEAMS: usize = 600;
 
 /// The robots of a run and how they stand.
 pub fn robots(run: &Run, world: &World, ids: impl Iterator<Item = RobotId>) -> Vec<RobotState> {
