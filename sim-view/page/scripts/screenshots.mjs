@@ -1,5 +1,5 @@
 // Takes the pictures of the window in docs/: `npm run build && node scripts/screenshots.mjs [PATH OF eyesim]`, by default the debug
-// build. Looks at the picture before you commit it.
+// build. Look at them before you commit them.
 import { spawn } from "node:child_process";
 import { once } from "node:events";
 import { fileURLToPath } from "node:url";
