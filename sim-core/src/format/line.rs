@@ -222,7 +222,7 @@ impl Quantity {
     }
 
     /// A value in SI units in its own unit, to twelve digits, so that what was written comes back.
-    pub(super) fn from_si(&self, si: f64) -> f64 {
+    pub(super) fn in_own_unit(&self, si: f64) -> f64 {
         let value = si / (self.to_si)(1.0);
         format!("{value:.11e}").parse().unwrap_or(value)
     }

@@ -61,7 +61,7 @@ impl Profile {
                 table,
                 key,
                 what: quantity.name,
-                value: quantity.from_si(*value),
+                value: quantity.in_own_unit(*value),
                 range: quantity.bounds(),
                 unit,
             });
