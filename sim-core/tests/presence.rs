@@ -115,8 +115,11 @@ fn o(number: u32) -> ObjectId {
     ObjectId(number)
 }
 
-/// What rays from everywhere meet: in the plane and in space.
-fn look(world: &World, at: Time) -> Vec<(Option<(f64, Thing)>, Option<f64>)> {
+/// What a ray meets: in the plane, and in space.
+type Met = (Option<(f64, Thing)>, Option<f64>);
+
+/// What rays from everywhere meet.
+fn look(world: &World, at: Time) -> Vec<Met> {
     let mut random = Random::new(7);
     let ray = |_| {
         let origin = DVec2::new(random.between(-2.0, 2.0), random.between(-2.0, 2.0));

@@ -210,9 +210,8 @@ impl Workshop {
             Some(orders) => orders,
             None => self.orders.insert(start_loader(exec)?),
         };
-        let gone = |_| anyhow!("its program cannot be loaded");
-        orders.send(order).map_err(|_| gone(()))?;
-        answered.recv().map_err(|_| gone(()))?
+        let sent = orders.send(order).ok();
+        sent.and_then(|()| answered.recv().ok()).unwrap_or_else(|| Err(anyhow!("its program cannot be loaded")))
     }
 
     /// The movable object that has the next id, of type `kind`, at `pose`.
