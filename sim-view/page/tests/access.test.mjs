@@ -36,7 +36,8 @@ test("a class watches, the teacher acts, a wrong token is refused", { skip }, as
   await watching.close();
 
   const wrong = await open(browser, `${address}#token=wrong`);
-  await wrong.control("banner").getByText("refused").waitFor();
+  await wrong.page.waitForFunction(() => globalThis.eyesim?.model.connection.is === "refused");
+  assert.match(await wrong.control("banner-text").textContent(), /refused this page: the token is wrong/);
   assert.equal(wrong.heard.snapshot, undefined, "it has seen nothing");
   await wrong.close();
 
