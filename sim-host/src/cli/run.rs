@@ -22,6 +22,7 @@ use sim_core::pose::Pose;
 use sim_core::time::Time;
 use sim_core::world::Presence;
 use sim_core::world::World;
+use sim_view::protocol;
 
 use super::cc::parse_api;
 use super::diagnostic::{self, Colour, Format};
@@ -42,13 +43,15 @@ use crate::plot::{self, RunObject, RunPicture, RunRobot};
 use crate::program::{Builder, Cache, Generation, Kits, SearchPath, Tools};
 use crate::record::event::KindSet;
 use crate::record::frame::{FrameFailures, Frames};
+use crate::record::mcap::Beginning;
 use crate::record::report::{Input, ObjectReport, REPORT_SCHEMA, RobotReport};
 use crate::record::trace::{TraceHeader, TraceRobot};
 use crate::record::trail::Way;
-use crate::record::{Digest, Log, Outcome, Record, RecordError, Recorded, Recorder, Report, Sink, Trace, Trails};
+use crate::record::{Digest, Log, Mcap, Outcome, Record, RecordError, Recorded, Recorder, Report, Sink, Trace, Trails};
 use crate::robios::robot::Robot;
 use crate::scenery::LazyScenery;
 use crate::setup::{Debug, Programs, RobotOptions};
+use crate::window::scene::{ObjectSubject, RobotSubject, Subject};
 use crate::workshop::Workshop;
 
 /// Simulated seconds after which a run ends when the user says nothing and nobody watches.
@@ -72,6 +75,9 @@ pub struct RunArgs {
     /// Write every event as a line of JSON while the run goes on
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
+    /// Write the run as MCAP, which Foxglove and rerun open, while it goes on
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
     /// Draw the world from above with the robots' paths, as .svg or .png
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
@@ -378,9 +384,13 @@ impl Built {
         check_outputs(args, &inputs)?;
         let frames = |folder: &PathBuf| {
             let frames = Frames::create(folder, scene.robots.len());
-            frames.map(Arc::new).with_context(|| format!("--frames `{}`", folder.display()))
+            frames.with_context(|| format!("--frames `{}`", folder.display()))
         };
-        let frames = args.frames.as_ref().map(frames).transpose()?;
+        let mut frames = args.frames.as_ref().map(frames).transpose()?;
+        if args.record.is_some() {
+            frames = Some(frames.unwrap_or_default().keeping());
+        }
+        let frames = frames.map(Arc::new);
         programs.remarks.iter().for_each(|remark| eprintln!("{remark}"));
         let scenery = Arc::new(LazyScenery::new(Arc::clone(&scene), files, loaded.diagnostics, loaded.inputs));
         let robot_options = RobotOptions {
@@ -442,6 +452,9 @@ impl Ready {
         if let Some(path) = &args.trace {
             let header = trace_header(args, &options, &scene, until, &inputs);
             all.push(Box::new(Trace::create(path, &header)?));
+        }
+        if let Some((path, frames)) = args.record.as_ref().zip(frames.clone()) {
+            all.push(Box::new(recording(path, &options, &scene, &scenery, frames)?));
         }
         let remarks = SceneryRemarks {
             scenery: Arc::clone(&scenery),
@@ -562,7 +575,8 @@ pub fn print(text: &str) -> anyhow::Result<()> {
 
 /// Checks before the run that what it writes destroys none of its inputs and has a folder to lie in.
 fn check_outputs(args: &RunArgs, inputs: &[Input]) -> anyhow::Result<()> {
-    let outputs = [("--report", &args.report), ("--trace", &args.trace), ("--plot", &args.plot)];
+    let outputs =
+        [("--report", &args.report), ("--trace", &args.trace), ("--record", &args.record), ("--plot", &args.plot)];
     let repeated = args.repeat.as_deref().map(slashed);
     let inputs = inputs.iter().map(|input| input.path.as_str()).chain(repeated.as_deref());
     output::check_outputs(&given(&outputs), inputs)?;
@@ -621,6 +635,47 @@ fn sinks(args: &RunArgs, options: &Options, scene: &SceneSpec, progress: &Progre
     });
     all.extend(trails.iter().map(|trails| Box::new(Arc::clone(trails)) as Box<dyn Sink>));
     Ok(Sinks { all, trails })
+}
+
+/// The recording at `path`, of what `frames` keeps beside the events.
+fn recording(
+    path: &Path,
+    options: &Options,
+    scene: &SceneSpec,
+    scenery: &LazyScenery,
+    frames: Arc<Frames>,
+) -> anyhow::Result<Mcap> {
+    let robot = |robot: &sim_core::format::RobotSpec| RobotSubject {
+        id: robot.id,
+        robi: Arc::clone(&robot.robi),
+        program: robot.program_name().to_owned(),
+        position: robot.start.position,
+        has_colours: false,
+    };
+    let object = |(id, object): (u32, &ObjectSpec)| ObjectSubject {
+        id: ObjectId(id),
+        kind: Arc::clone(&object.kind),
+        position: object.pose.position,
+    };
+    let shown = Subject {
+        run: 1,
+        seed: options.seed,
+        slot: options.slot,
+        spec: scene,
+        scenery: &scenery.get(),
+        robots: scene.robots.iter().map(robot).collect(),
+        objects: (1..).zip(build::movable(scene)).map(object).collect(),
+        workshop: protocol::Workshop::default(),
+    };
+    let beginning = Beginning {
+        seed: options.seed,
+        slot: options.slot,
+        scene: shown.scene(),
+        robots: scene.robots.iter().map(|robot| robot.start).collect(),
+        objects: build::movable(scene).map(|object| object.pose).collect(),
+        frames,
+    };
+    Ok(Mcap::create(path, beginning)?)
 }
 
 /// How the robots stand while the run goes on.

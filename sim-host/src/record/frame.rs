@@ -1,10 +1,11 @@
-//! Images of robots' cameras as files: what `eyesim run --frames` and `eyesim shot` write.
+//! Images of robots' cameras as files: what `eyesim run --frames` and `eyesim shot` write; images and scans for a recording.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use parking_lot::Mutex;
 use sim_core::RobotId;
+use sim_core::pose::Pose3;
 use sim_core::time::Time;
 
 use super::Record;
@@ -79,14 +80,53 @@ impl Pixels<'_> {
     }
 }
 
-/// A folder that gets all images which programs take, each written when it is taken.
-#[derive(Debug)]
+/// A scan that a program gets.
+#[derive(Clone, Debug)]
+pub struct KeptScan {
+    /// Where the scanner is.
+    pub world_from_scanner: Pose3,
+    /// Where the first and the last ray look, counter-clockwise from ahead in the scanner's plane; those between evenly.
+    pub bearings: [f64; 2],
+    /// What each ray measures, m; none for nothing within range.
+    pub metres: Vec<Option<f64>>,
+}
+
+/// An image as a file of PNG.
+#[derive(Clone, Debug)]
+pub struct KeptFrame {
+    /// Its number among the images of its camera.
+    pub number: u64,
+    /// The word of the trace.
+    pub form: &'static str,
+    /// The file.
+    pub png: Vec<u8>,
+}
+
+/// What a program got of which the trace has but a summary.
+#[derive(Clone, Debug)]
+pub enum Kept {
+    /// An image.
+    Frame(KeptFrame),
+    /// A scan.
+    Scan(KeptScan),
+}
+
+/// Where all images and scans go that programs take: images into a folder, each written when it is taken; both into memory,
+/// for a recording that takes them at the slot's end.
+#[derive(Debug, Default)]
 pub struct Frames {
-    folder: PathBuf,
-    /// Digits of the greatest number of a robot.
-    robot_digits: usize,
+    folder: Option<Folder>,
+    /// Of this slot, with its time.
+    kept: Option<Mutex<Vec<(Time, RobotId, Kept)>>>,
     /// The first image in order of (time, robot) that could not be written.
     failure: Mutex<Option<Failure>>,
+}
+
+#[derive(Debug)]
+struct Folder {
+    path: PathBuf,
+    /// Digits of the greatest number of a robot.
+    robot_digits: usize,
 }
 
 #[derive(Debug)]
@@ -122,26 +162,60 @@ impl Frames {
         if std::fs::read_dir(folder)?.next().is_some() {
             return Err(FolderError::NotEmpty);
         }
-        Ok(Self { folder: folder.to_owned(), robot_digits: robots.to_string().len(), failure: Mutex::default() })
+        let folder = Folder { path: folder.to_owned(), robot_digits: robots.to_string().len() };
+        Ok(Self { folder: Some(folder), ..Self::default() })
     }
 
-    /// Writes an image of `robot`; none after the first that could not be written, of which [`FrameFailures`] tells. Those before
-    /// it are still tried, so that which one is the first does not depend on threads.
+    /// Keeps images and scans, too, for [`Self::take`].
+    pub fn keeping(self) -> Self {
+        Self { kept: Some(Mutex::default()), ..self }
+    }
+
+    /// What has been kept since the last time, in order of (time, robot).
+    pub fn take(&self) -> Vec<(Time, RobotId, Kept)> {
+        let mut kept = self.kept.as_ref().map(|kept| std::mem::take(&mut *kept.lock())).unwrap_or_default();
+        // Stable: what one robot took at one time stays in its order.
+        kept.sort_by_key(|(time, robot, _)| (*time, *robot));
+        kept
+    }
+
+    /// Keeps a scan that `robot` takes at `now`, if scans are kept.
+    pub fn keep_scan(&self, robot: RobotId, now: Time, scan: impl FnOnce() -> KeptScan) {
+        if let Some(kept) = &self.kept {
+            kept.lock().push((now, robot, Kept::Scan(scan())));
+        }
+    }
+
+    /// Writes and keeps an image that `robot` takes. Into the folder goes none after the first that could not be written, of which
+    /// [`FrameFailures`] tells. Those before it are still tried, so that which one is the first does not depend on threads.
     pub fn write(&self, robot: RobotId, frame: &Frame<'_>) {
+        let png = frame.pixels.png(frame.size);
+        if let Some(folder) = &self.folder {
+            self.write_into(folder, robot, frame, &png);
+        }
+        if let Some(kept) = &self.kept {
+            let image = KeptFrame { number: frame.number, form: frame.pixels.form(), png };
+            kept.lock().push((frame.exposed, robot, Kept::Frame(image)));
+        }
+    }
+
+    fn write_into(&self, folder: &Folder, robot: RobotId, frame: &Frame<'_>, png: &[u8]) {
         let image = (frame.exposed, robot);
         let is_first = |failure: &Option<Failure>| failure.as_ref().is_none_or(|failure| image < failure.image);
         if !is_first(&self.failure.lock()) {
             return;
         }
-        let path = self.folder.join(self.name(robot, frame));
-        if let Err(error) = write_whole(&path, &frame.pixels.png(frame.size)) {
+        let path = folder.path.join(folder.name(robot, frame));
+        if let Err(error) = write_whole(&path, png) {
             let mut failure = self.failure.lock();
             if is_first(&failure) {
                 *failure = Some(Failure { image, error: RecordError::write("image", &path, error) });
             }
         }
     }
+}
 
+impl Folder {
     /// Name of an image's file: sorted by names, files are sorted by robot, number and time of exposure.
     fn name(&self, robot: RobotId, frame: &Frame<'_>) -> String {
         let Time(us) = frame.exposed;

@@ -136,7 +136,7 @@ impl Sink for Trace {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use std::sync::Arc;
 
     use parking_lot::Mutex;
@@ -178,7 +178,7 @@ mod tests {
     }
 
     /// One event of each kind.
-    fn every_event() -> Vec<Event<'static>> {
+    pub(in crate::record) fn every_event() -> Vec<Event<'static>> {
         vec![
             Event::ProgramStarted { program: "maze.c" },
             Event::ProgramEnded { outcome: Outcome::Failed, exit_code: Some(3) },

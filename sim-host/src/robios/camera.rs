@@ -46,8 +46,8 @@ pub const NAME: &str = "CAMERA";
 #[derive(Default)]
 pub struct Camera {
     scenery: Arc<LazyScenery>,
-    /// Where all images go that programs take, if the user wants them.
-    frames: Option<Arc<Frames>>,
+    /// Where all images and scans go that programs take, if the user wants them.
+    pub(super) frames: Option<Arc<Frames>>,
     /// `None` where images are exact.
     errors: Option<Box<ImageErrors>>,
     /// While it is switched on.

@@ -20,6 +20,7 @@ use super::robot::Robot;
 use super::switch::Sensor;
 use super::unit7::radians;
 use crate::record::Event;
+use crate::record::frame::KeptScan;
 
 /// The scanner of a robot.
 #[derive(Clone, Debug, Default)]
@@ -65,15 +66,14 @@ fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances
     if distances.is_null() {
         return Err(robot.refused(call, failure, |_| "it takes room for the distances".to_owned()));
     }
-    let Robot { now, motion, journal, devices, .. } = robot;
-    let Devices { lidar: state, servos, ranges, switches, .. } = devices;
+    let Robot { id, now, motion, journal, devices, .. } = robot;
+    let Devices { lidar: state, servos, ranges, switches, camera, .. } = devices;
     let as_described = || Scanner::new(&spec, lidar, [lidar.sweep, lidar.tilt], lidar.points);
     let scanner = state.scanner.get_or_insert_with(as_described);
-    let metres = if switches.is_on(Sensor::Lidar) {
-        ranges.scan(scanner, servos, motion, world, *now)
-    } else {
-        vec![None; scanner.fan().len()]
-    };
+    let (world_from_scanner, mut metres) = ranges.scan(scanner, servos, motion, world, *now);
+    if !switches.is_on(Sensor::Lidar) {
+        metres.fill(None);
+    }
     let numbers: Vec<i32> = metres.iter().map(|metres| mm_from_distance(*metres)).collect();
     distances.set(&numbers);
     let points = (0_u32..).zip(&metres).filter_map(|(ray, metres)| Some(((*metres)?, ray)));
@@ -87,6 +87,15 @@ fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances
             sum_mm: numbers.iter().map(|mm| i64::from(*mm)).sum(),
         },
     );
+    if let Some(frames) = &camera.frames {
+        let fan = scanner.fan();
+        let last = fan.len().saturating_sub(1) as u32;
+        frames.keep_scan(*id, *now, || KeptScan {
+            world_from_scanner,
+            bearings: [fan.bearing(0), fan.bearing(last)],
+            metres,
+        });
+    }
     Ok(numbers.len())
 }
 

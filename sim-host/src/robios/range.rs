@@ -149,7 +149,8 @@ impl Ranges {
         }
     }
 
-    /// What the rays of the scanner measure at `at`, in metres from left to right; `None` for nothing within range.
+    /// Where the scanner looks from at `at`, in the world, and what its rays measure, in metres from left to right; `None` for
+    /// nothing within range.
     pub fn scan(
         &self,
         scanner: &Scanner,
@@ -157,11 +158,11 @@ impl Ranges {
         motion: &mut Motion,
         world: &World,
         at: Time,
-    ) -> Vec<Option<f64>> {
-        let (_, exact) = self.exact_scan(scanner, servos, motion, world, at);
-        let Some(errors) = &self.errors else { return exact };
+    ) -> (Pose3, Vec<Option<f64>>) {
+        let (world_from_scanner, exact) = self.exact_scan(scanner, servos, motion, world, at);
+        let Some(errors) = &self.errors else { return (world_from_scanner, exact) };
         let mut erring = errors.lidar.scan(Events::index(at, SCAN), at, [0.0, scanner.fan().range()]);
-        exact.into_iter().map(|point| erring.point(point)).collect()
+        (world_from_scanner, exact.into_iter().map(|point| erring.point(point)).collect())
     }
 
     /// Angles of all servos just before `at`; none where nothing asks for them.

@@ -29,7 +29,7 @@ fn png_url(file: &[u8]) -> String {
 }
 
 /// A pose in space as pages get it.
-fn point(pose: &Pose3) -> protocol::Point {
+pub(crate) fn point(pose: &Pose3) -> protocol::Point {
     protocol::Point {
         position_m: pose.position.to_array(),
         rotation: DQuat::from_mat3(&pose.rotation).normalize().to_array(),

@@ -1,0 +1,652 @@
+//! A run as MCAP, the file format of recordings that Foxglove and rerun open. Channels and schemas are in `docs/mcap.md`.
+//!
+//! Messages of Foxglove are Protocol Buffers, ours JSON; their times are virtual ones, from the run's start on. Everything up to the last complete slot has left the
+//! process when the next slot begins, in chunks that readers can recover from a file that is cut off.
+
+mod proto;
+mod scene;
+mod schema;
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, BufWriter, Seek, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use mcap::records::{MessageHeader, Metadata};
+use mcap::{McapError, WriteOptions, Writer};
+use serde_json::{Value, json};
+use sim_core::pose::Pose;
+use sim_core::time::Time;
+use sim_core::{ObjectId, RobotId};
+use sim_view::protocol::{Action, Point, Scene};
+
+use super::digest::Digest;
+use super::event::{Event, Kind, KindSet, Record, WORLD};
+use super::frame::{Frames, Kept, KeptFrame, KeptScan};
+use super::recorder::{RecordError, Sink};
+use schema::Content;
+
+/// What a recording begins with.
+pub struct Beginning {
+    /// The master seed of the run.
+    pub seed: u64,
+    /// Length of a slot.
+    pub slot: Time,
+    /// What there is to see.
+    pub scene: Scene,
+    /// Where the scene's robots are at the start, in its order.
+    pub robots: Vec<Pose>,
+    /// Where the scene's movable objects are at the start, in its order.
+    pub objects: Vec<Pose>,
+    /// Where images and scans come from.
+    pub frames: Arc<Frames>,
+}
+
+/// A file, or memory in tests.
+trait Out: Write + Seek + Send {}
+impl<T: Write + Seek + Send> Out for T {}
+
+/// Writes a recording.
+pub struct Mcap {
+    /// None after the end.
+    writer: Option<Writer<Box<dyn Out>>>,
+    path: PathBuf,
+    /// The channels that there are: whose, and what about.
+    channels: BTreeMap<(RobotId, &'static str), u16>,
+    sequence: u32,
+    scene: Scene,
+    frames: Arc<Frames>,
+    /// Transforms of this slot.
+    moved: Vec<Value>,
+    /// Numbers of the next robot and the next object that are added.
+    next: [u32; 2],
+    has_news: bool,
+}
+
+/// A time as Foxglove has it.
+fn timestamp(Time(us): Time) -> Value {
+    let us = us.max(0);
+    json!({ "seconds": us / 1_000_000, "nanos": us % 1_000_000 * 1_000 })
+}
+
+impl Mcap {
+    /// Creates the file `path`, or empties it, and writes what is known at the start.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`] if the file cannot be written.
+    pub fn create(path: &Path, beginning: Beginning) -> Result<Self, RecordError> {
+        let file = File::create(path).map_err(|source| RecordError::write("recording", path, source))?;
+        Self::new(Box::new(BufWriter::with_capacity(1 << 16, file)), path, beginning)
+    }
+
+    fn new(out: Box<dyn Out>, path: &Path, beginning: Beginning) -> Result<Self, RecordError> {
+        let Beginning { seed, slot, scene, robots, objects, frames } = beginning;
+        // Compressed chunks would need a system's library; chunks are written as a whole, also to what cannot seek.
+        let options = WriteOptions::new()
+            .compression(None)
+            .disable_seeking(true)
+            .library(format!("eyesim {}", env!("CARGO_PKG_VERSION")));
+        let writer = options.create(out).map_err(|error| RecordError::write("recording", path, of_mcap(error)))?;
+        let next = [
+            scene.robots.iter().map(|robot| robot.id).max().unwrap_or(0) + 1,
+            scene.objects.iter().map(|object| object.id).max().unwrap_or(0) + 1,
+        ];
+        let (channels, moved) = (BTreeMap::new(), Vec::new());
+        let path = path.to_owned();
+        let mut mcap =
+            Self { writer: Some(writer), path, channels, sequence: 0, scene, frames, moved, next, has_news: true };
+        mcap.note("run", [("seed", seed.to_string()), ("slot_us", slot.0.to_string())])?;
+        mcap.begin(&robots, &objects)?;
+        mcap.flush()?;
+        Ok(mcap)
+    }
+
+    /// Bodies, where they stand, and where their sensors sit.
+    fn begin(&mut self, robots: &[Pose], objects: &[Pose]) -> Result<(), RecordError> {
+        let at = Time::ZERO;
+        let mut transforms = Vec::new();
+        for (robot, pose) in self.scene.robots.iter().zip(robots) {
+            let frame = scene::robot_frame(RobotId(robot.id));
+            transforms.push(scene::transform(at, scene::WORLD, &frame, &scene::of_pose(pose)));
+            let mounts = robot.sensors.iter().filter_map(|sensor| Some((&sensor.name, sensor.mount?)));
+            transforms
+                .extend(mounts.map(|(name, mount)| scene::transform(at, &frame, &format!("{frame}/{name}"), &mount)));
+        }
+        for (object, pose) in self.scene.objects.iter().zip(objects) {
+            let frame = scene::object_frame(ObjectId(object.id));
+            transforms.push(scene::transform(at, scene::WORLD, &frame, &scene::of_pose(pose)));
+        }
+        let entities = scene::all(&self.scene);
+        self.write(Content::Scene, WORLD, "/scene", at, &json!({ "deletions": [], "entities": entities }))?;
+        self.write(Content::Transforms, WORLD, "/tf", at, &json!({ "transforms": transforms }))
+    }
+
+    /// Writes a message to the channel of `robot` that is called so.
+    fn write(
+        &mut self,
+        content: Content,
+        robot: RobotId,
+        topic: &'static str,
+        at: Time,
+        message: &impl serde::Serialize,
+    ) -> Result<(), RecordError> {
+        let channel_id = match self.channels.get(&(robot, topic)) {
+            Some(channel) => *channel,
+            None => self.add_channel(content, robot, topic)?,
+        };
+        let data = if content.is_foxglove() {
+            serde_json::to_value(message).map(|message| proto::encode(content.name(), &message))
+        } else {
+            serde_json::to_vec(message)
+        };
+        let data = data.map_err(|error| self.error(error.into()))?;
+        let log_time = u64::try_from(at.0).unwrap_or(0) * 1_000;
+        let header = MessageHeader { channel_id, sequence: self.sequence, log_time, publish_time: log_time };
+        self.sequence = self.sequence.wrapping_add(1);
+        self.has_news = true;
+        self.with(|writer| writer.write_to_known_channel(&header, &data))
+    }
+
+    fn add_channel(&mut self, content: Content, robot: RobotId, topic: &'static str) -> Result<u16, RecordError> {
+        let (encoding, schema, messages) = if content.is_foxglove() {
+            ("protobuf", proto::descriptors(), "protobuf")
+        } else {
+            ("jsonschema", content.schema().to_string().into_bytes(), "json")
+        };
+        let name = if robot == WORLD { topic.to_owned() } else { format!("/robot/{}{topic}", robot.0) };
+        let channel = self.with(|writer| {
+            let schema = writer.add_schema(content.name(), encoding, &schema)?;
+            writer.add_channel(schema, &name, messages, &BTreeMap::new())
+        })?;
+        self.channels.insert((robot, topic), channel);
+        Ok(channel)
+    }
+
+    /// Writes metadata: facts that belong to no time.
+    fn note<const N: usize>(&mut self, name: &str, facts: [(&str, String); N]) -> Result<(), RecordError> {
+        let metadata = facts.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+        let metadata = Metadata { name: name.into(), metadata };
+        self.with(|writer| writer.write_metadata(&metadata))
+    }
+
+    fn flush(&mut self) -> Result<(), RecordError> {
+        self.has_news = false;
+        self.with(Writer::flush)
+    }
+
+    fn with<T>(
+        &mut self,
+        act: impl FnOnce(&mut Writer<Box<dyn Out>>) -> Result<T, McapError>,
+    ) -> Result<T, RecordError> {
+        let ended = || RecordError::write("recording", &self.path, io::Error::other("it has ended"));
+        let done = act(self.writer.as_mut().ok_or_else(ended)?);
+        done.map_err(|error| self.error(of_mcap(error)))
+    }
+
+    fn error(&self, source: io::Error) -> RecordError {
+        RecordError::write("recording", &self.path, source)
+    }
+
+    fn move_to(&mut self, at: Time, child: &str, point: &Point) {
+        self.moved.push(scene::transform(at, scene::WORLD, child, point));
+    }
+
+    fn log(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
+        const INFO: u8 = 2;
+        const WARNING: u8 = 3;
+        const ERROR: u8 = 4;
+        const FATAL: u8 = 5;
+        let mut file = "";
+        let (level, message) = match record.event {
+            Event::ProgramStarted { program: "" } => return Ok(()),
+            Event::ProgramStarted { program } => (INFO, format!("`{program}` begins")),
+            Event::ProgramEnded { outcome, exit_code } => {
+                let code = exit_code.map(|code| format!(", exit code {code}")).unwrap_or_default();
+                (if outcome.is_failure() { ERROR } else { INFO }, format!("{}{code}", outcome.name()))
+            }
+            Event::Stdout { text } | Event::Reason { text } => (INFO, text.to_owned()),
+            Event::Stderr { text } | Event::Hint { text } => (WARNING, text.to_owned()),
+            Event::Fault { what, location, last_call } => {
+                file = location;
+                let call = if last_call.is_empty() { String::new() } else { format!(" after {last_call}") };
+                (FATAL, format!("{what}{call}"))
+            }
+            _ => return Ok(()),
+        };
+        let (file, line) = match file.rsplit_once(':').map(|(file, line)| (file, line.parse::<u32>())) {
+            Some((file, Ok(line))) => (file, line),
+            _ => (file, 0),
+        };
+        let name = if record.robot == WORLD { scene::WORLD.into() } else { scene::robot_frame(record.robot) };
+        let timestamp = timestamp(record.time);
+        let message = json!({
+            "timestamp": timestamp, "level": level, "message": message, "name": name, "file": file, "line": line,
+        });
+        self.write(Content::Log, WORLD, "/log", record.time, &message)
+    }
+
+    /// Bodies that come, go, or are put elsewhere.
+    fn intervene(&mut self, at: Time, action: &Action) -> Result<(), RecordError> {
+        let (mut deletions, mut entities) = (Vec::new(), Vec::new());
+        let gone = |id: String| json!({ "timestamp": timestamp(at), "type": 0, "id": id });
+        match action {
+            Action::AddRobot { kind, x_m, y_m, phi_rad, .. } => {
+                let id = self.newcomer(0);
+                self.move_to(at, &scene::robot_frame(RobotId(id)), &scene::upright(*x_m, *y_m, *phi_rad));
+                let model = self.scene.robots.iter().find(|robot| robot.kind == *kind).map(|robot| robot.id);
+                entities.extend(model.and_then(|model| scene::robot(&self.scene, id, model)));
+            }
+            Action::AddObject { kind, x_m, y_m, phi_rad } => {
+                let id = self.newcomer(1);
+                self.move_to(at, &scene::object_frame(ObjectId(id)), &scene::upright(*x_m, *y_m, *phi_rad));
+                let model = self.scene.objects.iter().find(|object| object.kind == *kind).map(|object| object.id);
+                entities.extend(model.and_then(|model| scene::object(&self.scene, id, model)));
+            }
+            Action::RemoveRobot { robot } => deletions.push(gone(scene::robot_frame(RobotId(*robot)))),
+            Action::RemoveObject { object } => deletions.push(gone(scene::object_frame(ObjectId(*object)))),
+            Action::PlaceRobot { robot, x_m, y_m, phi_rad } => {
+                self.move_to(at, &scene::robot_frame(RobotId(*robot)), &scene::upright(*x_m, *y_m, *phi_rad));
+            }
+            Action::PlaceObject { object, x_m, y_m, phi_rad } => {
+                self.move_to(at, &scene::object_frame(ObjectId(*object)), &scene::upright(*x_m, *y_m, *phi_rad));
+            }
+            Action::Press { .. } | Action::SetNoise { .. } | Action::SwitchSensor { .. } | Action::End {} => {}
+        }
+        if deletions.is_empty() && entities.is_empty() {
+            return Ok(());
+        }
+        let update = json!({ "deletions": deletions, "entities": entities });
+        self.write(Content::Scene, WORLD, "/scene", at, &update)
+    }
+
+    /// The number of a robot (0) or an object (1) that is added: numbers are not used again.
+    fn newcomer(&mut self, which: usize) -> u32 {
+        let id = self.next[which];
+        self.next[which] += 1;
+        id
+    }
+
+    fn write_scan(&mut self, at: Time, robot: RobotId, scan: &KeptScan) -> Result<(), RecordError> {
+        let place = crate::window::point(&scan.world_from_scanner);
+        let [start_angle, end_angle] = scan.bearings;
+        let message = json!({
+            "timestamp": timestamp(at),
+            "frame_id": scene::WORLD,
+            "pose": scene::pose(&place),
+            "start_angle": start_angle,
+            "end_angle": end_angle,
+            "ranges": scan.metres,
+            "intensities": [],
+        });
+        self.write(Content::Scan, robot, "/scan", at, &message)
+    }
+
+    fn write_frame(&mut self, at: Time, robot: RobotId, frame: &KeptFrame) -> Result<(), RecordError> {
+        let topic = match frame.form {
+            "depth" => "/camera/depth",
+            "labels" => "/camera/labels",
+            _ => "/camera",
+        };
+        let message = json!({
+            "timestamp": timestamp(at),
+            "frame_id": format!("{}/CAMERA", scene::robot_frame(robot)),
+            "data": STANDARD.encode(&frame.png),
+            "format": "png",
+        });
+        self.write(Content::Image, robot, topic, at, &message)
+    }
+}
+
+/// The system's error, where there is one.
+fn of_mcap(error: McapError) -> io::Error {
+    match error {
+        McapError::Io(error) => error,
+        error => io::Error::other(error),
+    }
+}
+
+impl Sink for Mcap {
+    fn interest(&self) -> KindSet {
+        KindSet::ALL.without(Kind::Call)
+    }
+
+    fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
+        let Record { time, robot, ref event, .. } = *record;
+        match *event {
+            Event::Pose { x_m, y_m, phi_rad, .. } | Event::Placed { x_m, y_m, phi_rad, .. } => {
+                self.move_to(time, &scene::robot_frame(robot), &scene::upright(x_m, y_m, phi_rad));
+            }
+            Event::Object { object, x_m, y_m, phi_rad, .. } | Event::ObjectPlaced { object, x_m, y_m, phi_rad, .. } => {
+                self.move_to(time, &scene::object_frame(ObjectId(object)), &scene::upright(x_m, y_m, phi_rad));
+            }
+            Event::Intervention { action } => {
+                if let Some(action) = action.action() {
+                    self.intervene(time, &action)?;
+                }
+            }
+            _ => {}
+        }
+        let topic = match Content::of(event.kind()) {
+            Some(Content::Log) => return self.log(record),
+            Some(Content::Reading) => "/readings",
+            Some(Content::Command) => "/commands",
+            Some(Content::Contact) => "/contacts",
+            Some(Content::Radio) => "/radio",
+            Some(Content::Intervention) => "/interventions",
+            _ => return Ok(()),
+        };
+        let content = Content::of(event.kind()).unwrap_or(Content::Reading);
+        let of = if content == Content::Intervention { WORLD } else { robot };
+        self.write(content, of, topic, time, record)
+    }
+
+    fn end_slot(&mut self, end: Time, _: Option<Digest>) -> Result<(), RecordError> {
+        if !self.moved.is_empty() {
+            let transforms = std::mem::take(&mut self.moved);
+            self.write(Content::Transforms, WORLD, "/tf", end, &json!({ "transforms": transforms }))?;
+        }
+        for (at, robot, kept) in self.frames.clone().take() {
+            match kept {
+                Kept::Scan(scan) => self.write_scan(at, robot, &scan)?,
+                Kept::Frame(frame) => self.write_frame(at, robot, &frame)?,
+            }
+        }
+        if self.has_news { self.flush() } else { Ok(()) }
+    }
+
+    /// Writes the index, and how the run ended.
+    fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
+        self.note("end", [("t_s", end.seconds().to_string()), ("digest", digest.to_string())])?;
+        self.with(|writer| writer.finish().map(drop))?;
+        let Some(writer) = self.writer.take() else { return Ok(()) };
+        writer.into_inner().flush().map_err(|error| self.error(error))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use sim_core::pose::Pose3;
+    use sim_view::protocol;
+
+    use super::super::trace::tests::every_event;
+    use super::*;
+    use crate::record::event::ActionText;
+    use crate::record::frame::{Frame, Pixels};
+    use crate::record::{Journal, Recorder};
+
+    const SLOT: Time = Time::from_millis(50);
+
+    fn body() -> protocol::Body {
+        protocol::Body { radius_m: 0.1, height_m: 0.2 }
+    }
+
+    /// A wall with two materials, a robot with a sensor, an object.
+    fn scene() -> Scene {
+        let bytes: Vec<u8> = (0..18_u8).flat_map(|number| f32::from(number).to_le_bytes()).collect();
+        let material = |colour| protocol::Material { triangles: 1, colour, image: None };
+        Scene {
+            run: 1,
+            title: "t".into(),
+            seed: "42".into(),
+            slot_s: 0.05,
+            bounds_m: [[0.0; 2], [1.0; 2]],
+            images: vec![],
+            meshes: vec![protocol::Mesh {
+                positions: STANDARD.encode(bytes),
+                normals: None,
+                uvs: None,
+                materials: vec![material([255, 0, 0]), material([0, 255, 0])],
+            }],
+            parts: vec![protocol::Part {
+                mesh: 0,
+                place: protocol::Place::World { what: "wall".into(), at: scene::upright(1.0, 2.0, 0.0) },
+            }],
+            ground: None,
+            light: protocol::Light { towards: [0.0, 0.0, 1.0], ambient: 0.5, diffuse: 0.5, shadows: false },
+            sky: protocol::Sky { horizon: [0; 3], zenith: [0; 3] },
+            robots: vec![protocol::Robot {
+                id: 1,
+                name: "eve".into(),
+                kind: "eve".into(),
+                program: "maze.c".into(),
+                colour: [0, 0, 255],
+                body: body(),
+                sensors: vec![protocol::Sensor {
+                    name: "PSD_FRONT".into(),
+                    kind: protocol::SensorKind::Psd,
+                    mount: Some(scene::upright(0.1, 0.0, 0.0)),
+                    range_m: None,
+                    half_angle_rad: 0.0,
+                }],
+                camera: None,
+                lcd: protocol::Lcd { size_px: [128, 64], has_colours: false },
+            }],
+            objects: vec![protocol::Object { id: 1, kind: "ball".into(), body: body() }],
+            workshop: protocol::Workshop::default(),
+        }
+    }
+
+    fn create(path: &Path, frames: &Arc<Frames>) -> Mcap {
+        let (robots, objects) = (vec![Pose::new(0.5, 0.25, 0.0)], vec![Pose::new(1.0, 1.0, 0.0)]);
+        let frames = frames.clone();
+        Mcap::create(path, Beginning { seed: 42, slot: SLOT, scene: scene(), robots, objects, frames }).unwrap()
+    }
+
+    /// Records a slot with everything in it.
+    fn record_everything(mcap: &mut Mcap, frames: &Frames, is_finished: bool) -> Digest {
+        let mut recorder = Recorder::new(42, SLOT, vec![Box::new(mcap)]);
+        let mut of_world = Journal::new(WORLD, true);
+        for action in [
+            r#"{"do":"add_robot","kind":"eve","program_of":null,"x_m":1.5,"y_m":2.5,"phi_rad":0.0}"#,
+            r#"{"do":"add_object","kind":"ball","x_m":1.5,"y_m":2.5,"phi_rad":0.0}"#,
+            r#"{"do":"remove_robot","robot":1}"#,
+            r#"{"do":"remove_object","object":1}"#,
+        ] {
+            of_world.record(Time(1_000), &Event::Intervention { action: ActionText(action) });
+        }
+        let mut journal = Journal::new(RobotId(1), true);
+        for event in every_event() {
+            journal.record(Time(2_350), &event);
+        }
+        let pixels = Pixels::Colour(&[255, 0, 0]);
+        frames.write(RobotId(1), &Frame { number: 1, exposed: Time(2_000), size: [1, 1], pixels });
+        let pixels = Pixels::Depth(&[f32::INFINITY]);
+        frames.write(RobotId(1), &Frame { number: 1, exposed: Time(2_000), size: [1, 1], pixels });
+        frames.keep_scan(RobotId(1), Time(2_100), || KeptScan {
+            world_from_scanner: Pose3::IDENTITY,
+            bearings: [1.0, -1.0],
+            metres: vec![Some(0.5), None],
+        });
+        recorder.collect(&mut of_world);
+        recorder.collect(&mut journal);
+        recorder.end_slot(SLOT).unwrap();
+        if is_finished { recorder.finish(SLOT).unwrap() } else { recorder.digest() }
+    }
+
+    /// Topic, schema, time and content of each message.
+    fn messages(bytes: &[u8], is_whole: bool) -> Vec<(String, Value, u64, Value)> {
+        let options = if is_whole { Default::default() } else { mcap::read::Options::IgnoreEndMagic.into() };
+        let stream = mcap::MessageStream::new_with_options(bytes, options).unwrap();
+        let message = |message: Result<mcap::Message<'_>, McapError>| {
+            let message = message.unwrap();
+            let schema = message.channel.schema.as_ref().unwrap();
+            let encodings = (schema.encoding.as_str(), message.channel.message_encoding.as_str());
+            let (topic, time) = (message.channel.topic.clone(), message.log_time);
+            if schema.name.starts_with("foxglove.") {
+                assert_eq!(encodings, ("protobuf", "protobuf"));
+                assert_eq!(schema.data, proto::descriptors());
+                return (topic, json!({ "title": schema.name }), time, proto::decode(&schema.name, &message.data));
+            }
+            assert_eq!(encodings, ("jsonschema", "json"));
+            let ours: Value = serde_json::from_slice(&schema.data).unwrap();
+            assert_eq!(ours["title"], schema.name);
+            (topic, ours, time, serde_json::from_slice(&message.data).unwrap())
+        };
+        stream.map(message).collect()
+    }
+
+    /// Checks a value against the part of JSON Schema that our schemas use; anything else in them is a mistake.
+    fn validate(schema: &Value, value: &Value, path: &str) {
+        for (keyword, rule) in schema.as_object().unwrap() {
+            let holds = match keyword.as_str() {
+                "title" => true,
+                "type" => match rule {
+                    Value::Array(types) => types.iter().any(|kind| is_of(value, kind.as_str().unwrap())),
+                    kind => is_of(value, kind.as_str().unwrap()),
+                },
+                "enum" => rule.as_array().unwrap().contains(value),
+                "minimum" => value.as_f64().unwrap() >= rule.as_f64().unwrap(),
+                "maximum" => value.as_f64().unwrap() <= rule.as_f64().unwrap(),
+                "required" => rule.as_array().unwrap().iter().all(|name| value.get(name.as_str().unwrap()).is_some()),
+                "additionalProperties" => {
+                    assert_eq!(rule, false);
+                    value.as_object().unwrap().keys().all(|name| schema["properties"].get(name).is_some())
+                }
+                "items" => {
+                    for (number, item) in value.as_array().unwrap().iter().enumerate() {
+                        validate(rule, item, &format!("{path}[{number}]"));
+                    }
+                    true
+                }
+                "properties" => {
+                    for (name, property) in rule.as_object().unwrap() {
+                        if let Some(value) = value.get(name) {
+                            validate(property, value, &format!("{path}.{name}"));
+                        }
+                    }
+                    true
+                }
+                other => panic!("{path}: `{other}` is not checked"),
+            };
+            assert!(holds, "{path}: {keyword} {rule} does not hold of {value}");
+        }
+    }
+
+    fn is_of(value: &Value, kind: &str) -> bool {
+        match kind {
+            "object" => value.is_object(),
+            "array" => value.is_array(),
+            "string" => value.is_string(),
+            "number" => value.is_number(),
+            "integer" => value.is_i64() || value.is_u64(),
+            "boolean" => value.is_boolean(),
+            "null" => value.is_null(),
+            other => panic!("`{other}`"),
+        }
+    }
+
+    #[test]
+    fn everything_is_read_back_and_keeps_to_its_schema() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.mcap");
+        let frames = Arc::new(Frames::default().keeping());
+        let digest = record_everything(&mut create(&path, &frames), &frames, true);
+        let bytes = std::fs::read(&path).unwrap();
+        let messages = messages(&bytes, true);
+        for (topic, schema, _, content) in &messages {
+            validate(schema, content, topic);
+        }
+        let topics: BTreeSet<&str> = messages.iter().map(|(topic, ..)| topic.as_str()).collect();
+        let of_robot = |topic: &str| messages.iter().filter(|(name, ..)| name == topic).collect::<Vec<_>>();
+        assert_eq!(
+            topics.into_iter().collect::<Vec<_>>(),
+            [
+                "/interventions",
+                "/log",
+                "/robot/1/camera",
+                "/robot/1/camera/depth",
+                "/robot/1/commands",
+                "/robot/1/contacts",
+                "/robot/1/radio",
+                "/robot/1/readings",
+                "/robot/1/scan",
+                "/scene",
+                "/tf",
+            ]
+        );
+        let names: BTreeSet<_> = messages
+            .iter()
+            .map(|(_, schema, ..)| schema["title"].clone())
+            .collect::<Vec<_>>()
+            .into_iter()
+            .map(|name| name.as_str().unwrap().to_owned())
+            .collect();
+        assert_eq!(names, Content::ALL.iter().map(|content| content.name().to_owned()).collect());
+
+        let at_start = &of_robot("/scene")[0].3["entities"];
+        let ids: Vec<_> = at_start.as_array().unwrap().iter().map(|entity| entity["id"].as_str().unwrap()).collect();
+        assert_eq!(ids, ["world", "robot/1", "object/1"]);
+        let walls = &at_start[0]["triangles"];
+        assert_eq!(walls[1]["points"][2], json!({ "x": 15.0, "y": 16.0, "z": 17.0 }));
+        assert_eq!(walls[1]["color"], json!({ "r": 0.0, "g": 1.0, "b": 0.0, "a": 1.0 }));
+        assert_eq!(walls[0]["pose"]["position"], json!({ "x": 1.0, "y": 2.0, "z": 0.0 }));
+        assert_eq!(at_start[1]["cylinders"][0]["size"], json!({ "x": 0.2, "y": 0.2, "z": 0.2 }));
+        assert_eq!(of_robot("/scene")[1].3["entities"][0]["id"], "robot/2");
+        assert_eq!(of_robot("/scene")[3].3["deletions"][0]["id"], "robot/1");
+
+        let moved = of_robot("/tf");
+        assert_eq!((moved[0].2, moved[1].2), (0, 50_000_000));
+        assert_eq!(moved[0].3["transforms"][0]["translation"], json!({ "x": 0.5, "y": 0.25, "z": 0.0 }));
+        assert_eq!(moved[0].3["transforms"][1]["child_frame_id"], "robot/1/PSD_FRONT");
+        let scan = of_robot("/robot/1/scan");
+        assert_eq!((scan[0].2, &scan[0].3["ranges"]), (2_100_000, &json!([0.5, null])), "infinity is null in JSON");
+        let image = STANDARD.decode(of_robot("/robot/1/camera")[0].3["data"].as_str().unwrap()).unwrap();
+        assert_eq!(image::load_from_memory(&image).unwrap().to_rgb8().as_raw(), &[255, 0, 0]);
+        let contact = of_robot("/robot/1/contacts");
+        assert_eq!((contact[0].2, &contact[0].3["with"]), (2_350_000, &json!({ "robot": 2 })));
+        let fault = of_robot("/log").into_iter().find(|(.., log)| log["level"] == 5).unwrap();
+        assert_eq!((&fault.3["file"], &fault.3["line"]), (&json!("maze.c"), &json!(88)));
+
+        let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+        assert_eq!(summary.stats.unwrap().message_count, messages.len() as u64);
+        let index = summary.metadata_indexes.iter().find(|index| index.name == "end").unwrap();
+        let end = mcap::read::metadata(&bytes, index).unwrap();
+        assert_eq!(end.metadata["digest"], digest.to_string());
+    }
+
+    #[test]
+    fn a_run_that_breaks_leaves_every_complete_slot() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.mcap");
+        let frames = Arc::new(Frames::default().keeping());
+        let mut mcap = create(&path, &frames);
+        record_everything(&mut mcap, &frames, false);
+        // As another process sees the file while this one has not ended.
+        let broken = std::fs::read(&path).unwrap();
+        std::mem::forget(mcap);
+        let whole = folder.path().join("whole.mcap");
+        record_everything(&mut create(&whole, &frames), &frames, true);
+        assert_eq!(messages(&broken, false), messages(&std::fs::read(&whole).unwrap(), true));
+    }
+
+    #[test]
+    fn a_full_disk_is_an_error() {
+        if !Path::new("/dev/full").exists() {
+            println!("skipped: no /dev/full here");
+            return;
+        }
+        let (robots, objects, frames) = (vec![], vec![], Arc::new(Frames::default().keeping()));
+        let beginning = Beginning { seed: 42, slot: SLOT, scene: scene(), robots, objects, frames };
+        let message = Mcap::create(Path::new("/dev/full"), beginning).err().unwrap().to_string();
+        assert!(message.starts_with("cannot write the recording `/dev/full`: No space left"), "{message}");
+    }
+
+    #[test]
+    fn the_page_documents_every_channel_and_event() {
+        let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/mcap.md")).unwrap();
+        for content in Content::ALL {
+            let rows: Vec<_> =
+                page.lines().filter(|line| line.contains(&format!("| `{}` |", content.name()))).collect();
+            assert!(!rows.is_empty(), "docs/mcap.md has no channel of `{}`", content.name());
+            for kind in Kind::ALL.iter().filter(|kind| Content::of(**kind) == Some(content)) {
+                let is_there = content == Content::Log || rows[0].contains(&format!("`{}`", kind.name()));
+                assert!(is_there, "docs/mcap.md: no `{}` of `{}`", kind.name(), content.name());
+            }
+        }
+    }
+}

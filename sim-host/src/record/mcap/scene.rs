@@ -1,0 +1,192 @@
+//! What a scene looks like, as entities of `foxglove.SceneUpdate`.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+use sim_core::pose::Pose;
+use sim_core::time::Time;
+use sim_core::{ObjectId, RobotId};
+use sim_view::protocol::{Body, Floor, Mesh, Place, Point, Scene};
+
+use super::timestamp;
+use sim_core::math;
+
+/// The frame of the world.
+pub(super) const WORLD: &str = "world";
+
+/// The frame of a robot.
+pub(super) fn robot_frame(RobotId(robot): RobotId) -> String {
+    format!("robot/{robot}")
+}
+
+/// The frame of a movable object.
+pub(super) fn object_frame(ObjectId(object): ObjectId) -> String {
+    format!("object/{object}")
+}
+
+/// Whose entity it is.
+#[derive(Clone, Copy, PartialEq)]
+enum Owner {
+    World,
+    Robot(u32),
+    Object(u32),
+}
+
+impl Owner {
+    fn of(place: &Place) -> Self {
+        match place {
+            Place::World { .. } => Self::World,
+            Place::Robot { robot } => Self::Robot(*robot),
+            Place::Object { object } => Self::Object(*object),
+        }
+    }
+}
+
+/// The world and all bodies.
+pub(super) fn all(scene: &Scene) -> Vec<Value> {
+    let robots = scene.robots.iter().map(|robot| robot.id).filter_map(|id| self::robot(scene, id, id));
+    let objects = scene.objects.iter().map(|object| object.id).filter_map(|id| self::object(scene, id, id));
+    std::iter::once(world(scene)).chain(robots).chain(objects).collect()
+}
+
+/// Robot `id`, which looks like robot `model` of the scene.
+pub(super) fn robot(scene: &Scene, id: u32, model: u32) -> Option<Value> {
+    let robot = scene.robots.iter().find(|robot| robot.id == model)?;
+    let label = json!([{
+        "pose": pose(&Point { position_m: [0.0, 0.0, robot.body.height_m + 0.05], rotation: UPRIGHT }),
+        "billboard": true,
+        "font_size": 12.0,
+        "scale_invariant": true,
+        "color": colour(robot.colour),
+        "text": format!("{} {id}", robot.name),
+    }]);
+    let triangles = triangles(scene, Owner::Robot(model));
+    Some(entity(&robot_frame(RobotId(id)), triangles, &robot.body, robot.colour, label))
+}
+
+/// Movable object `id`, which looks like object `model` of the scene.
+pub(super) fn object(scene: &Scene, id: u32, model: u32) -> Option<Value> {
+    let object = scene.objects.iter().find(|object| object.id == model)?;
+    let triangles = triangles(scene, Owner::Object(model));
+    Some(entity(&object_frame(ObjectId(id)), triangles, &object.body, [200, 120, 40], json!([])))
+}
+
+fn world(scene: &Scene) -> Value {
+    let mut surfaces = triangles(scene, Owner::World);
+    if let Some(floor) = scene.ground.as_ref().and_then(|ground| ground.floor.as_ref()) {
+        surfaces.push(floor_of(floor));
+    }
+    whole(WORLD, surfaces, Vec::new(), json!([]))
+}
+
+/// A body: its surfaces, else the cylinder around it.
+fn entity(frame: &str, triangles: Vec<Value>, body: &Body, rgb: [u8; 3], label: Value) -> Value {
+    let mut cylinders = Vec::new();
+    if triangles.is_empty() {
+        let (width, height) = (2.0 * body.radius_m, body.height_m);
+        cylinders.push(json!({
+            "pose": pose(&Point { position_m: [0.0, 0.0, 0.5 * height], rotation: UPRIGHT }),
+            "size": { "x": width, "y": width, "z": height },
+            "bottom_scale": 1.0,
+            "top_scale": 1.0,
+            "color": colour(rgb),
+        }));
+    }
+    whole(frame, triangles, cylinders, label)
+}
+
+/// An entity that moves with its frame and has its name.
+fn whole(frame: &str, triangles: Vec<Value>, cylinders: Vec<Value>, texts: Value) -> Value {
+    json!({
+        "timestamp": timestamp(Time::ZERO),
+        "frame_id": frame,
+        "id": frame,
+        "lifetime": { "seconds": 0, "nanos": 0 },
+        "frame_locked": true,
+        "cylinders": cylinders,
+        "triangles": triangles,
+        "texts": texts,
+    })
+}
+
+/// No rotation.
+const UPRIGHT: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
+
+/// One list for each material of each part.
+fn triangles(scene: &Scene, owner: Owner) -> Vec<Value> {
+    let parts = scene.parts.iter().filter(|part| Owner::of(&part.place) == owner);
+    parts
+        .flat_map(|part| {
+            let at = match &part.place {
+                Place::World { at, .. } => *at,
+                _ => Point { position_m: [0.0; 3], rotation: UPRIGHT },
+            };
+            scene.meshes.get(part.mesh as usize).map(|mesh| lists(mesh, &at)).unwrap_or_default()
+        })
+        .collect()
+}
+
+fn lists(mesh: &Mesh, at: &Point) -> Vec<Value> {
+    let bytes = STANDARD.decode(&mesh.positions).unwrap_or_default();
+    let (numbers, _) = bytes.as_chunks::<4>();
+    let numbers: Vec<f32> = numbers.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
+    let (points, _) = numbers.as_chunks::<3>();
+    let mut rest = points;
+    let mut lists = Vec::new();
+    for material in &mesh.materials {
+        let (points, others) = rest.split_at((3 * material.triangles as usize).min(rest.len()));
+        rest = others;
+        lists.push(list(at, points, material.colour));
+    }
+    lists
+}
+
+fn list(at: &Point, points: &[[f32; 3]], rgb: [u8; 3]) -> Value {
+    let points: Vec<_> = points.iter().map(|[x, y, z]| json!({ "x": x, "y": y, "z": z })).collect();
+    json!({ "pose": pose(at), "points": points, "color": colour(rgb) })
+}
+
+fn floor_of(floor: &Floor) -> Value {
+    let [width, length] = floor.size_m.map(|side| side as f32);
+    let corners = [[0.0, 0.0, 0.0], [width, 0.0, 0.0], [width, length, 0.0], [0.0, length, 0.0]];
+    let points = [0, 1, 2, 0, 2, 3].map(|corner| corners[corner]);
+    list(&Point { position_m: [0.0; 3], rotation: UPRIGHT }, &points, floor.colour)
+}
+
+pub(super) fn pose(point: &Point) -> Value {
+    json!({ "position": vector(point.position_m), "orientation": quaternion(point.rotation) })
+}
+
+fn vector([x, y, z]: [f64; 3]) -> Value {
+    json!({ "x": x, "y": y, "z": z })
+}
+
+fn quaternion([x, y, z, w]: [f64; 4]) -> Value {
+    json!({ "x": x, "y": y, "z": z, "w": w })
+}
+
+fn colour(rgb: [u8; 3]) -> Value {
+    let [r, g, b] = rgb.map(|level| f64::from(level) / 255.0);
+    json!({ "r": r, "g": g, "b": b, "a": 1.0 })
+}
+
+/// A transform of `foxglove.FrameTransforms`.
+pub(super) fn transform(at: Time, parent: &str, child: &str, point: &Point) -> Value {
+    json!({
+        "timestamp": timestamp(at),
+        "parent_frame_id": parent,
+        "child_frame_id": child,
+        "translation": vector(point.position_m),
+        "rotation": quaternion(point.rotation),
+    })
+}
+
+/// Where a body of the plane is in space.
+pub(super) fn upright(x_m: f64, y_m: f64, phi_rad: f64) -> Point {
+    Point { position_m: [x_m, y_m, 0.0], rotation: [0.0, 0.0, math::sin(0.5 * phi_rad), math::cos(0.5 * phi_rad)] }
+}
+
+/// The same of a pose.
+pub(super) fn of_pose(pose: &Pose) -> Point {
+    upright(pose.position.x, pose.position.y, pose.heading.radians())
+}

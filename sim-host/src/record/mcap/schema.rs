@@ -1,0 +1,160 @@
+//! What the channels of a recording carry, and the JSON schemas of our own messages. `docs/mcap.md` shows them.
+
+use serde_json::{Map, Value, json};
+
+use crate::record::event::Kind;
+
+/// What a channel carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Content {
+    /// Where walls and bodies are, and what they look like.
+    Scene,
+    /// Where bodies are.
+    Transforms,
+    /// Scans of laser scanners.
+    Scan,
+    /// Images of cameras, or what they show.
+    Image,
+    /// What programs say, and what is said of them.
+    Log,
+    /// What programs read of their devices.
+    Reading,
+    /// What programs do with their devices.
+    Command,
+    /// What bodies touch.
+    Contact,
+    /// Messages by radio.
+    Radio,
+    /// What is done to the world from outside.
+    Intervention,
+}
+
+impl Content {
+    /// All of them.
+    #[cfg(test)]
+    pub const ALL: [Self; 10] = [
+        Self::Scene,
+        Self::Transforms,
+        Self::Scan,
+        Self::Image,
+        Self::Log,
+        Self::Reading,
+        Self::Command,
+        Self::Contact,
+        Self::Radio,
+        Self::Intervention,
+    ];
+
+    /// The name of its schema: Foxglove's, where it has one.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scene => "foxglove.SceneUpdate",
+            Self::Transforms => "foxglove.FrameTransforms",
+            Self::Scan => "foxglove.LaserScan",
+            Self::Image => "foxglove.CompressedImage",
+            Self::Log => "foxglove.Log",
+            Self::Reading => "eyesim.Reading",
+            Self::Command => "eyesim.Command",
+            Self::Contact => "eyesim.Contact",
+            Self::Radio => "eyesim.Radio",
+            Self::Intervention => "eyesim.Intervention",
+        }
+    }
+
+    /// Where events of this kind go; none for calls, which are in no recording, and poses, which are transforms only.
+    pub fn of(kind: Kind) -> Option<Self> {
+        use Kind::*;
+        Some(match kind {
+            Pose | Object | Call => return None,
+            Distance | Angle | Reading | Odometry | OdometrySpeed | Key | SerialReceived | Scan | Signal | Frame => {
+                Self::Reading
+            }
+            DriveSpeed | DriveStraight | DriveTurn | DriveCurve | SetOdometry | ControlStarted | ControlStopped
+            | Motor | Servo | Output | LcdText | LcdClear | LcdGraphics | LcdMenu | Tone | Beep | Sample
+            | SerialSent | TimerAttached | TimerDetached => Self::Command,
+            Contact => Self::Contact,
+            RadioSent | RadioArrived | RadioLost | RadioReceived => Self::Radio,
+            Placed | ObjectPlaced | Intervention => Self::Intervention,
+            ProgramStarted | ProgramEnded | Stdout | Stderr | Fault | Reason | Hint => Self::Log,
+        })
+    }
+
+    /// True for a message of Foxglove, in Protocol Buffers; others are JSON.
+    pub fn is_foxglove(self) -> bool {
+        matches!(self, Self::Scene | Self::Transforms | Self::Scan | Self::Image | Self::Log)
+    }
+
+    /// The JSON schema of one of ours. Its messages are lines of the trace (`docs/trace.md`): which fields there are depends on the
+    /// event.
+    pub fn schema(self) -> Value {
+        let kinds: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| Self::of(*kind) == Some(self)).collect();
+        let mut properties = Map::new();
+        properties.insert("t_s".into(), number());
+        properties.insert("robot".into(), integer());
+        properties.insert("seq".into(), integer());
+        let names: Vec<_> = kinds.iter().map(|kind| kind.name()).collect();
+        properties.insert("event".into(), json!({ "type": "string", "enum": names }));
+        for field in kinds.iter().flat_map(|kind| kind.fields()) {
+            properties.insert((*field).into(), field_schema(field));
+        }
+        json!({
+            "title": self.name(),
+            "type": "object",
+            "required": ["t_s", "event"],
+            "properties": properties,
+            "additionalProperties": false,
+        })
+    }
+}
+
+/// The type of a field of events: its unit says that it is a number, which is null where there was nothing to measure.
+fn field_schema(field: &str) -> Value {
+    const UNITS: [&str; 6] = ["_m", "_s", "_rad", "_hz", "_gain", "signal"];
+    const INTEGERS: [&str; 20] = [
+        "percent",
+        "position",
+        "value",
+        "row",
+        "column",
+        "changed_pixels",
+        "length_bytes",
+        "timer",
+        "object",
+        "points",
+        "sum_mm",
+        "by",
+        "frame",
+        "width_px",
+        "height_px",
+        "message",
+        "from",
+        "bit_errors",
+        "turns",
+        "exit_code",
+    ];
+    match field {
+        "data" => array(json!({ "type": "integer", "minimum": 0, "maximum": 255 })),
+        "to" => json!({ "type": ["integer", "null"] }),
+        "with" => json!({ "type": ["string", "object"] }),
+        "action" => json!({ "type": "object" }),
+        _ if INTEGERS.contains(&field) => integer(),
+        _ if UNITS.iter().any(|unit| field.ends_with(unit)) => json!({ "type": ["number", "null"] }),
+        _ => text(),
+    }
+}
+
+fn array(items: Value) -> Value {
+    json!({ "type": "array", "items": items })
+}
+
+fn number() -> Value {
+    json!({ "type": "number" })
+}
+
+fn integer() -> Value {
+    json!({ "type": "integer" })
+}
+
+fn text() -> Value {
+    json!({ "type": "string" })
+}
