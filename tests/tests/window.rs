@@ -47,7 +47,8 @@ impl Served {
             lines.push(line.trim_end().to_owned());
         }
         // What programs print is of no interest, but must not fill the pipe.
-        std::thread::spawn(move || std::io::copy(&mut output, &mut std::io::sink()));
+        let drain = move || std::io::copy(&mut output, &mut std::io::sink());
+        std::thread::Builder::new().name("drain".into()).spawn(drain).expect("a thread");
         let (_, rest) = lines[0].split_once("127.0.0.1:").unwrap_or_else(|| panic!("an address: {lines:?}"));
         let port = rest.split('/').next().expect("a port").parse().expect("a port");
         Self { child, lines, port }

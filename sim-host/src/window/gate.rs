@@ -171,7 +171,7 @@ impl Gate for WindowGate {
                     if is_over || next.is_some_and(|next| next <= self.now) {
                         return self.begin(None);
                     }
-                    self.now = self.now + slot;
+                    self.now += slot;
                 }
                 (true, _) => self.control.wait(NAP),
                 (false, _) if is_over => return self.begin(None),
