@@ -276,8 +276,17 @@ fn a_key_of_the_page_reaches_the_program() {
 
 #[test]
 fn runs_start_again_with_any_seed() {
+    start_again(&[]);
+}
+
+#[test]
+fn runs_in_processes_start_again_with_any_seed() {
+    start_again(&["--exec", "process"]);
+}
+
+fn start_again(more: &[&str]) {
     let scratch = scene_of(&[("rover.c", ROVER)]);
-    let served = Served::start(&scratch, &["view", "scene.sim", "--seed", "5"]);
+    let served = Served::start(&scratch, &[&["view", "scene.sim", "--seed", "5"], more].concat());
     let mut page = served.page();
     page.until("a run", |page| page.t_s() > 0.1);
     assert_eq!(page.seed(), "5");

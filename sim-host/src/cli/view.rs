@@ -4,8 +4,8 @@ use std::hash::{BuildHasher as _, Hasher as _};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::process::{ExitCode, Stdio};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant, SystemTime};
 
 use anyhow::{Context as _, ensure};
@@ -25,7 +25,7 @@ use crate::executive::signal;
 use crate::files::DiskFiles;
 use crate::record::{Sink, Tape, TraceReader};
 use crate::window::control::Control;
-use crate::window::desk::{Desk, Starter};
+use crate::window::desk::{Desk, SPEEDS, Starter};
 use crate::window::feed::Feed;
 use crate::window::gate::WindowGate;
 use crate::window::recording::recording;
@@ -79,6 +79,14 @@ const NAP: Duration = Duration::from_millis(20);
 /// Files or arguments that are wrong, and a port that is taken.
 pub fn run(args: ViewArgs) -> anyhow::Result<ExitCode> {
     ensure!(args.run.frames.is_none(), "--frames: it is for `eyesim run`, since the window may start the run again");
+    if let Speed::Factor(factor) = args.run.speed {
+        ensure!(
+            SPEEDS.contains(&factor),
+            "--speed {factor}: expected {} to {}, or `max`",
+            SPEEDS.start(),
+            SPEEDS.end()
+        );
+    }
     let ready = prepare(&args.run)?;
     let window = Arc::new(open(&args, &title(ready.scene()))?);
     say_where(&args, &window);
@@ -97,6 +105,7 @@ pub fn run(args: ViewArgs) -> anyhow::Result<ExitCode> {
         next: Mutex::new(None),
         is_building: AtomicBool::new(false),
         files: Mutex::new(Files::of(&ready)),
+        orders: start_builder().context("cannot start the builder")?,
     });
     let watch = args.watch.then(Instant::now);
     let desk = Desk::open(window, control, Prompter { stage: Arc::clone(&stage), watch })?;
@@ -179,6 +188,20 @@ struct Stage {
     next: Mutex<Option<(Ready, RunArgs)>>,
     is_building: AtomicBool,
     files: Mutex<Files>,
+    /// What the builder does, one after the other.
+    orders: mpsc::Sender<Order>,
+}
+
+/// Something that the builder does.
+type Order = Box<dyn FnOnce() + Send>;
+
+/// Starts the thread that builds and loads runs. It lives as long as the window: processes of robots end with the thread that has
+/// started them.
+fn start_builder() -> std::io::Result<mpsc::Sender<Order>> {
+    let (orders, taken) = mpsc::channel::<Order>();
+    let build = move || taken.into_iter().for_each(|order| order());
+    std::thread::Builder::new().name("build".into()).spawn(build)?;
+    Ok(orders)
 }
 
 impl Stage {
@@ -212,7 +235,7 @@ impl Stage {
             match self.wait_for_next(&ran, &show) {
                 Some((next, args)) => {
                     *self.args.lock() = args;
-                    *self.files.lock() = Files::of(&next);
+                    self.files.lock().renew(&next);
                     ready = next;
                 }
                 None => break,
@@ -276,11 +299,11 @@ impl Stage {
     fn wait_for_next(&self, ran: &Ran, show: &Mutex<Show>) -> Option<(Ready, RunArgs)> {
         let mut is_shown = false;
         loop {
-            if let Some(next) = self.next.lock().take() {
-                return Some(next);
-            }
             if signal::is_interrupted() {
                 return None;
+            }
+            if let Some(next) = self.next.lock().take() {
+                return Some(next);
             }
             let speed = {
                 let mut wishes = self.control.wishes();
@@ -312,9 +335,13 @@ impl Stage {
         let build = move || {
             match prepare(&args) {
                 Ok(ready) => {
-                    *stage.next.lock() = Some((ready, args));
+                    {
+                        // Both at once: who takes the next run must not end it.
+                        let mut next = stage.next.lock();
+                        *next = Some((ready, args));
+                        stage.control.ask(|wishes| wishes.is_ending = true);
+                    }
                     stage.window.build(Build::Done);
-                    stage.control.ask(|wishes| wishes.is_ending = true);
                     asked.into_iter().for_each(Asked::accept);
                 }
                 Err(error) => {
@@ -329,9 +356,9 @@ impl Stage {
             }
             stage.is_building.store(false, Ordering::Release);
         };
-        if let Err(error) = std::thread::Builder::new().name("build".into()).spawn(build) {
+        if self.orders.send(Box::new(build)).is_err() {
             self.is_building.store(false, Ordering::Release);
-            self.window.build(Build::Failed { output: error.to_string() });
+            self.window.build(Build::Failed { output: "the builder has gone".to_owned() });
         }
     }
 }
@@ -396,6 +423,18 @@ impl Files {
     fn of(ready: &Ready) -> Self {
         let file = |path: &str| (PathBuf::from(path), looks(Path::new(path)));
         Self(ready.inputs().iter().map(|input| file(&input.path)).collect())
+    }
+
+    /// The files of `ready` from now on; those that were known stay as they looked last, so that what is saved while they are
+    /// built is not missed.
+    fn renew(&mut self, ready: &Ready) {
+        let known = std::mem::take(&mut self.0);
+        *self = Self::of(ready);
+        for (path, last) in &mut self.0 {
+            if let Some((_, before)) = known.iter().find(|(other, _)| other == path) {
+                *last = *before;
+            }
+        }
     }
 
     /// Whether one of them looks otherwise than last.

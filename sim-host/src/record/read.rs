@@ -361,7 +361,7 @@ mod tests {
             (r#"{"event":"pose"}"#, "it is no line of a trace: missing field `t_s`"),
             (r#"{"event":"pose","t_s":NaN}"#, "it is no JSON"),
             (r#"{"event":"pose","t_s":null}"#, "it is no line of a trace"),
-            (r#"{"event":"pose","t_s":-1}"#, "`t_s` -1 is no time"),
+            (r#"{"event":"pose","t_s":-1}"#, "`t_s` -1.0 is no time"),
             (r#"{"event":"pose","t_s":1e300}"#, "`t_s` 1e300 is no time"),
             (r#"{"event":"slot","t_s":1}"#, "it has no `digest`"),
             (r#"{"event":"slot","t_s":1,"digest":"12"}"#, "it is no line of a trace: a digest has 64"),

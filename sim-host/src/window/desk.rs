@@ -1,5 +1,6 @@
 //! Where commands of pages arrive: each is obeyed at once, or goes to the run's gate, or to who starts runs.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
@@ -91,17 +92,20 @@ fn obey(asked: Asked, control: &Control, starter: &mut impl Starter) {
         }
         Command::Step {} => {
             let is_over = control.ask(|wishes| {
-                (wishes.is_paused, wishes.steps) = (true, wishes.steps + u32::from(!wishes.is_over));
+                if !wishes.is_over {
+                    (wishes.is_paused, wishes.steps) = (true, wishes.steps + 1);
+                }
                 wishes.is_over
             });
             if is_over { asked.refuse(OVER) } else { asked.accept() }
         }
-        Command::Speed { factor } if factor.is_none_or(|factor| factor.is_finite() && factor >= LEAST_SPEED) => {
+        Command::Speed { factor } if factor.is_none_or(|factor| SPEEDS.contains(&factor)) => {
             control.ask(|wishes| wishes.speed = factor);
             asked.accept();
         }
         Command::Speed { .. } => {
-            asked.refuse(format!("expected a factor of at least {LEAST_SPEED}, or none for as fast as possible"));
+            let (least, most) = (SPEEDS.start(), SPEEDS.end());
+            asked.refuse(format!("expected a factor from {least} to {most}, or none for as fast as possible"));
         }
         Command::Restart { seed } => starter.restart(seed, asked),
         Command::Act { action } => control.ask(|wishes| {
@@ -117,7 +121,8 @@ fn obey(asked: Asked, control: &Control, starter: &mut impl Starter) {
     }
 }
 
-/// Slower than this nothing seems to happen.
-const LEAST_SPEED: f64 = 0.001;
+/// Simulated seconds for each second of real time: slower nothing seems to happen, and faster an idle run would be at the end of
+/// all times within days.
+pub const SPEEDS: RangeInclusive<f64> = 0.001..=10_000.0;
 
 const OVER: &str = "the run is over: start it again";

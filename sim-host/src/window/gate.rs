@@ -148,7 +148,7 @@ impl Gate for WindowGate {
             return Pass::Begin;
         }
         self.is_free = false;
-        self.now = boundary.following;
+        self.now = self.now.max(boundary.following);
         let slot = boundary.world.slot();
         loop {
             let wished = self.take_wishes();
@@ -189,7 +189,7 @@ impl Gate for WindowGate {
                     if let Some(factor) = self.speed {
                         self.follow_clock(slot, None, factor);
                         if self.now >= boundary.until {
-                            return Pass::End(End::Until);
+                            return self.begin(None);
                         }
                     }
                     self.control.wait(NAP);

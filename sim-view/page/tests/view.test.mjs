@@ -101,6 +101,7 @@ test("a touch of the display reaches the program at its place", { skip }, async 
   await heard.until("details of the other robot", ({ details }) => details.get(TOUCH)?.lcd);
   const [width, height] = heard.scene.robots[1].lcd.size_px;
   await page.waitForFunction(() => document.querySelector("[data-testid=lcd]").naturalWidth > 0);
+  await control("lcd").waitFor({ state: "visible" });
   const box = await control("lcd").boundingBox();
   await control("lcd").click({ position: { x: box.width / 4, y: box.height / 2 } });
   const touched = await heard.until("a touch", ({ details }) => /touched (\d+) (\d+)/.exec(details.get(TOUCH).lcd_text.join()));

@@ -19,7 +19,7 @@ use axum::routing::get;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::watch;
+use tokio::sync::{Semaphore, watch};
 use tokio::task::AbortHandle;
 use tokio::time::{Instant, sleep, sleep_until, timeout};
 
@@ -77,6 +77,8 @@ pub(super) struct Server {
     files: Mutex<BTreeMap<String, Download>>,
     /// Open sockets, with those that are being turned away.
     sockets: AtomicUsize,
+    /// Downloads that may be made at one time.
+    making: Arc<Semaphore>,
     closing: watch::Sender<bool>,
 }
 
@@ -91,6 +93,7 @@ impl Server {
             hub,
             files: Mutex::default(),
             sockets: AtomicUsize::new(0),
+            making: Arc::new(Semaphore::new(2)),
             closing: watch::Sender::new(false),
         })
     }
@@ -225,7 +228,16 @@ async fn download(server: &Server, name: &str, is_saved: bool) -> Response {
     let Some(Download { media_type, content }) = found else {
         return (StatusCode::NOT_FOUND, "there is no such file").into_response();
     };
-    let content = tokio::task::spawn_blocking(move || content()).await;
+    // Some are large: a few at a time, also where nobody waits for them any more.
+    let Ok(permit) = Arc::clone(&server.making).try_acquire_owned() else {
+        return (StatusCode::SERVICE_UNAVAILABLE, "others are being made: try again in a moment").into_response();
+    };
+    let content = tokio::task::spawn_blocking(move || {
+        let content = content();
+        drop(permit);
+        content
+    })
+    .await;
     let content = match content {
         Ok(Ok(content)) => content,
         Ok(Err(why)) => return (StatusCode::SERVICE_UNAVAILABLE, why).into_response(),
