@@ -71,7 +71,8 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     let page = Page::load(|text| eprintln!("{text}"));
     if let Some(path) = &args.html {
         let trace = args.trace.to_string_lossy();
-        check_outputs(&[("--html", path)], std::iter::once(&*trace))?;
+        let inputs = recorded.header.inputs.iter().map(|input| input.path.as_str());
+        check_outputs(&[("--html", path)], inputs.chain([&*trace]))?;
         let text = page.with_recording(&recording).map_err(anyhow::Error::msg)?;
         write_whole(path, text.as_bytes()).with_context(|| format!("--html `{}`", path.display()))?;
         print(&format!("{}\n", path.display()))?;

@@ -176,7 +176,6 @@ impl ThreadBlock {
 /// When the kernel refuses a handler.
 pub fn install(bell: &bell::Bell) -> io::Result<()> {
     BELL.store(bell.raw(), Ordering::Release);
-    INTERRUPTED.store(false, Ordering::Release);
     catch_faults()?;
     for signal in [libc::SIGINT, libc::SIGTERM] {
         set_handler(signal, on_interrupt as *const () as usize, libc::SA_RESTART)?;
@@ -218,7 +217,7 @@ pub fn uninstall() {
     BELL.store(-1, Ordering::Release);
 }
 
-/// True once the user has asked for the end of the run.
+/// True once the user has asked for the end, of this run and of all that would follow it.
 pub fn is_interrupted() -> bool {
     INTERRUPTED.load(Ordering::Acquire)
 }

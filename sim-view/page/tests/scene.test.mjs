@@ -20,6 +20,14 @@ if (!skip) {
     ({ page, heard, control } = await open(browser, eyesim.url, { viewport: { width: 800, height: 500 } }));
     await heard.until("a snapshot", ({ snapshot }) => snapshot);
     await page.waitForFunction(() => globalThis.eyesim.view?.drawn.triangles > 0);
+    // On a busy machine the page may still be laid out: what is seen must stay where it is.
+    await page.waitForFunction(() => {
+      const { model, view } = globalThis.eyesim;
+      const { x, y } = view.where(0, 0, 0);
+      const seen = `${x} ${y} ${model.snapshot !== null}`;
+      if (globalThis.seen !== seen) [globalThis.seen, globalThis.since] = [seen, performance.now()];
+      return model.snapshot && performance.now() - globalThis.since > 500;
+    });
   });
   after(async () => {
     Eyesim.stopAll();
