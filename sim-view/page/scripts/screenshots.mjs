@@ -9,7 +9,7 @@ const ROOT = fileURLToPath(new URL("../../..", import.meta.url));
 const EYESIM = process.argv[2] ?? `${ROOT}target/debug/eyesim`;
 
 const browser = await launch(true);
-await shoot("window", "sims/soccer.sim", { until_s: 2.6, width: 1360, height: 880 });
+await shoot("window", "sims/soccer.sim", { until_s: 3.2, width: 1360, height: 880 });
 await shoot("window-radio", "sims/token.scene.toml", { until_s: 0.5, width: 1360, height: 880, colorScheme: "dark" });
 await browser.close();
 

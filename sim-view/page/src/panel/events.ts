@@ -22,8 +22,8 @@ export function eventsPanel(model: Model): HTMLElement {
     const kinds = [...new Set(all.map((event) => event.kind))].sort();
     setOptions(kind, [["", "all kinds"], ...kinds.map((name): [string, string] => [name, name.replaceAll("_", " ")])]);
     const robots = model.scene?.robots ?? [];
-    const names = new Map(robots.map(({ id, name }) => [id, name]));
-    setOptions(robot, [["", "all robots"], ["chosen", "the chosen robot"], ["world", "the world"], ...robots.map(({ id, name }): [string, string] => [String(id), name])]);
+    const names = new Map(robots.map(({ id, name }) => [id, `${id} ${name}`]));
+    setOptions(robot, [["", "all robots"], ["chosen", "the chosen robot"], ["world", "the world"], ...[...names].map(([id, name]): [string, string] => [String(id), name])]);
     const shown = all.filter(isWanted);
     list.show(shown.map((event) => lineOf(event, names)));
     const missed = model.missedEvents > 0 ? `, ${model.missedEvents} earlier ones left out` : "";
@@ -50,6 +50,6 @@ export function eventsPanel(model: Model): HTMLElement {
 
 /** An event as a line of a list. */
 export function lineOf(event: Event, names: ReadonlyMap<number, string>): Line {
-  const who = event.robot === null ? "" : (names.get(event.robot) ?? `robot ${event.robot}`);
+  const who = event.robot === null ? "" : (names.get(event.robot) ?? `${event.robot}`);
   return { key: event.number, time: event.t_s.toFixed(3), who, kind: event.kind, text: event.text };
 }
