@@ -1,0 +1,4 @@
+//! Maps from range sensors, for robot programs.
+//!
+//! Nothing here knows a robot or a simulator: poses and readings go in, maps come out. Lengths in metres, angles in radians
+//! counter-clockwise, `f64`.
