@@ -2,3 +2,8 @@
 //!
 //! Nothing here knows a robot or a simulator: poses and readings go in, maps come out. Lengths in metres, angles in radians
 //! counter-clockwise, `f64`.
+
+#![warn(missing_docs)]
+#![forbid(unsafe_code)]
+
+pub mod math;
