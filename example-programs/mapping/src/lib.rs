@@ -1,9 +1,13 @@
 //! Maps from range sensors, for robot programs.
 //!
 //! Nothing here knows a robot or a simulator: poses and readings go in, maps come out. Lengths in metres, angles in radians
-//! counter-clockwise, `f64`.
+//! counter-clockwise, `f64`. The same input gives the same bits on every platform.
 
 #![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
+pub mod astar;
+pub mod distance;
+pub mod grid;
 pub mod math;
+pub mod pose;

@@ -10,6 +10,11 @@ pub fn cos(angle: f64) -> f64 {
     libm::cos(angle)
 }
 
+/// Sine and cosine of an angle in rad.
+pub fn sin_cos(angle: f64) -> (f64, f64) {
+    libm::sincos(angle)
+}
+
 /// Tangent of an angle in rad.
 pub fn tan(angle: f64) -> f64 {
     libm::tan(angle)

@@ -1,0 +1,276 @@
+//! Shortest paths on grids: A* and Dijkstra over eight neighbours.
+//!
+//! A step leads to one of the eight neighbours; a diagonal one only where both cells beside it may be entered too, so that no
+//! corner is cut. It costs its length in metres times the factor of the cell that it enters. Of equally short paths the one found
+//! is always the same.
+//!
+//! For clearance let `factor` refuse cells that are too near to obstacles by [`distance`](crate::distance), and make those dearer
+//! that are nearly so.
+//!
+//! Source: Hart, Nilsson & Raphael 1968; the rule about corners is our choice.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use std::f64::consts::SQRT_2;
+
+use crate::grid::{Cell, Frame, Grid};
+
+/// A way from cell to neighbouring cell.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Path {
+    /// The cells, the start and the goal among them.
+    pub cells: Vec<Cell>,
+    /// The sum of the costs of its steps, in metres where all factors are 1.
+    pub cost: f64,
+}
+
+/// A cheapest path from `start` to `goal`; `None` where there is none.
+///
+/// `factor` is by how much dearer than its length a step into a cell is, at least 1, or `None` where a cell must not be entered. The
+/// start is never asked for, so that a robot gets away from where it should not be.
+///
+/// # Panics
+/// If start or goal lie beyond the frame, or a factor is below 1 (the estimate of what is left would be too high).
+pub fn shortest_path(frame: &Frame, factor: impl Fn(Cell) -> Option<f64>, start: Cell, goal: Cell) -> Option<Path> {
+    assert!(frame.has(goal), "{goal:?} beyond the grid");
+    search(frame, factor, start, |cell| cell == goal, |cell| octile(cell, goal) * frame.cell_size())
+}
+
+/// A cheapest path from `start` to the cheapest cell for which `is_goal` holds; `None` where none can be reached.
+///
+/// # Panics
+/// As [`shortest_path`].
+pub fn nearest(
+    frame: &Frame,
+    factor: impl Fn(Cell) -> Option<f64>,
+    start: Cell,
+    is_goal: impl Fn(Cell) -> bool,
+) -> Option<Path> {
+    search(frame, factor, start, is_goal, |_| 0.0)
+}
+
+/// What the cheapest path from `start` to each cell costs; infinite where there is none.
+///
+/// # Panics
+/// As [`shortest_path`].
+pub fn costs(frame: &Frame, factor: impl Fn(Cell) -> Option<f64>, start: Cell) -> Grid<f64> {
+    let mut search = Search::new(frame, start);
+    while search.next(&factor, &|_| 0.0).is_some() {}
+    search.costs
+}
+
+/// The least number of cells' sides that lead from one cell to the other over eight neighbours.
+fn octile(from: Cell, to: Cell) -> f64 {
+    let (columns, rows) = (from.column.abs_diff(to.column) as f64, from.row.abs_diff(to.row) as f64);
+    columns.max(rows) + (SQRT_2 - 1.0) * columns.min(rows)
+}
+
+fn search(
+    frame: &Frame,
+    factor: impl Fn(Cell) -> Option<f64>,
+    start: Cell,
+    is_goal: impl Fn(Cell) -> bool,
+    estimate: impl Fn(Cell) -> f64,
+) -> Option<Path> {
+    let mut search = Search::new(frame, start);
+    while let Some(cell) = search.next(&factor, &estimate) {
+        if is_goal(cell) {
+            return Some(search.path_to(cell));
+        }
+    }
+    None
+}
+
+/// A search under way: costs and predecessors of the cells seen, and those that are still to be looked at.
+struct Search {
+    frame: Frame,
+    costs: Grid<f64>,
+    from: Grid<Option<Cell>>,
+    is_done: Grid<bool>,
+    open: BinaryHeap<Open>,
+}
+
+impl Search {
+    fn new(frame: &Frame, start: Cell) -> Self {
+        let mut costs = Grid::new(*frame, f64::INFINITY);
+        costs[start] = 0.0;
+        let open = BinaryHeap::from([Open { total: 0.0, cell: start }]);
+        Self { frame: *frame, costs, from: Grid::new(*frame, None), is_done: Grid::new(*frame, false), open }
+    }
+
+    /// The next cell whose cost is final, with its neighbours looked at.
+    fn next(&mut self, factor: &impl Fn(Cell) -> Option<f64>, estimate: &impl Fn(Cell) -> f64) -> Option<Cell> {
+        let cell = loop {
+            let Open { cell, .. } = self.open.pop()?;
+            if !std::mem::replace(&mut self.is_done[cell], true) {
+                break cell;
+            }
+        };
+        for next in self.frame.neighbours(cell) {
+            if self.is_done[next] {
+                continue;
+            }
+            let Some(step) = self.step(cell, next, factor) else { continue };
+            let cost = self.costs[cell] + step;
+            if cost < self.costs[next] {
+                self.costs[next] = cost;
+                self.from[next] = Some(cell);
+                self.open.push(Open { total: cost + estimate(next), cell: next });
+            }
+        }
+        Some(cell)
+    }
+
+    /// What a step between neighbours costs; `None` where it must not be made.
+    fn step(&self, from: Cell, to: Cell, factor: &impl Fn(Cell) -> Option<f64>) -> Option<f64> {
+        let times = factor(to)?;
+        assert!(times >= 1.0, "a factor of {times} for {to:?}");
+        let is_diagonal = from.column != to.column && from.row != to.row;
+        if is_diagonal {
+            factor(Cell::new(from.column, to.row))?;
+            factor(Cell::new(to.column, from.row))?;
+        }
+        Some(times * self.frame.cell_size() * if is_diagonal { SQRT_2 } else { 1.0 })
+    }
+
+    fn path_to(&self, goal: Cell) -> Path {
+        let mut cells: Vec<Cell> = std::iter::successors(Some(goal), |cell| self.from[*cell]).collect();
+        cells.reverse();
+        Path { cells, cost: self.costs[goal] }
+    }
+}
+
+/// A cell to be looked at: the cheapest first, of equal ones the least cell.
+struct Open {
+    total: f64,
+    cell: Cell,
+}
+
+impl Ord for Open {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.total.total_cmp(&self.total).then_with(|| other.cell.cmp(&self.cell))
+    }
+}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Open {}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::pose::Point;
+
+    /// A map from text, the upper row first: `#` must not be entered, digits are factors, all else is free.
+    fn map(text: &str) -> Grid<Option<f64>> {
+        let rows: Vec<Vec<char>> = text.split_whitespace().rev().map(|row| row.chars().collect()).collect();
+        let frame = Frame::new(Point::origin(), 0.5, rows[0].len(), rows.len());
+        Grid::from_fn(frame, |cell| match rows[cell.row][cell.column] {
+            '#' => None,
+            c => Some(c.to_digit(10).map_or(1.0, f64::from)),
+        })
+    }
+
+    /// Every cell's cost by relaxing all steps until nothing changes.
+    fn brute_force(map: &Grid<Option<f64>>, start: Cell) -> Grid<f64> {
+        let mut costs = Grid::new(*map.frame(), f64::INFINITY);
+        costs[start] = 0.0;
+        loop {
+            let before = costs.clone();
+            for cell in map.frame().cells() {
+                for next in map.frame().neighbours(cell) {
+                    let beside = [Cell::new(cell.column, next.row), Cell::new(next.column, cell.row)];
+                    let is_diagonal = !beside.contains(&cell);
+                    if is_diagonal && beside.iter().any(|cell| map[*cell].is_none()) {
+                        continue;
+                    }
+                    let Some(factor) = map[next] else { continue };
+                    let length = 0.5 * if is_diagonal { SQRT_2 } else { 1.0 };
+                    costs[next] = costs[next].min(costs[cell] + length * factor);
+                }
+            }
+            if costs == before {
+                return costs;
+            }
+        }
+    }
+
+    fn check(text: &str, from: Cell, to: Cell, expected: Option<f64>) {
+        let map = map(text);
+        let path = shortest_path(map.frame(), |cell| map[cell], from, to);
+        match (path, expected) {
+            (Some(path), Some(expected)) => assert!((path.cost - expected).abs() < 1e-12, "{text}: {path:?}"),
+            (path, expected) => assert_eq!(path.map(|path| path.cost), expected, "{text}"),
+        }
+    }
+
+    #[test]
+    fn paths_go_straight_around_and_never_over_a_corner() {
+        let (left, right) = (Cell::new(0, 0), Cell::new(2, 0));
+        check("...", left, right, Some(1.0));
+        check("...", left, left, Some(0.0));
+        check("... .#.", left, right, Some(2.0));
+        check(".#. .#.", left, right, None);
+        check("... .9.", left, right, Some(2.0 * 0.5 * SQRT_2));
+        check("...", Cell::new(0, 0), Cell::new(1, 0), Some(0.5));
+        check(".. #.", Cell::new(1, 0), Cell::new(0, 1), Some(1.0));
+    }
+
+    #[test]
+    fn a_robot_gets_away_from_where_it_should_not_be() {
+        check("#..", Cell::new(0, 0), Cell::new(2, 0), Some(1.0));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+        #[test]
+        fn agrees_with_brute_force(
+            (columns, rows, kinds) in (1usize..9, 1usize..9)
+                .prop_flat_map(|(columns, rows)| (Just(columns), Just(rows), prop::collection::vec(0u8..6, columns * rows))),
+            ends in (0usize..81, 0usize..81),
+        ) {
+            let frame = Frame::new(Point::origin(), 0.5, columns, rows);
+            let map = Grid::from_fn(frame, |cell| match kinds[cell.row * columns + cell.column] {
+                0 | 1 => None,
+                2 => Some(2.5),
+                _ => Some(1.0),
+            });
+            let cell = |index: usize| Cell::new(index % columns, index / columns % rows);
+            let (start, goal) = (cell(ends.0), cell(ends.1));
+            let expected = brute_force(&map, start);
+            let near = |a: f64, b: f64| a == b || (a - b).abs() < 1e-9;
+            for (cell, cost) in costs(&frame, |cell| map[cell], start).iter() {
+                prop_assert!(near(*cost, expected[cell]), "{:?}", cell);
+            }
+            let found = [
+                shortest_path(&frame, |cell| map[cell], start, goal),
+                nearest(&frame, |cell| map[cell], start, |cell| cell == goal),
+            ];
+            for path in found {
+                let Some(path) = path else {
+                    prop_assert!(expected[goal].is_infinite());
+                    continue;
+                };
+                prop_assert!(near(path.cost, expected[goal]));
+                prop_assert_eq!((path.cells[0], path.cells[path.cells.len() - 1]), (start, goal));
+                let mut cost = 0.0;
+                for step in path.cells.windows(2) {
+                    cost += octile(step[0], step[1]) * 0.5 * map[step[1]].expect("enters only free cells");
+                }
+                prop_assert!(near(cost, path.cost));
+            }
+        }
+    }
+}

@@ -1,0 +1,323 @@
+//! Maps of square cells, and pictures of them.
+//!
+//! A [`Frame`] says where the cells lie in the world; a [`Grid`] holds a value for each. Columns go along x, rows along y, both from
+//! the frame's origin, its corner of least x and y. Every cell has its lower and left edges and not its upper and right ones.
+
+use std::io::Cursor;
+use std::ops::{Index, IndexMut};
+
+use image::{ImageError, ImageFormat, Rgb, RgbImage};
+
+use crate::pose::Point;
+
+/// A cell of a grid, by column (along x) and row (along y), from 0.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Cell {
+    /// Column, along x.
+    pub column: usize,
+    /// Row, along y.
+    pub row: usize,
+}
+
+impl Cell {
+    /// The cell of a column and a row.
+    pub fn new(column: usize, row: usize) -> Self {
+        Self { column, row }
+    }
+
+    /// The cell so many columns and rows on; `None` below 0.
+    pub fn offset(self, columns: i64, rows: i64) -> Option<Self> {
+        let column = usize::try_from(self.column as i64 + columns).ok()?;
+        let row = usize::try_from(self.row as i64 + rows).ok()?;
+        Some(Self { column, row })
+    }
+}
+
+/// Where the cells of a grid lie in the world.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Frame {
+    origin: Point,
+    size: f64,
+    columns: usize,
+    rows: usize,
+}
+
+impl Frame {
+    /// Cells of `size` x `size` metres, the first with its corner of least x and y at `origin`.
+    ///
+    /// # Panics
+    /// If `size` is not above 0 and finite, `origin` not finite, or there are no cells.
+    pub fn new(origin: Point, size: f64, columns: usize, rows: usize) -> Self {
+        assert!(size > 0.0 && size.is_finite(), "a cell of {size} m");
+        assert!(origin.x.is_finite() && origin.y.is_finite(), "an origin at {origin}");
+        assert!(columns > 0 && rows > 0, "a grid of {columns} x {rows} cells");
+        Self { origin, size, columns, rows }
+    }
+
+    /// The fewest cells of `size` metres from `least` that cover everything up to `greatest`.
+    ///
+    /// # Panics
+    /// As [`Frame::new`].
+    pub fn covering(least: Point, greatest: Point, size: f64) -> Self {
+        // A millionth of a cell too many is a rounding error, not a column.
+        let cells = |length: f64| (length / size - 1e-6).ceil().max(1.0) as usize;
+        Self::new(least, size, cells(greatest.x - least.x), cells(greatest.y - least.y))
+    }
+
+    /// The corner of least x and y, in metres.
+    pub fn origin(&self) -> Point {
+        self.origin
+    }
+
+    /// The length of a cell's side, in metres.
+    pub fn cell_size(&self) -> f64 {
+        self.size
+    }
+
+    /// How many cells there are along x.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// How many cells there are along y.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Whether there is such a cell.
+    pub fn has(&self, cell: Cell) -> bool {
+        cell.column < self.columns && cell.row < self.rows
+    }
+
+    /// The cell in which a point lies; `None` beyond the grid.
+    pub fn cell_at(&self, point: Point) -> Option<Cell> {
+        let steps = self.in_cells(point);
+        let inside = |steps: f64, count: usize| (0.0..count as f64).contains(&steps);
+        (inside(steps.x, self.columns) && inside(steps.y, self.rows))
+            .then(|| Cell::new(steps.x as usize, steps.y as usize))
+    }
+
+    /// A point in units of cells from the grid's origin: (0.5, 0.5) is the middle of the first cell.
+    pub fn in_cells(&self, point: Point) -> Point {
+        Point::from((point - self.origin) / self.size)
+    }
+
+    /// The middle of a cell, in metres; cells beyond the grid have one too.
+    pub fn centre(&self, cell: Cell) -> Point {
+        let middle = |index: usize| (index as f64 + 0.5) * self.size;
+        Point::new(self.origin.x + middle(cell.column), self.origin.y + middle(cell.row))
+    }
+
+    /// All cells, row by row from the origin.
+    pub fn cells(&self) -> impl Iterator<Item = Cell> + use<> {
+        let columns = self.columns;
+        (0..self.rows).flat_map(move |row| (0..columns).map(move |column| Cell { column, row }))
+    }
+
+    /// The cells whose middle is at most `radius` metres from `point`, row by row.
+    pub fn disc(&self, point: Point, radius: f64) -> impl Iterator<Item = Cell> + use<> {
+        let frame = *self;
+        let at = self.in_cells(point);
+        let span = |middle: f64, count: usize| {
+            let reach = radius / frame.size + 0.5;
+            let bound = |steps: f64| steps.clamp(0.0, count as f64) as usize;
+            bound((middle - reach).floor())..bound((middle + reach).ceil())
+        };
+        let (columns, rows) = (span(at.x, self.columns), span(at.y, self.rows));
+        rows.flat_map(move |row| columns.clone().map(move |column| Cell { column, row }))
+            .filter(move |cell| (frame.centre(*cell) - point).norm() <= radius)
+    }
+
+    /// The up to eight neighbours of a cell: right, upper right, and on counter-clockwise.
+    pub fn neighbours(&self, cell: Cell) -> impl Iterator<Item = Cell> + use<> {
+        const AROUND: [(i64, i64); 8] = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
+        let frame = *self;
+        AROUND
+            .into_iter()
+            .filter_map(move |(columns, rows)| cell.offset(columns, rows))
+            .filter(move |at| frame.has(*at))
+    }
+
+    fn index(&self, cell: Cell) -> usize {
+        assert!(self.has(cell), "{cell:?} in a grid of {} x {} cells", self.columns, self.rows);
+        cell.row * self.columns + cell.column
+    }
+}
+
+/// A value for each cell of a [`Frame`].
+#[derive(Clone, PartialEq, Debug)]
+pub struct Grid<T> {
+    frame: Frame,
+    values: Vec<T>,
+}
+
+impl<T> Grid<T> {
+    /// A grid with the value that `value` gives for each cell, asked row by row.
+    pub fn from_fn(frame: Frame, value: impl FnMut(Cell) -> T) -> Self {
+        Self { values: frame.cells().map(value).collect(), frame }
+    }
+
+    /// Where the cells lie.
+    pub fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    /// The value of a cell; `None` beyond the grid.
+    pub fn get(&self, cell: Cell) -> Option<&T> {
+        self.frame.has(cell).then(|| &self[cell])
+    }
+
+    /// The value of a cell, to be changed; `None` beyond the grid.
+    pub fn get_mut(&mut self, cell: Cell) -> Option<&mut T> {
+        if self.frame.has(cell) { Some(&mut self[cell]) } else { None }
+    }
+
+    /// The value at a point, in metres; `None` beyond the grid.
+    pub fn at(&self, point: Point) -> Option<&T> {
+        self.frame.cell_at(point).map(|cell| &self[cell])
+    }
+
+    /// All cells with their values, row by row.
+    pub fn iter(&self) -> impl Iterator<Item = (Cell, &T)> {
+        self.frame.cells().zip(&self.values)
+    }
+
+    /// The values, row by row from the origin.
+    pub fn values(&self) -> &[T] {
+        &self.values
+    }
+
+    /// The values, row by row from the origin, to be changed.
+    pub fn values_mut(&mut self) -> &mut [T] {
+        &mut self.values
+    }
+
+    /// The same cells with what `change` makes of their values.
+    pub fn map<U>(&self, change: impl FnMut(&T) -> U) -> Grid<U> {
+        Grid { frame: self.frame, values: self.values.iter().map(change).collect() }
+    }
+
+    /// A picture with the colour of each cell (red, green, blue) as a square of `pixels` x `pixels`; x to the right, y up.
+    ///
+    /// # Panics
+    /// If `pixels` is 0 or the picture has more than 2^32 pixels a side.
+    pub fn picture(&self, pixels: u32, colour: impl Fn(&T) -> [u8; 3]) -> RgbImage {
+        let side = |cells: usize| u32::try_from(cells).ok().and_then(|cells| cells.checked_mul(pixels));
+        let (Some(width), Some(height)) = (side(self.frame.columns), side(self.frame.rows)) else {
+            panic!("a picture of {} x {} cells with {pixels} pixels each", self.frame.columns, self.frame.rows);
+        };
+        RgbImage::from_fn(width, height, |x, y| {
+            let row = self.frame.rows - 1 - (y / pixels) as usize;
+            Rgb(colour(&self[Cell::new((x / pixels) as usize, row)]))
+        })
+    }
+}
+
+impl<T: Clone> Grid<T> {
+    /// A grid with the same value in each cell.
+    pub fn new(frame: Frame, value: T) -> Self {
+        Self { values: vec![value; frame.columns * frame.rows], frame }
+    }
+}
+
+impl<T> Index<Cell> for Grid<T> {
+    type Output = T;
+
+    fn index(&self, cell: Cell) -> &T {
+        &self.values[self.frame.index(cell)]
+    }
+}
+
+impl<T> IndexMut<Cell> for Grid<T> {
+    fn index_mut(&mut self, cell: Cell) -> &mut T {
+        let index = self.frame.index(cell);
+        &mut self.values[index]
+    }
+}
+
+/// A shade of grey for a probability: white for 0, black for 1.
+pub fn grey(probability: f64) -> [u8; 3] {
+    [(255.0 * (1.0 - probability.clamp(0.0, 1.0))).round() as u8; 3]
+}
+
+/// A picture as the bytes of a PNG file.
+///
+/// # Errors
+/// What the encoder refuses, e.g. a picture without pixels.
+pub fn png(picture: &RgbImage) -> Result<Vec<u8>, ImageError> {
+    let mut bytes = Cursor::new(Vec::new());
+    picture.write_to(&mut bytes, ImageFormat::Png)?;
+    Ok(bytes.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame() -> Frame {
+        Frame::new(Point::new(-1.0, 2.0), 0.5, 4, 3)
+    }
+
+    #[test]
+    fn points_lie_in_cells_that_have_their_lower_and_left_edges() {
+        let check = |x, y, expected| assert_eq!(frame().cell_at(Point::new(x, y)), expected, "({x}, {y})");
+        check(-1.0, 2.0, Some(Cell::new(0, 0)));
+        check(-0.5, 2.49, Some(Cell::new(1, 0)));
+        check(0.99, 3.49, Some(Cell::new(3, 2)));
+        check(1.0, 3.0, None);
+        check(0.0, 3.5, None);
+        check(-1.000_001, 3.0, None);
+        check(f64::NAN, 3.0, None);
+    }
+
+    #[test]
+    fn the_middle_of_a_cell_lies_in_it() {
+        assert_eq!(frame().centre(Cell::new(3, 0)), Point::new(0.75, 2.25));
+        for cell in frame().cells() {
+            assert_eq!(frame().cell_at(frame().centre(cell)), Some(cell));
+        }
+    }
+
+    #[test]
+    fn a_frame_covers_what_it_is_told_and_no_more() {
+        let covering = |width, size| Frame::covering(Point::origin(), Point::new(width, 1.0), size).columns();
+        assert_eq!((covering(4.0, 0.05), covering(4.01, 0.05), covering(0.3, 0.1), covering(0.0, 0.1)), (80, 81, 3, 1));
+    }
+
+    #[test]
+    fn a_disc_is_all_cells_whose_middle_is_near() {
+        for (x, y, radius) in [(0.1, 2.9, 0.6), (-1.2, 2.0, 0.8), (5.0, 2.0, 0.5), (0.25, 2.25, 0.0)] {
+            let point = Point::new(x, y);
+            let expected: Vec<Cell> =
+                frame().cells().filter(|cell| (frame().centre(*cell) - point).norm() <= radius).collect();
+            assert_eq!(frame().disc(point, radius).collect::<Vec<_>>(), expected, "{point} {radius}");
+        }
+    }
+
+    #[test]
+    fn neighbours_stay_within_the_grid() {
+        assert_eq!(frame().neighbours(Cell::new(1, 1)).count(), 8);
+        let corner = [Cell::new(1, 0), Cell::new(1, 1), Cell::new(0, 1)];
+        assert_eq!(frame().neighbours(Cell::new(0, 0)).collect::<Vec<_>>(), corner);
+    }
+
+    #[test]
+    fn pictures_have_y_up() {
+        let mut grid = Grid::new(frame(), 0.0);
+        grid[Cell::new(3, 0)] = 1.0;
+        let picture = grid.picture(2, |value| grey(*value));
+        assert_eq!(picture.dimensions(), (8, 6));
+        assert_eq!((picture[(7, 5)], picture[(6, 4)], picture[(5, 5)], picture[(7, 3)]), {
+            let (black, white) = (Rgb([0; 3]), Rgb([255; 3]));
+            (black, black, white, white)
+        });
+        let read = image::load_from_memory(&png(&picture).expect("encodes")).expect("decodes");
+        assert_eq!(read.to_rgb8(), picture);
+    }
+
+    #[test]
+    #[should_panic(expected = "in a grid of 4 x 3 cells")]
+    fn a_cell_beyond_the_grid_is_no_other_cell() {
+        let _ = Grid::new(frame(), 0)[Cell::new(4, 0)];
+    }
+}
