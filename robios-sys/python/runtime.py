@@ -163,7 +163,7 @@ def _call(row, *values):
             body.append(_struct.pack("<I", value))
         elif kind in "qQ":
             body.append(_struct.pack("<" + kind, value))
-        elif kind in "oO":
+        elif kind in "oOe":
             body.append(b"\1")
         elif kind == "k":
             code = 0 if value is None else len(_callbacks) + 1
@@ -181,12 +181,13 @@ def _call(row, *values):
         raise
     at, written = 0, []
     for kind in kinds:
-        if kind in "oO":
+        if kind in "oOe":
             (is_set,) = _struct.unpack_from("<B", answer, at)
             at += 1
             if is_set:
-                written.append(_struct.unpack_from("<i" if kind == "o" else "<B", answer, at)[0])
-                at += 4 if kind == "o" else 1
+                form = {"o": "<i", "O": "<B", "e": "<f"}[kind]
+                written.append(_struct.unpack_from(form, answer, at)[0])
+                at += _struct.calcsize(form)
             else:
                 written.append(0)
         elif kind == "r":
@@ -350,6 +351,25 @@ def CAMGetLabels():
     of CAMPIXELS numbers, row 0 on top; None if no image has been taken."""
     values, result = _call(_CAMGetLabels, CAMPIXELS)
     return _numbers("i", values) if result == 0 else None
+
+
+def LEGGetJoint(leg, joint):
+    """The angle of a joint, now, in degrees; both from 1. None if there is no such leg or joint."""
+    degrees, result = _call(_LEGGetJoint, leg, joint, None)
+    return degrees if result == 0 else None
+
+
+def LEGGetLink(leg, link):
+    """Where a link of a leg is, now, in the frame of the body: [x, y, z, roll, pitch, yaw] in mm and degrees; leg and link
+    from 1. None if there is no such leg or link."""
+    pose, result = _call(_LEGGetLink, leg, link, 6)
+    return pose if result == 0 else None
+
+
+def LEGGetHeight():
+    """How high the body's frame is above the world's floor, now, in mm. None if there are no legs."""
+    mm, result = _call(_LEGGetHeight, None)
+    return mm if result == 0 else None
 
 
 def IPSetSize(resolution, width=None, height=None):

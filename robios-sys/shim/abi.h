@@ -227,6 +227,15 @@ struct eyesim_robios6 {
     int32_t (*LIDARScan)(void *robot, struct eyesim_room distance, int32_t *result);
     int32_t (*CAMGetDepth)(void *robot, struct eyesim_room mm, int32_t *result);
     int32_t (*CAMGetLabels)(void *robot, struct eyesim_room labels, int32_t *result);
+    int32_t (*LEGCount)(void *robot, int32_t *result);
+    int32_t (*LEGSetGait)(void *robot, int32_t gait, int32_t *result);
+    int32_t (*LEGSetSpeed)(void *robot, int32_t vx_mmps, int32_t vy_mmps, int32_t omega_degps, int32_t *result);
+    int32_t (*LEGSetStep)(void *robot, int32_t height_mm, int32_t *result);
+    int32_t (*LEGGetJoint)(void *robot, int32_t leg, int32_t joint, void *degrees, int32_t *result);
+    int32_t (*LEGGetLink)(void *robot, int32_t leg, int32_t link, struct eyesim_room pose, int32_t *result);
+    int32_t (*LEGGetHeight)(void *robot, void *mm, int32_t *result);
+    int32_t (*LEGGetFoot)(void *robot, int32_t leg, int32_t *result);
+    int32_t (*LEGCorrect)(void *robot, int32_t leg, int32_t dx_mm, int32_t dy_mm, int32_t dz_mm, int32_t *result);
 };
 
 /* Version 1. */
@@ -375,6 +384,15 @@ struct eyesim_robios7 {
     int32_t (*PSDGetSignal)(void *robot, int32_t psd, float *result);
     int32_t (*CAMGetDepth)(void *robot, struct eyesim_room mm, int32_t *result);
     int32_t (*CAMGetLabels)(void *robot, struct eyesim_room labels, int32_t *result);
+    int32_t (*LEGCount)(void *robot, int32_t *result);
+    int32_t (*LEGSetGait)(void *robot, int32_t gait, int32_t *result);
+    int32_t (*LEGSetSpeed)(void *robot, int32_t vx_mmps, int32_t vy_mmps, int32_t omega_degps, int32_t *result);
+    int32_t (*LEGSetStep)(void *robot, int32_t height_mm, int32_t *result);
+    int32_t (*LEGGetJoint)(void *robot, int32_t leg, int32_t joint, void *degrees, int32_t *result);
+    int32_t (*LEGGetLink)(void *robot, int32_t leg, int32_t link, struct eyesim_room pose, int32_t *result);
+    int32_t (*LEGGetHeight)(void *robot, void *mm, int32_t *result);
+    int32_t (*LEGGetFoot)(void *robot, int32_t leg, int32_t *result);
+    int32_t (*LEGCorrect)(void *robot, int32_t leg, int32_t dx_mm, int32_t dy_mm, int32_t dz_mm, int32_t *result);
 };
 
 struct eyesim_host {

@@ -1117,3 +1117,59 @@ WEAK float PSDGetSignal(PSDHandle handle)
     ROBIOS(PSDGetSignal, handle, &result);
     return result;
 }
+
+WEAK int LEGCount(void)
+{
+    int32_t result = 0;
+    ROBIOS(LEGCount, &result);
+    return result;
+}
+
+WEAK int LEGSetGait(int gait)
+{
+    int32_t result = 0;
+    ROBIOS(LEGSetGait, gait, &result);
+    return result;
+}
+
+WEAK int LEGSetSpeed(int vx_mmps, int vy_mmps, int omega_degps)
+{
+    int32_t result = 0;
+    ROBIOS(LEGSetSpeed, vx_mmps, vy_mmps, omega_degps, &result);
+    return result;
+}
+
+WEAK int LEGSetStep(int height_mm)
+{
+    int32_t result = 0;
+    ROBIOS(LEGSetStep, height_mm, &result);
+    return result;
+}
+
+WEAK int LEGGetJoint(int leg, int joint, float *degrees)
+{
+    int32_t result = 0;
+    ROBIOS(LEGGetJoint, leg, joint, degrees, &result);
+    return result;
+}
+
+WEAK int LEGGetHeight(float *mm)
+{
+    int32_t result = 0;
+    ROBIOS(LEGGetHeight, mm, &result);
+    return result;
+}
+
+WEAK int LEGGetFoot(int leg)
+{
+    int32_t result = 0;
+    ROBIOS(LEGGetFoot, leg, &result);
+    return result;
+}
+
+WEAK int LEGCorrect(int leg, int dx_mm, int dy_mm, int dz_mm)
+{
+    int32_t result = 0;
+    ROBIOS(LEGCorrect, leg, dx_mm, dy_mm, dz_mm, &result);
+    return result;
+}

@@ -197,3 +197,10 @@ WEAK int CAMGetLabels(int *labels)
     ROBIOS(CAMGetLabels, room_of(labels, FRAME_PIXELS), &result);
     return result;
 }
+
+WEAK int LEGGetLink(int leg, int link, float pose[6])
+{
+    int32_t result = 0;
+    ROBIOS(LEGGetLink, leg, link, room_of(pose, 6), &result);
+    return result;
+}

@@ -473,6 +473,15 @@ WEAK int RADIOStatus(int IDlist[])
     return result;
 }
 
+/* ---- LEG ---- */
+
+WEAK int LEGGetLink(int leg, int link, float pose[6])
+{
+    int32_t result = 0;
+    ROBIOS(LEGGetLink, leg, link, room_of(pose, 6), &result);
+    return result;
+}
+
 /* ---- SIM of the header of 2017 ---- */
 
 WEAK void SIMGetPose(int *x, int *y, int *phi) { ROBIOS(SIMGetRobot, 0, x, y, NULL, phi, NULL); }

@@ -30,7 +30,16 @@ pub fn eye() -> String {
 
 /// True for a function whose form in Python follows from the list; the others are in `runtime.py`.
 fn is_plain(function: &Function) -> bool {
-    let by_hand = ["LCDPrintf", "LCDSetPrintf", "LCDImageSize", "LCDImageStart", "IPSetSize", "KEYReadXY"];
+    let by_hand = [
+        "LCDPrintf",
+        "LCDSetPrintf",
+        "LCDImageSize",
+        "LCDImageStart",
+        "IPSetSize",
+        "KEYReadXY",
+        "LEGGetJoint",
+        "LEGGetHeight",
+    ];
     let is_sized = |kind: &str| ["OutBytes", "OutInts", "OutFloats"].contains(&kind);
     !by_hand.contains(&function.name)
         && function.parameters.iter().all(|parameter| !is_sized(parameter.kind) && parameter.name != "width_px")
@@ -75,6 +84,7 @@ fn kind(kind: &str) -> &'static str {
         "Bytes" => "b",
         "Out<i32>" => "o",
         "Out<u8>" => "O",
+        "Out<f32>" => "e",
         "OutBytes" => "r",
         "OutInts" => "R",
         "OutFloats" => "F",

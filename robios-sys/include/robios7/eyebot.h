@@ -889,6 +889,64 @@ int CAMGetDepth(float *mm);
  * Source: our choice: RoBIOS has none. */
 int CAMGetLabels(int *labels);
 
+/* ---- LEG: legs ---- */
+
+/* Number of legs; 0 if the robot has none. Legs, joints, links and gaits are numbered from 1, as the robi has them.
+ * [any task of the robot]  No pointers.
+ * Source: our choice: RoBIOS has none. */
+int LEGCount(void);
+
+/* Walks in another gait from now on: each leg when it is lifted next.
+ * gait: from 1. Returns 0, -1 if there are no legs or no such gait.
+ * [any task of the robot]  No pointers.
+ * Source: our choice: RoBIOS has none. */
+int LEGSetGait(int gait);
+
+/* Walks with this speed until further notice, sideways too; 0, 0, 0 stops.
+ * vx_mmps: forward, vy_mmps: to the left, mm/s. omega_degps: counter-clockwise, degrees/s. A twist beyond what the
+ * legs can do is slowed down as a whole. Returns 0, -1 if there are no legs.
+ * [any task of the robot]  No pointers.
+ * Source: our choice: RoBIOS has none. */
+int LEGSetSpeed(int vx_mmps, int vy_mmps, int omega_degps);
+
+/* Sets how high feet are lifted, each from its next step on.
+ * height_mm: 0 or more. Returns 0, -1 if there are no legs or the height is negative or more than they can do.
+ * [any task of the robot]  No pointers.
+ * Source: our choice: RoBIOS has none. */
+int LEGSetStep(int height_mm);
+
+/* The angle of a joint, now: as its encoder tells it, without errors.
+ * joint: from 1 at the body. degrees: the sign is that of the robi: yaw to the left, roll, thigh forward, knee
+ * bent, toes up. Returns 0, -1 if there is no such leg or joint or degrees is 0.
+ * [any task of the robot]  Pointers belong to the program and are not kept.
+ * Source: our choice: RoBIOS has none. */
+int LEGGetJoint(int leg, int joint, float *degrees);
+
+/* Where a link of a leg is, now, in the frame of the body, by the joints' angles.
+ * link: from 1, the thigh. pose: 6 numbers: x forward, y left, z up, in mm; roll, pitch, yaw in degrees.
+ * Returns 0, -1 if there is no such leg or link or pose is 0.
+ * [any task of the robot]  Pointers belong to the program and are not kept.
+ * Source: our choice: RoBIOS has none. */
+int LEGGetLink(int leg, int link, float pose[6]);
+
+/* How high the body's frame is above the world's floor, now, as the legs tell it: 0 upright on the floor.
+ * mm: up. Returns 0, -1 if there are no legs or mm is 0.
+ * [any task of the robot]  Pointers belong to the program and are not kept.
+ * Source: our choice: RoBIOS has none. */
+int LEGGetHeight(float *mm);
+
+/* Whether a foot is on the ground, now: 1, 0 in the air, -1 if there is no such leg.
+ * [any task of the robot]  No pointers.
+ * Source: our choice: RoBIOS has none. */
+int LEGGetFoot(int leg);
+
+/* Moves where a leg treads: from the next instant at which its foot is in the air on, until it is called again.
+ * dx_mm: forward, dy_mm: to the left of the foothold of the gait. dz_mm: how much higher the foot is lifted.
+ * Returns 0, -1 if there is no such leg or it cannot reach so far.
+ * [any task of the robot]  No pointers.
+ * Source: our choice: RoBIOS has none. */
+int LEGCorrect(int leg, int dx_mm, int dy_mm, int dz_mm);
+
 #ifdef __cplusplus
 }
 #endif

@@ -107,6 +107,7 @@ impl CType {
             "InOut<ColImage>" => ("colimage *", "void *"),
             "InOut<Semaphore>" => ("struct sem *", "void *"),
             "Out<i32>" => ("int *", "void *"),
+            "Out<f32>" => ("float *", "void *"),
             "Out<Byte>" | "Out<u8>" | "Out<MonoFrame>" | "Out<ColorFrame>" | "Out<BayerFrame>" => ("BYTE *", "void *"),
             "Out<Char>" | "Out<[u8; 16]>" => ("char *", "void *"),
             "Out<Image>" => ("image *", "void *"),

@@ -503,4 +503,43 @@ function_table! {
         /// labels: CAMPIXELS numbers, row 0 on top. Returns 0, 1 if labels is 0 or no image has been taken.
         fn CAMGetLabels(labels: OutInts) -> i32 = 1, c "int CAMGetLabels(int *labels)";
     }
+    family LEG "legs", source "our choice: RoBIOS has none" {
+        /// Number of legs; 0 if the robot has none. Legs, joints, links and gaits are numbered from 1, as the robi has them.
+        fn LEGCount() -> i32 = 0;
+
+        /// Walks in another gait from now on: each leg when it is lifted next.
+        /// gait: from 1. Returns 0, -1 if there are no legs or no such gait.
+        fn LEGSetGait(gait: i32) -> i32 = -1;
+
+        /// Walks with this speed until further notice, sideways too; 0, 0, 0 stops.
+        /// vx_mmps: forward, vy_mmps: to the left, mm/s. omega_degps: counter-clockwise, degrees/s. A twist beyond what the
+        /// legs can do is slowed down as a whole. Returns 0, -1 if there are no legs.
+        fn LEGSetSpeed(vx_mmps: i32, vy_mmps: i32, omega_degps: i32) -> i32 = -1;
+
+        /// Sets how high feet are lifted, each from its next step on.
+        /// height_mm: 0 or more. Returns 0, -1 if there are no legs or the height is negative or more than they can do.
+        fn LEGSetStep(height_mm: i32) -> i32 = -1;
+
+        /// The angle of a joint, now: as its encoder tells it, without errors.
+        /// joint: from 1 at the body. degrees: the sign is that of the robi: yaw to the left, roll, thigh forward, knee
+        /// bent, toes up. Returns 0, -1 if there is no such leg or joint or degrees is 0.
+        fn LEGGetJoint(leg: i32, joint: i32, degrees: Out<f32>) -> i32 = -1;
+
+        /// Where a link of a leg is, now, in the frame of the body, by the joints' angles.
+        /// link: from 1, the thigh. pose: 6 numbers: x forward, y left, z up, in mm; roll, pitch, yaw in degrees.
+        /// Returns 0, -1 if there is no such leg or link or pose is 0.
+        fn LEGGetLink(leg: i32, link: i32, pose: OutFloats) -> i32 = -1, c "int LEGGetLink(int leg, int link, float pose[6])";
+
+        /// How high the body's frame is above the world's floor, now, as the legs tell it: 0 upright on the floor.
+        /// mm: up. Returns 0, -1 if there are no legs or mm is 0.
+        fn LEGGetHeight(mm: Out<f32>) -> i32 = -1;
+
+        /// Whether a foot is on the ground, now: 1, 0 in the air, -1 if there is no such leg.
+        fn LEGGetFoot(leg: i32) -> i32 = -1;
+
+        /// Moves where a leg treads: from the next instant at which its foot is in the air on, until it is called again.
+        /// dx_mm: forward, dy_mm: to the left of the foothold of the gait. dz_mm: how much higher the foot is lifted.
+        /// Returns 0, -1 if there is no such leg or it cannot reach so far.
+        fn LEGCorrect(leg: i32, dx_mm: i32, dy_mm: i32, dz_mm: i32) -> i32 = -1;
+    }
 }
