@@ -123,6 +123,8 @@ pub enum Device {
     Analog,
     /// The laser scanner.
     Lidar,
+    /// The legs.
+    Legs,
     /// The camera.
     Camera,
     /// Images of files.
@@ -160,6 +162,7 @@ impl Display for Device {
             Self::Serial => f.write_str("serial interface"),
             Self::Analog => f.write_str("analogue input"),
             Self::Lidar => f.write_str("laser scanner"),
+            Self::Legs => f.write_str("legs"),
             Self::Camera => f.write_str("camera"),
             Self::Image => f.write_str("image"),
             Self::Shell => f.write_str("shell"),

@@ -31,6 +31,7 @@
 
 mod camera;
 mod lcd;
+mod leg;
 mod motion;
 mod radio;
 mod robios;
@@ -58,6 +59,7 @@ use crate::radio::Message;
 use crate::unit::{Angle, Length};
 use robot::FakeRobot;
 
+pub use leg::FakeLeg;
 pub use radio::Sent;
 
 /// An instant of a run, for scripts.
@@ -99,6 +101,9 @@ pub struct Fake {
     lidar: Option<robios7::Scanner>,
     camera: camera::Scripts,
     touches: robios7::Touches,
+    /// How each leg stands.
+    legs: Vec<Script<FakeLeg>>,
+    body_height: Option<Script<Length>>,
     bumpers: Vec<(BumperAt, Vec<Duration>)>,
     infrareds: Vec<(InfraredAt, Script<bool>)>,
     keys: Vec<(Duration, Key)>,
@@ -134,6 +139,8 @@ impl Fake {
             lidar: None,
             camera: camera::Scripts::default(),
             touches: Vec::new(),
+            legs: Vec::new(),
+            body_height: None,
             bumpers: Vec::new(),
             infrareds: Vec::new(),
             keys: Vec::new(),

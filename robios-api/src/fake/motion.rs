@@ -20,15 +20,15 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The pose after an arc of a length and a change of heading.
-    pub fn moved(self, length: f64, angle: f64) -> Self {
-        // The chord of the arc, which points to half of the change of heading.
+    /// The pose after an arc of a length ahead, a length to the left, and a change of heading.
+    pub fn moved(self, ahead: f64, left: f64, angle: f64) -> Self {
+        // The chord of the arc, which is turned by half of the change of heading.
         let half = angle / 2.0;
-        let chord = if half.abs() < 1e-8 { length } else { length * libm::sin(half) / half };
-        let direction = self.phi + half;
+        let share = if half.abs() < 1e-8 { 1.0 } else { libm::sin(half) / half };
+        let (sin, cos) = (libm::sin(self.phi + half), libm::cos(self.phi + half));
         Self {
-            x: self.x + chord * libm::cos(direction),
-            y: self.y + chord * libm::sin(direction),
+            x: self.x + share * (ahead * cos - left * sin),
+            y: self.y + share * (ahead * sin + left * cos),
             phi: self.phi + angle,
         }
     }
@@ -63,21 +63,23 @@ struct Piece {
     /// What the wheels have rolled until the start, in metres, left and right.
     rolled: [f64; 2],
     length: f64,
+    /// To the left, as legs can.
+    left: f64,
     angle: f64,
     /// Seconds for length and angle; `None`: they are speeds per second, without end.
     span: Option<f64>,
 }
 
 impl Piece {
-    /// Arc length and change of heading since the start.
-    fn progress(&self, now_us: u64) -> (f64, f64) {
+    /// Arc length, length to the left and change of heading since the start.
+    fn progress(&self, now_us: u64) -> [f64; 3] {
         let passed = Duration::from_micros(now_us.saturating_sub(self.start_us)).as_secs_f64();
         let part = match self.span {
             None => passed,
             Some(span) if passed >= span => 1.0,
             Some(span) => passed / span,
         };
-        (self.length * part, self.angle * part)
+        [self.length * part, self.left * part, self.angle * part]
     }
 
     fn end_us(&self) -> Option<u64> {
@@ -91,24 +93,36 @@ pub struct Motion(Vec<Piece>);
 
 impl Motion {
     pub fn new() -> Self {
-        let standing =
-            Piece { start_us: 0, from: Pose::default(), rolled: [0.0; 2], length: 0.0, angle: 0.0, span: Some(0.0) };
+        let standing = Piece {
+            start_us: 0,
+            from: Pose::default(),
+            rolled: [0.0; 2],
+            length: 0.0,
+            left: 0.0,
+            angle: 0.0,
+            span: Some(0.0),
+        };
         Self(vec![standing])
     }
 
     /// Speeds until the next command, in m/s and rad/s.
     pub fn set_speed(&mut self, now_us: u64, v: f64, w: f64) {
-        self.push(now_us, v, w, None);
+        self.push(now_us, [v, 0.0, w], None);
+    }
+
+    /// The same with a speed to the left.
+    pub fn set_twist(&mut self, now_us: u64, v: f64, left: f64, w: f64) {
+        self.push(now_us, [v, left, w], None);
     }
 
     /// A drive of an arc length and a change of heading that takes some seconds.
     pub fn drive(&mut self, now_us: u64, length: f64, angle: f64, span: f64) {
-        self.push(now_us, length, angle, Some(span));
+        self.push(now_us, [length, 0.0, angle], Some(span));
     }
 
-    fn push(&mut self, now_us: u64, length: f64, angle: f64, span: Option<f64>) {
+    fn push(&mut self, now_us: u64, [length, left, angle]: [f64; 3], span: Option<f64>) {
         let piece =
-            Piece { start_us: now_us, from: self.pose(now_us), rolled: self.rolled(now_us), length, angle, span };
+            Piece { start_us: now_us, from: self.pose(now_us), rolled: self.rolled(now_us), length, left, angle, span };
         self.0.push(piece);
     }
 
@@ -120,14 +134,14 @@ impl Motion {
     /// The true pose; it starts at 0.
     pub fn pose(&self, now_us: u64) -> Pose {
         let piece = self.piece(now_us);
-        let (length, angle) = piece.progress(now_us);
-        piece.from.moved(length, angle)
+        let [ahead, left, angle] = piece.progress(now_us);
+        piece.from.moved(ahead, left, angle)
     }
 
     /// What the wheels have rolled since the start of the program, in metres, left and right.
     pub fn rolled(&self, now_us: u64) -> [f64; 2] {
         let piece = self.piece(now_us);
-        let (length, angle) = piece.progress(now_us);
+        let [length, _, angle] = piece.progress(now_us);
         let [left, right] = piece.rolled;
         [left + length - angle * TRACK_M / 2.0, right + length + angle * TRACK_M / 2.0]
     }
@@ -158,7 +172,7 @@ impl Motion {
         if self.drive_end_us(now_us).is_none() {
             return 0.0;
         }
-        let (length, angle) = piece.progress(now_us);
+        let [length, _, angle] = piece.progress(now_us);
         if piece.length == 0.0 { piece.angle - angle } else { piece.length - length }
     }
 }

@@ -63,6 +63,7 @@ pub use tv_remote::TvRemote;
 
 pub use crate::RobotNumber;
 pub use crate::image::{ColorImage, DepthImage, GrayImage, ImageSize, LabelImage, Seen};
+pub use crate::leg::{Gait, Leg, LegJoint, LegLink, Legs, LinkPose};
 pub use crate::radio::Message;
 
 pub(crate) use robot::State;

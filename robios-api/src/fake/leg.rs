@@ -1,0 +1,122 @@
+//! The legs of a fake robot: scripts say how they stand, and what they are told moves the robot.
+
+use robios_sys::{Out, OutFloats, Stop};
+
+use super::robot::{FakeRobot, State};
+use super::{Fake, Moment};
+use crate::leg::LinkPose;
+use crate::unit::{Angle, Length, Speed, TurnRate};
+
+/// How a leg of a fake robot stands at a moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FakeLeg {
+    /// Angles of its joints, from yaw on; it has no others.
+    pub joints: Vec<Angle>,
+    /// Where its links are, from the thigh on; it has no others.
+    pub links: Vec<LinkPose>,
+    /// Whether its foot is on the ground.
+    pub is_on_ground: bool,
+}
+
+impl Default for FakeLeg {
+    /// A leg that stands on the ground and tells nothing of joints and links.
+    fn default() -> Self {
+        Self { joints: Vec::new(), links: Vec::new(), is_on_ground: true }
+    }
+}
+
+impl Fake {
+    /// Gives it a further leg, and says how it stands. It takes every gait from 1 on, every step height from 0 on and every
+    /// correction.
+    pub fn leg(mut self, leg: impl Fn(&Moment) -> FakeLeg + Send + 'static) -> Self {
+        self.legs.push(Box::new(leg));
+        self
+    }
+
+    /// Says how high the body of a robot with legs is; without it, at 0.
+    pub fn body_height(mut self, height: impl Fn(&Moment) -> Length + Send + 'static) -> Self {
+        self.body_height = Some(Box::new(height));
+        self
+    }
+}
+
+/// What both generations answer, at the call's end.
+impl FakeRobot {
+    pub(super) fn leg_count(&self) -> Result<i32, Stop> {
+        self.act(|_| self.fake.legs.len() as i32)
+    }
+
+    /// Obeys with its legs, if it has any and `is_possible`.
+    pub(super) fn with_legs(&self, is_possible: bool, act: impl FnOnce(&mut State)) -> Result<i32, Stop> {
+        self.act(|state| {
+            if self.fake.legs.is_empty() || !is_possible {
+                return -1;
+            }
+            act(state);
+            0
+        })
+    }
+
+    pub(super) fn leg_speed(&self, vx_mmps: i32, vy_mmps: i32, omega_degps: i32) -> Result<i32, Stop> {
+        let [forward, left] = [vx_mmps, vy_mmps].map(|mmps| Speed::from_robios7(mmps).as_metres_per_second());
+        let turn = TurnRate::from_robios7(omega_degps).as_radians_per_second();
+        self.with_legs(true, |state| state.motion.set_twist(state.now_us, forward, left, turn))
+    }
+
+    /// What `of` says of a leg now; `None` if there is no such leg.
+    fn ask_leg<T>(&self, state: &State, leg: i32, of: impl FnOnce(&FakeLeg) -> T) -> Option<T> {
+        let script = self.fake.legs.get(usize::try_from(leg).ok()?.checked_sub(1)?)?;
+        Some(of(&script(&state.moment(state.now_us))))
+    }
+
+    pub(super) fn leg_joint(&self, leg: i32, joint: i32, degrees: &mut Out<f32>) -> Result<i32, Stop> {
+        self.act(|state| {
+            let angle = self.ask_leg(state, leg, |leg| numbered(&leg.joints, joint)).flatten();
+            match angle {
+                Some(angle) if !degrees.is_null() => {
+                    degrees.set(angle.as_degrees() as f32);
+                    0
+                }
+                _ => -1,
+            }
+        })
+    }
+
+    pub(super) fn leg_link(&self, leg: i32, link: i32, pose: &mut OutFloats) -> Result<i32, Stop> {
+        self.act(|state| {
+            let found = self.ask_leg(state, leg, |leg| numbered(&leg.links, link)).flatten();
+            match found {
+                Some(LinkPose { x, y, z, roll, pitch, yaw }) if !pose.is_null() => {
+                    let place = [x, y, z].map(Length::as_millimetres);
+                    let angles = [roll, pitch, yaw].map(Angle::as_degrees);
+                    let numbers: Vec<f32> = place.into_iter().chain(angles).map(|number| number as f32).collect();
+                    pose.set(&numbers);
+                    0
+                }
+                _ => -1,
+            }
+        })
+    }
+
+    pub(super) fn leg_height(&self, mm: &mut Out<f32>) -> Result<i32, Stop> {
+        self.with_legs(!mm.is_null(), |state| {
+            let moment = state.moment(state.now_us);
+            let height = self.fake.body_height.as_ref().map_or(Length::ZERO, |height| height(&moment));
+            mm.set(height.as_millimetres() as f32);
+        })
+    }
+
+    pub(super) fn leg_foot(&self, leg: i32) -> Result<i32, Stop> {
+        self.act(|state| self.ask_leg(state, leg, |leg| leg.is_on_ground).map_or(-1, i32::from))
+    }
+
+    pub(super) fn leg_correction(&self, leg: i32) -> Result<i32, Stop> {
+        let is_there = usize::try_from(leg).is_ok_and(|leg| (1..=self.fake.legs.len()).contains(&leg));
+        self.with_legs(is_there, |_| ())
+    }
+}
+
+/// An element by its number, from 1.
+fn numbered<T: Copy>(elements: &[T], number: i32) -> Option<T> {
+    elements.get(usize::try_from(number).ok()?.checked_sub(1)?).copied()
+}
