@@ -1,13 +1,15 @@
 //! What the robots and movable objects of a run are made of: at its start, and those that come later.
 
+mod types;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, mpsc};
+use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
 use sim_core::build;
 use sim_core::drive::{Model, Motion};
-use sim_core::format::{ObjectSpec, ObjectType, RobiSpec, RobotSpec, SceneSpec, builtin};
+use sim_core::format::{ObjectSpec, ObjectType, RobiSpec, RobotSpec, SceneSpec};
 use sim_core::noise::{Profile, Radio};
 use sim_core::pose::Pose;
 use sim_core::radio::Channel;
@@ -15,7 +17,6 @@ use sim_core::scene::Walls;
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
-use sim_view::protocol;
 
 use crate::executive::process::Child;
 use crate::executive::program::{Exec, RobotProgram};
@@ -30,6 +31,7 @@ use crate::robios::storage::Storage;
 use crate::robios::truth::{Census, Placeable};
 use crate::scenery::{LazyScenery, Newcomer};
 use crate::setup::{self, Profiles, Programs, RobotOptions};
+pub use types::Types;
 
 /// Most robots that may come into a run after its start, those that have left again included: each keeps its number, its record
 /// and, in this process, its program for ever. Our choice.
@@ -46,34 +48,11 @@ pub struct Workshop {
     objects: Vec<ObjectSpec>,
     /// Their programs, in the same order as the robots.
     programs: Vec<Option<Arc<Prepared>>>,
-    robot_types: Vec<(String, Arc<RobiSpec>)>,
-    object_types: Vec<(String, Arc<ObjectType>)>,
+    types: Types,
     maker: Maker,
     exec: Exec,
-    /// Where programs are loaded, since that was asked for somebody who came later.
-    orders: Option<mpsc::Sender<Order>>,
-}
-
-/// A program to be loaded for a robot.
-struct Order {
-    spec: RobotSpec,
-    prepared: Arc<Prepared>,
-    answer: mpsc::SyncSender<anyhow::Result<RobotProgram>>,
-}
-
-/// Starts the thread that loads programs for as long as it may get orders: processes end with the thread that started them, so it
-/// cannot be that of a robot.
-fn start_loader(exec: Exec) -> anyhow::Result<mpsc::Sender<Order>> {
-    let mut loader = Loader::new().context("no folder to load programs from")?;
-    let (orders, incoming) = mpsc::channel::<Order>();
-    let serve = move || {
-        for Order { spec, prepared, answer } in incoming {
-            // Who asked waits for this one message.
-            let _ = answer.send(setup::load_program(&spec, &prepared, exec, &mut loader));
-        }
-    };
-    std::thread::Builder::new().name("loader".to_owned()).spawn(serve).context("no room for another thread")?;
-    Ok(orders)
+    /// What loads the programs of those who come later; none before the first of them.
+    loader: Option<Loader>,
 }
 
 /// A robot that is about to come into the run.
@@ -92,25 +71,15 @@ impl Workshop {
     /// That of a run of `scene` with these programs, which run as `exec` says.
     pub fn new(scene: Arc<SceneSpec>, programs: &Programs, exec: Exec, options: &RobotOptions<'_>) -> Self {
         let movable: Vec<ObjectSpec> = build::movable(&scene).cloned().collect();
-        let robis = scene.robots.iter().map(|robot| &robot.robi);
-        let robis = robis.map(|robi| (robi.name.as_str(), robi.file.as_str(), Arc::clone(robi)));
-        let built_in = builtin::ROBOTS.iter().filter_map(|name| Some((*name, *name, Arc::new(builtin::robot(name)?))));
-        let robot_types = types(robis.chain(built_in));
-        let kinds = movable.iter().map(|object| (object.kind.name.as_str(), object.kind.file.as_str(), &object.kind));
-        let kinds = kinds.map(|(name, file, kind)| (name, file, Arc::clone(kind)));
-        let built_in =
-            builtin::OBJECTS.iter().filter_map(|name| Some((*name, *name, Arc::new(builtin::object(name)?))));
-        let object_types = types(kinds.chain(built_in));
         Self {
             robots: scene.robots.clone(),
             objects: movable,
             programs: programs.of_robots.clone(),
-            robot_types,
-            object_types,
+            types: Types::of(&scene),
             maker: Maker::new(&scene, options),
             scene,
             exec,
-            orders: None,
+            loader: None,
         }
     }
 
@@ -129,13 +98,9 @@ impl Workshop {
         &self.objects
     }
 
-    /// What can be added: the types of the scene, then those that are built in.
-    pub fn types(&self) -> protocol::Workshop {
-        let names = |names: &mut dyn Iterator<Item = &String>| names.cloned().collect();
-        protocol::Workshop {
-            robots: names(&mut self.robot_types.iter().map(|(name, _)| name)),
-            objects: names(&mut self.object_types.iter().map(|(name, _)| name)),
-        }
+    /// What can be added.
+    pub fn types(&self) -> &Types {
+        &self.types
     }
 
     /// The world at time 0 and its robots.
@@ -145,22 +110,6 @@ impl Workshop {
     pub fn build_world(&mut self) -> anyhow::Result<(World, Vec<Robot>)> {
         let Self { scene, programs, maker, .. } = self;
         maker.world(scene, programs)
-    }
-
-    /// The type of robots of this name.
-    ///
-    /// # Errors
-    /// In words, when there is none.
-    pub fn robot_type(&self, name: &str) -> Result<Arc<RobiSpec>, String> {
-        find(&self.robot_types, name).ok_or_else(|| unknown("robots", name, &self.types().robots))
-    }
-
-    /// The type of movable objects of this name.
-    ///
-    /// # Errors
-    /// In words, when there is none.
-    pub fn object_type(&self, name: &str) -> Result<Arc<ObjectType>, String> {
-        find(&self.object_types, name).ok_or_else(|| unknown("movable objects", name, &self.types().objects))
     }
 
     /// The robot that has the next id, of type `robi`, at `start` from `since` on; its program is that of the robot `program_of`.
@@ -203,15 +152,11 @@ impl Workshop {
     /// Loads a program for one more robot.
     fn load(&mut self, spec: &RobotSpec, prepared: &Arc<Prepared>) -> anyhow::Result<RobotProgram> {
         Child::make_room(self.robots.len() + 1);
-        let (answer, answered) = mpsc::sync_channel(1);
-        let order = Order { spec: spec.clone(), prepared: Arc::clone(prepared), answer };
-        let exec = self.exec;
-        let orders = match &self.orders {
-            Some(orders) => orders,
-            None => self.orders.insert(start_loader(exec)?),
+        let loader = match &mut self.loader {
+            Some(loader) => loader,
+            None => self.loader.insert(Loader::new().context("no folder to load programs from")?),
         };
-        let sent = orders.send(order).ok();
-        sent.and_then(|()| answered.recv().ok()).unwrap_or_else(|| Err(anyhow!("its program cannot be loaded")))
+        setup::load_program(spec, prepared, self.exec, loader)
     }
 
     /// The movable object that has the next id, of type `kind`, at `pose`.
@@ -246,32 +191,6 @@ impl Workshop {
         self.maker.scenery.add(Newcomer::Object(id, Arc::clone(&spec.kind)));
         self.objects.push(spec);
     }
-}
-
-/// Types by their names, each once; where another one has the name already, by its file.
-fn types<'a, T>(all: impl Iterator<Item = (&'a str, &'a str, Arc<T>)>) -> Vec<(String, Arc<T>)> {
-    let mut types: Vec<(String, Arc<T>)> = Vec::new();
-    let mut known: Vec<(String, String)> = Vec::new();
-    for (name, file, kind) in all {
-        let both = (name.to_owned(), file.to_owned());
-        if known.contains(&both) {
-            continue;
-        }
-        known.push(both);
-        let is_free = |word: &&str| types.iter().all(|(taken, _)| taken != word);
-        if let Some(word) = [name, file].into_iter().find(is_free) {
-            types.push((word.to_owned(), kind));
-        }
-    }
-    types
-}
-
-fn find<T>(types: &[(String, Arc<T>)], name: &str) -> Option<Arc<T>> {
-    types.iter().find(|(known, _)| known == name).map(|(_, kind)| Arc::clone(kind))
-}
-
-fn unknown(what: &str, name: &str, known: &[String]) -> String {
-    format!("there is no type of {what} `{name}`, accepted: {}", known.join(", "))
 }
 
 /// Makes the robots of a run.

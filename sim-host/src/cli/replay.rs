@@ -12,7 +12,7 @@ use clap::Args;
 use glam::DVec2;
 use parking_lot::Mutex;
 use sim_core::build;
-use sim_core::format::{ObjectSpec, RobotSpec, builtin, load_scene_with};
+use sim_core::format::{ObjectSpec, RobotSpec, load_scene_with};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
 use sim_view::page::Page;
@@ -34,6 +34,7 @@ use crate::record::{Digest, Record, RecordError, Recorded, Sink, TraceReader};
 use crate::scenery::{LazyScenery, Newcomer};
 use crate::window::recording::recording;
 use crate::window::scene::{ObjectSubject, RobotSubject, Subject};
+use crate::workshop::Types;
 
 /// Arguments of `eyesim replay`.
 #[derive(Args)]
@@ -119,19 +120,18 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
     let mut robots: Vec<RobotSubject> = spec.robots.iter().map(subject_of_robot).collect();
     let mut objects: Vec<ObjectSubject> =
         (1..).map(ObjectId).zip(build::movable(&spec)).map(subject_of_object).collect();
+    let types = Types::of(&spec);
     for (_, action) in &recorded.interventions {
         match action {
             Action::AddRobot { kind, x_m, y_m, .. } => {
-                let known = robots.iter().find(|robot| robot.robi.name == *kind).map(|robot| Arc::clone(&robot.robi));
-                let Some(robi) = known.or_else(|| builtin::robot(kind).map(Arc::new)) else { continue };
+                let robi = types.robot(kind).map_err(anyhow::Error::msg)?;
                 let id = RobotId::from_index(robots.len());
                 scenery.add(Newcomer::Robot(id, Arc::clone(&robi)));
                 let position = DVec2::new(*x_m, *y_m);
                 robots.push(RobotSubject { id, robi, program: String::new(), position, has_colours: false });
             }
             Action::AddObject { kind, x_m, y_m, .. } => {
-                let known = objects.iter().find(|it| it.kind.name == *kind).map(|object| Arc::clone(&object.kind));
-                let Some(kind) = known.or_else(|| builtin::object(kind).map(Arc::new)) else { continue };
+                let kind = types.object(kind).map_err(anyhow::Error::msg)?;
                 let id = ObjectId::from_index(objects.len());
                 scenery.add(Newcomer::Object(id, Arc::clone(&kind)));
                 objects.push(ObjectSubject { id, kind, position: DVec2::new(*x_m, *y_m) });

@@ -4,8 +4,8 @@ use std::hash::{BuildHasher as _, Hasher as _};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::process::{ExitCode, Stdio};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant, SystemTime};
 
 use anyhow::{Context as _, ensure};
@@ -105,7 +105,6 @@ pub fn run(args: ViewArgs) -> anyhow::Result<ExitCode> {
         next: Mutex::new(None),
         is_building: AtomicBool::new(false),
         files: Mutex::new(Files::of(&ready)),
-        orders: start_builder().context("cannot start the builder")?,
     });
     let watch = args.watch.then(Instant::now);
     let desk = Desk::open(window, control, Prompter { stage: Arc::clone(&stage), watch })?;
@@ -188,20 +187,6 @@ struct Stage {
     next: Mutex<Option<(Ready, RunArgs)>>,
     is_building: AtomicBool,
     files: Mutex<Files>,
-    /// What the builder does, one after the other.
-    orders: mpsc::Sender<Order>,
-}
-
-/// Something that the builder does.
-type Order = Box<dyn FnOnce() + Send>;
-
-/// Starts the thread that builds and loads runs. It lives as long as the window: processes of robots end with the thread that has
-/// started them.
-fn start_builder() -> std::io::Result<mpsc::Sender<Order>> {
-    let (orders, taken) = mpsc::channel::<Order>();
-    let build = move || taken.into_iter().for_each(|order| order());
-    std::thread::Builder::new().name("build".into()).spawn(build)?;
-    Ok(orders)
 }
 
 impl Stage {
@@ -356,9 +341,9 @@ impl Stage {
             }
             stage.is_building.store(false, Ordering::Release);
         };
-        if self.orders.send(Box::new(build)).is_err() {
+        if let Err(error) = std::thread::Builder::new().name("build".to_owned()).spawn(build) {
             self.is_building.store(false, Ordering::Release);
-            self.window.build(Build::Failed { output: "the builder has gone".to_owned() });
+            self.window.build(Build::Failed { output: format!("no room for another thread: {error}") });
         }
     }
 }

@@ -43,7 +43,7 @@ pub fn check(action: &Action, at: Time, run: &Run, world: &World) -> Result<Chan
             }
             let mut workshop = run.workshop();
             let workshop = grown(workshop.as_mut())?;
-            let robi = workshop.robot_type(kind).map_err(Refusal::Other)?;
+            let robi = workshop.types().robot(kind).map_err(Refusal::Other)?;
             if let Some(thing) = world.overlapped(start.position, 0.5 * robi.diameter) {
                 return Err(Refusal::Other(in_the_way(thing)));
             }
@@ -66,7 +66,7 @@ pub fn check(action: &Action, at: Time, run: &Run, world: &World) -> Result<Chan
             let pose = pose_of([*x_m, *y_m, *phi_rad])?;
             let mut workshop = run.workshop();
             let workshop = grown(workshop.as_mut())?;
-            let kind = workshop.object_type(kind).map_err(Refusal::Other)?;
+            let kind = workshop.types().object(kind).map_err(Refusal::Other)?;
             let new = workshop.object(kind, pose).map_err(|error| Refusal::Other(error.to_string()))?;
             Change::AddObject(Box::new(new))
         }

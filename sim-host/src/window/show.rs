@@ -177,7 +177,7 @@ impl Show {
             scenery: &self.scenery.get(),
             robots: cast.robots.iter().map(robot).collect(),
             objects: cast.objects.iter().map(object).collect(),
-            workshop: workshop.types(),
+            workshop: workshop.types().names(),
         };
         let scene = subject.scene();
         self.window.show_scene(scene.clone());

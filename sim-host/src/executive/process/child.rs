@@ -6,8 +6,8 @@ use std::io;
 use std::os::unix::process::{CommandExt as _, ExitStatusExt as _};
 use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU16, Ordering};
+use std::sync::{OnceLock, mpsc};
 use std::time::{Duration, Instant};
 
 use parking_lot::Mutex;
@@ -77,8 +77,36 @@ struct Tasks {
     idle: Vec<Channel>,
 }
 
+/// A process to be started.
+struct Order {
+    command: Command,
+    answer: mpsc::SyncSender<io::Result<std::process::Child>>,
+}
+
+/// Starts a process on a thread that lasts as long as this process: the kernel ends a child with the thread that started it.
+fn spawn_on_lasting_thread(command: Command) -> io::Result<std::process::Child> {
+    static ORDERS: Mutex<Option<mpsc::Sender<Order>>> = Mutex::new(None);
+    let mut orders = ORDERS.lock();
+    if orders.is_none() {
+        let (sender, incoming) = mpsc::channel::<Order>();
+        let serve = move || {
+            for Order { mut command, answer } in incoming {
+                // Who asked waits for this one message.
+                let _ = answer.send(command.spawn());
+            }
+        };
+        std::thread::Builder::new().name("spawner".to_owned()).spawn(serve)?;
+        *orders = Some(sender);
+    }
+    let (answer, answered) = mpsc::sync_channel(1);
+    let sent = orders.as_ref().is_some_and(|orders| orders.send(Order { command, answer }).is_ok());
+    drop(orders);
+    let started = if sent { answered.recv().ok() } else { None };
+    started.unwrap_or_else(|| Err(io::Error::other("the thread that starts processes has gone")))
+}
+
 impl Child {
-    /// Starts `command` with a file of channels as its standard input. It ends with the calling thread at the latest.
+    /// Starts `command` with a file of channels as its standard input. It ends with this process at the latest.
     ///
     /// # Errors
     /// When the system has no room for another process, or the command is not there.
@@ -98,9 +126,9 @@ impl Child {
         Self::spawn(command, channels, true)
     }
 
-    fn spawn(mut command: Command, channels: Channels, is_debugged: bool) -> io::Result<Self> {
+    fn spawn(command: Command, channels: Channels, is_debugged: bool) -> io::Result<Self> {
         let first = channels.map(0)?;
-        let handle = command.spawn()?;
+        let handle = spawn_on_lasting_thread(command)?;
         Ok(Self {
             is_debugged,
             pid: handle.id() as i32,
