@@ -1,3 +1,113 @@
-//! Runs the scenes of three papers with `eyesim` and sets our figures beside their claims.
+//! The command `papers`: see `papers --help` and `docs/papers.md`.
 
-fn main() {}
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context as _, bail};
+use clap::{Parser, ValueEnum};
+use papers::doc::Doc;
+use papers::page::Page;
+use papers::run::{self, Job};
+use papers::{alduro, france, wu};
+
+/// As in `eyesim`, which this program also is: see [`run::is_eyesim`].
+#[global_allocator]
+static HEAP: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+/// A claim that must hold does not, or a page of the docs is not what was found.
+const EXIT_CLAIM: u8 = 1;
+/// The command line is wrong, or something could not be run, read or written.
+const EXIT_ERROR: u8 = 2;
+
+/// Runs the scenes of a paper, writes its figures and tables, and sets what we find beside what the paper says.
+#[derive(Parser)]
+#[command(name = "papers", version, after_help = EXIT_CODES)]
+struct Args {
+    /// The paper
+    #[arg(value_enum)]
+    paper: Choice,
+    /// The folder for pages, figures, tables and traces; it is made if it is not there
+    #[arg(long, value_name = "DIR", default_value = "target/papers")]
+    out: PathBuf,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    seed: u64,
+    /// Write the tables into a Markdown page: each between its `<!-- papers: PAPER -->` and `<!-- end -->`
+    #[arg(long, value_name = "FILE")]
+    doc: Option<PathBuf>,
+    /// Compare the tables with those of a Markdown page
+    #[arg(long, value_name = "FILE", conflicts_with = "doc")]
+    check: Option<PathBuf>,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 every claim that must hold does, 1 one does not or --check finds another table, \
+                          2 usage, file or run errors.";
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Choice {
+    /// France et al. 1999: proximity sensors on a walking robot
+    France,
+    /// Gois and Hiller: sonar maps for the walking machine ALDURO
+    Alduro,
+    /// Wu et al. 2013: grid maps from seven sonars
+    Wu,
+    /// All three
+    All,
+}
+
+type Reproduce = fn(&Job) -> anyhow::Result<Page>;
+
+impl Choice {
+    fn papers(self) -> Vec<(&'static str, Reproduce)> {
+        let all: [(Self, &str, Reproduce); 3] =
+            [(Self::France, "france", france::run), (Self::Alduro, "alduro", alduro::run), (Self::Wu, "wu", wu::run)];
+        let chosen = all.into_iter().filter(|(choice, ..)| self == Self::All || self == *choice);
+        chosen.map(|(_, name, reproduce)| (name, reproduce)).collect()
+    }
+}
+
+fn main() -> ExitCode {
+    if run::is_eyesim() {
+        sim_host::executive::save_memory();
+        return sim_host::cli::main();
+    }
+    reproduce(&Args::parse()).unwrap_or_else(|error| {
+        eprintln!("error: {error:#}");
+        ExitCode::from(EXIT_ERROR)
+    })
+}
+
+fn reproduce(args: &Args) -> anyhow::Result<ExitCode> {
+    check_folder(&args.out).with_context(|| format!("--out `{}`", args.out.display()))?;
+    let mut doc = args.doc.as_deref().map(Doc::read).transpose().context("--doc")?;
+    let checked = args.check.as_deref().map(Doc::read).transpose().context("--check")?;
+    let mut fails = false;
+    for (name, reproduce) in args.paper.papers() {
+        let job = Job::new(name, &args.out.join(name), args.seed)?;
+        let page = reproduce(&job)?;
+        let index = page.write(job.folder())?;
+        print!("{}  {}\n\n", page.summary(), index.display());
+        fails |= page.has_failed();
+        if let Some(doc) = &mut doc {
+            doc.set(name, &page).context("--doc")?;
+        }
+        if let Some(checked) = &checked {
+            for difference in checked.differences(name, &page).context("--check")? {
+                eprintln!("--check: {difference}");
+                fails = true;
+            }
+        }
+    }
+    doc.map(|doc| doc.write()).transpose().context("--doc")?;
+    Ok(if fails { ExitCode::from(EXIT_CLAIM) } else { ExitCode::SUCCESS })
+}
+
+/// Makes a folder if it is not there, and finds out whether files can be made in it.
+fn check_folder(folder: &Path) -> anyhow::Result<()> {
+    if folder.exists() && !folder.is_dir() {
+        bail!("it is a file, expected a folder");
+    }
+    std::fs::create_dir_all(folder).context("the folder cannot be made")?;
+    tempfile::tempfile_in(folder).context("no file can be made in it")?;
+    Ok(())
+}

@@ -1,0 +1,156 @@
+//! A page of the docs with places for tables: `<!-- papers: PAPER -->` for a paper's claims, `<!-- papers: PAPER/TABLE -->` for
+//! one of its tables, each up to the next `<!-- end -->`.
+
+use std::fs;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+
+use crate::page::Page;
+
+/// A Markdown page.
+#[derive(Clone, Debug)]
+pub struct Doc {
+    path: PathBuf,
+    text: String,
+}
+
+const BEGIN: &str = "<!-- papers: ";
+const CLOSE: &str = " -->\n";
+const END: &str = "<!-- end -->";
+
+impl Doc {
+    /// Reads the page.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn read(path: &Path) -> anyhow::Result<Self> {
+        let text = fs::read_to_string(path).with_context(|| format!("cannot read `{}`", path.display()))?;
+        Ok(Self { path: path.to_owned(), text })
+    }
+
+    /// Puts the tables of a paper into their places.
+    ///
+    /// # Errors
+    /// As for [`Doc::places`].
+    pub fn set(&mut self, paper: &str, page: &Page) -> anyhow::Result<()> {
+        // From the last to the first, so that those that follow stay where they are.
+        for (place, table) in self.places(paper, page)?.into_iter().rev() {
+            self.text.replace_range(place, &table);
+        }
+        Ok(())
+    }
+
+    /// The lines in which the tables of a paper differ from what stands in their places, a message each.
+    ///
+    /// # Errors
+    /// As for [`Doc::places`].
+    pub fn differences(&self, paper: &str, page: &Page) -> anyhow::Result<Vec<String>> {
+        let path = self.path.display();
+        let mut differences = Vec::new();
+        for (place, table) in self.places(paper, page)? {
+            let first = self.text[..place.start].lines().count() + 1;
+            let (mut old, mut new) = (self.text[place].lines(), table.lines());
+            let mut line = first;
+            loop {
+                match (old.next(), new.next()) {
+                    (None, None) => break,
+                    (old, new) if old == new => {}
+                    (old, new) => {
+                        let (old, new) = (old.unwrap_or("nothing"), new.unwrap_or("nothing"));
+                        differences.push(format!("`{path}`, line {line}: it says\n  {old}\nbut we find\n  {new}"));
+                    }
+                }
+                line += 1;
+            }
+        }
+        Ok(differences)
+    }
+
+    /// Writes the page.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(self) -> anyhow::Result<()> {
+        fs::write(&self.path, self.text).with_context(|| format!("cannot write `{}`", self.path.display()))
+    }
+
+    /// The places of a paper's tables, from top to bottom, with what belongs there.
+    ///
+    /// # Errors
+    /// No place for the claims; a place for a table that the paper does not have, or without an end.
+    fn places(&self, paper: &str, page: &Page) -> anyhow::Result<Vec<(Range<usize>, String)>> {
+        let shown = self.path.display();
+        let mut places = Vec::new();
+        let mut has_claims = false;
+        for (at, _) in self.text.match_indices(BEGIN) {
+            let rest = &self.text[at + BEGIN.len()..];
+            let Some(name) = rest.split_once(CLOSE).map(|(name, _)| name) else { continue };
+            let table = match name.split_once('/') {
+                None if name == paper => page.claims_table(),
+                Some((owner, table)) if owner == paper => match page.tables().find(|own| own.name == table) {
+                    Some(table) => table.clone(),
+                    None => bail!("`{shown}`: `{paper}` has no table `{table}`"),
+                },
+                _ => continue,
+            };
+            has_claims |= name == paper;
+            let start = at + BEGIN.len() + name.len() + CLOSE.len();
+            let Some(length) = self.text[start..].find(END) else {
+                bail!("`{shown}`: expected `{END}` after `{name}`")
+            };
+            places.push((start..start + length, table.markdown()));
+        }
+        if !has_claims {
+            bail!(
+                "`{shown}` has no place for the claims of `{paper}`: expected a line `{BEGIN}{paper} -->`, and later `{END}`"
+            );
+        }
+        Ok(places)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::page::Table;
+
+    fn doc(text: &str) -> Doc {
+        Doc { path: PathBuf::from("p.md"), text: text.to_owned() }
+    }
+
+    fn page() -> Page {
+        let mut page = Page::new("T", "S");
+        let mut table = Table::new("rows", "c", &["a"]);
+        table.row(["1"]);
+        page.table(table);
+        page
+    }
+
+    #[test]
+    fn tables_go_to_their_places_and_are_found_there() {
+        let mut doc = doc("x\n<!-- papers: wu -->\nold\n<!-- end -->\ny\n<!-- papers: wu/rows -->\n<!-- end -->\n");
+        assert!(!doc.differences("wu", &page()).expect("places").is_empty());
+        for _ in 0..2 {
+            doc.set("wu", &page()).expect("places");
+            assert!(
+                doc.text.ends_with("y\n<!-- papers: wu/rows -->\n| a |\n|---|\n| 1 |\n<!-- end -->\n"),
+                "{}",
+                doc.text
+            );
+        }
+        assert_eq!(doc.differences("wu", &page()).expect("places"), Vec::<String>::new());
+        doc.text = doc.text.replace("| 1 |", "| 2 |");
+        let differences = doc.differences("wu", &page()).expect("places");
+        assert_eq!(differences, ["`p.md`, line 9: it says\n  | 2 |\nbut we find\n  | 1 |"]);
+    }
+
+    #[test]
+    fn a_place_that_is_missing_or_nobodys_is_told() {
+        let message = |text: &str| doc(text).differences("wu", &page()).expect_err("no place").to_string();
+        assert!(message("").contains("no place for the claims of `wu`"));
+        assert!(message("<!-- papers: wu -->\n").contains("expected `<!-- end -->` after `wu`"));
+        assert!(message("<!-- papers: wu/x -->\n<!-- end -->").contains("`wu` has no table `x`"));
+    }
+}
