@@ -9,5 +9,10 @@
 pub mod astar;
 pub mod distance;
 pub mod grid;
+pub mod inverse;
+pub mod local_map;
 pub mod math;
+pub mod occupancy;
 pub mod pose;
+pub mod rls;
+pub mod tsk;

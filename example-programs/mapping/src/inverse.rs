@@ -1,0 +1,208 @@
+//! What a reading of a wide sonar says: a fuzzy set of the points that may have echoed, and its shadow on the plane of a map.
+//!
+//! Source: Gois and Hiller, sections 2 and 3. Their Eq. 1 has the domains of beta and r exchanged: here beta is in [0, 2 pi) and r in
+//! [0, r_max].
+
+use std::f64::consts::{FRAC_PI_2, LN_2, PI};
+
+use nalgebra::Vector3;
+
+use crate::math;
+
+/// Where a sonar is and whereto it looks, in the frame of the map (z up, m).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SonarPose {
+    /// Its place, m.
+    pub origin: Vector3<f64>,
+    /// Its line of sight, of length 1.
+    pub axis: Vector3<f64>,
+}
+
+impl SonarPose {
+    /// At `origin`, looking to `yaw` (counter-clockwise from x) and up by `pitch`, rad.
+    pub fn new(origin: Vector3<f64>, yaw: f64, pitch: f64) -> Self {
+        let level = math::cos(pitch);
+        Self { origin, axis: Vector3::new(level * math::cos(yaw), level * math::sin(yaw), math::sin(pitch)) }
+    }
+
+    /// The place `distance` m ahead.
+    pub fn ahead(&self, distance: f64) -> Vector3<f64> {
+        self.origin + self.axis * distance
+    }
+
+    /// Angle between the line of sight and the direction to `point`, rad in [0, pi]; 0 at the sonar itself.
+    pub fn angle_to(&self, point: &Vector3<f64>) -> f64 {
+        let offset = point - self.origin;
+        let length = offset.norm();
+        if length == 0.0 { 0.0 } else { math::acos(offset.dot(&self.axis) / length) }
+    }
+}
+
+/// Which of the two points at which a vertical line meets the sphere of a reading counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// That with the greater membership, the lower of two with the same: the supremum of the paper.
+    MostPossible,
+    /// The lower one, however high the sonar looks: the ground is no higher than that (our choice).
+    Lower,
+}
+
+/// The inverse model of a sonar.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SonarModel {
+    /// Angle from the line of sight at which the gain has fallen to a quarter, rad.
+    pub half_angle: f64,
+    /// Greatest error of a reading as a share of it: two standard deviations of the Gaussian over r (our choice).
+    pub epsilon: f64,
+    /// Greatest distance that it measures, m: r_max.
+    pub max: f64,
+    /// Memberships below this count as 0.
+    pub least: f64,
+}
+
+/// A point of the plane below or above which a reading's fuzzy set has something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shadow {
+    /// The greatest membership over all heights there.
+    pub membership: f64,
+    /// The height of that, m: the most possible one.
+    pub height: f64,
+}
+
+impl SonarModel {
+    /// The SRF08 by Devantech: a beam of about 55 degrees between its points of -6 dB, up to 6 m.
+    ///
+    /// Readings within 3 % and a cut at a membership of 0.05: our choice.
+    pub fn srf08() -> Self {
+        Self { half_angle: 27.5 / 180.0 * PI, epsilon: 0.03, max: 6.0, least: 0.05 }
+    }
+
+    /// Membership of the angle `alpha` (rad) from the line of sight in the set A: the gain, a Gaussian; 0 beyond a right angle.
+    pub fn membership_of_alpha(&self, alpha: f64) -> f64 {
+        let ratio = alpha / self.half_angle;
+        if alpha > FRAC_PI_2 { 0.0 } else { math::exp(-2.0 * LN_2 * ratio * ratio) }
+    }
+
+    /// Membership of a turn about the line of sight in the set B: 1, whatever it is.
+    pub fn membership_of_beta(&self, _beta: f64) -> f64 {
+        1.0
+    }
+
+    /// Membership of the distance `r` in the set R of a reading `measured`, both m: a Gaussian of the relative error; 0 outside
+    /// [0, r_max].
+    pub fn membership_of_r(&self, r: f64, measured: f64) -> f64 {
+        if !(0.0..=self.max).contains(&r) {
+            return 0.0;
+        }
+        let ratio = 2.0 * (r - measured) / (self.epsilon * measured);
+        math::exp(-0.5 * ratio * ratio)
+    }
+
+    /// Membership of a point in the set S of a reading (Eq. 2): the product of all three.
+    pub fn membership(&self, sonar: &SonarPose, measured: f64, point: &Vector3<f64>) -> f64 {
+        let r = (point - sonar.origin).norm();
+        self.membership_of_alpha(sonar.angle_to(point))
+            * self.membership_of_beta(0.0)
+            * self.membership_of_r(r, measured)
+    }
+
+    /// The shadow of a reading at the point (x, y) of the plane: the supremum over z of S, where R is taken for exact, so that S is a
+    /// spherical cap, of which one `side` counts. `None` where it is less than [`least`](Self::least).
+    ///
+    /// Source: Gois and Hiller, section 3 (R neglected, the projection in closed form).
+    pub fn shadow(&self, sonar: &SonarPose, measured: f64, x: f64, y: f64, side: Side) -> Option<Shadow> {
+        let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
+        let square = measured * measured - dx * dx - dy * dy;
+        if square < 0.0 || measured <= 0.0 {
+            return None;
+        }
+        let is_upper = side == Side::MostPossible && sonar.axis.z > 0.0;
+        let rise = if is_upper { square.sqrt() } else { -square.sqrt() };
+        let cosine = (dx * sonar.axis.x + dy * sonar.axis.y + rise * sonar.axis.z) / measured;
+        let membership = self.membership_of_alpha(math::acos(cosine));
+        (membership >= self.least).then_some(Shadow { membership, height: sonar.origin.z + rise })
+    }
+
+    /// The same with R: the supremum of S over `steps` heights around the cap. For comparison: it costs as many times more.
+    pub fn shadow_with_range(&self, sonar: &SonarPose, measured: f64, x: f64, y: f64, steps: usize) -> Option<Shadow> {
+        let reach = measured * (1.0 + 2.0 * self.epsilon);
+        let height = |step: usize| sonar.origin.z + reach * (2.0 * step as f64 / steps as f64 - 1.0);
+        (0..=steps)
+            .map(|step| {
+                let point = Vector3::new(x, y, height(step));
+                Shadow { membership: self.membership(sonar, measured, &point), height: point.z }
+            })
+            .max_by(|a, b| a.membership.total_cmp(&b.membership))
+            .filter(|shadow| shadow.membership >= self.least)
+    }
+
+    /// Angle from the line of sight at which the membership in A is [`least`](Self::least), rad.
+    pub fn aperture(&self) -> f64 {
+        (self.half_angle * (-math::ln(self.least) / (2.0 * LN_2)).sqrt()).min(FRAC_PI_2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn down(height: f64) -> SonarPose {
+        SonarPose::new(Vector3::new(0.0, 0.0, height), 0.0, -FRAC_PI_2)
+    }
+
+    #[test]
+    fn sets_are_1_where_the_reading_is_and_fall_as_stated() {
+        let model = SonarModel::srf08();
+        assert_eq!(model.membership_of_alpha(0.0), 1.0);
+        assert!((model.membership_of_alpha(model.half_angle) - 0.25).abs() < 1e-15);
+        assert_eq!(model.membership_of_alpha(1.6), 0.0);
+        assert_eq!(model.membership_of_r(2.0, 2.0), 1.0);
+        assert!((model.membership_of_r(2.06, 2.0) - math::exp(-2.0)).abs() < 1e-12);
+        assert_eq!(model.membership_of_r(6.1, 6.1), 0.0);
+        assert!((model.membership_of_alpha(model.aperture()) - model.least).abs() < 1e-12);
+        let sonar = down(3.0);
+        assert_eq!(model.membership(&sonar, 2.0, &sonar.ahead(2.0)), 1.0);
+    }
+
+    #[test]
+    fn the_shadow_of_a_sonar_that_looks_down_is_a_cap() {
+        let model = SonarModel::srf08();
+        let middle = model.shadow(&down(3.0), 2.0, 0.0, 0.0, Side::MostPossible).unwrap();
+        assert!((middle.membership - 1.0).abs() < 1e-12 && (middle.height - 1.0).abs() < 1e-12);
+        // 0.6, 0.8, 1 in thirds: the cap rises to its rim.
+        let aside = model.shadow(&down(3.0), 2.0, 0.0, 1.2 * 0.5, Side::MostPossible).unwrap();
+        assert!((aside.height - (3.0 - (4.0f64 - 0.36).sqrt())).abs() < 1e-12);
+        assert!((aside.membership - model.membership_of_alpha(math::asin(0.3))).abs() < 1e-12);
+        assert_eq!(model.shadow(&down(3.0), 2.0, 1.9, 0.0, Side::MostPossible), None);
+        assert_eq!(model.shadow(&down(3.0), 2.0, 2.1, 0.0, Side::MostPossible), None);
+    }
+
+    #[test]
+    fn the_shadow_of_a_level_sonar_is_a_crescent_whose_lower_side_counts() {
+        let model = SonarModel::srf08();
+        let level = SonarPose::new(Vector3::new(0.0, 0.0, 1.0), 0.0, 0.0);
+        let tip = model.shadow(&level, 2.0, 2.0, 0.0, Side::MostPossible).unwrap();
+        assert!((tip.membership - 1.0).abs() < 1e-12 && (tip.height - 1.0).abs() < 1e-7);
+        let nearer = model.shadow(&level, 2.0, 1.8, 0.0, Side::MostPossible).unwrap();
+        assert!(nearer.membership < 1.0 && (nearer.height - (1.0 - 0.76f64.sqrt())).abs() < 1e-12);
+        assert_eq!(model.shadow(&level, 2.0, -2.0, 0.0, Side::MostPossible), None);
+    }
+
+    /// How little the neglect of R changes, within its own width: the reason for which the paper does it.
+    #[test]
+    fn with_the_range_it_is_nearly_the_same_where_the_beam_falls_steeply() {
+        let model = SonarModel::srf08();
+        for (yaw, pitch) in [(0.0, -FRAC_PI_2), (0.4, -1.2), (1.0, -0.9)] {
+            let sonar = SonarPose::new(Vector3::new(0.3, -0.2, 2.5), yaw, pitch);
+            let tip = sonar.ahead(2.2);
+            for (dx, dy) in [(0.0, 0.0), (0.2, 0.1), (-0.3, 0.2), (0.0, -0.4)] {
+                let (x, y) = (tip.x + dx, tip.y + dy);
+                let analytic = model.shadow(&sonar, 2.2, x, y, Side::MostPossible);
+                let exact = model.shadow_with_range(&sonar, 2.2, x, y, 4000);
+                let (Some(analytic), Some(exact)) = (analytic, exact) else { panic!("within the beam") };
+                assert!((analytic.membership - exact.membership).abs() < 0.03, "{analytic:?} {exact:?}");
+                assert!((analytic.height - exact.height).abs() < 2.0 * model.epsilon * 2.2, "{analytic:?} {exact:?}");
+            }
+        }
+    }
+}

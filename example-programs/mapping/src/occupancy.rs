@@ -1,0 +1,179 @@
+//! An occupancy grid in space after Moravec and Elfes: what a sonar reading says is empty and what is occupied, kept apart.
+//!
+//! Source: Moravec and Elfes 1985, *High resolution maps from wide angle sonar*, with a third dimension (Gois and Hiller, sections 3
+//! and 4). The gain of [`SonarModel`] is the profile over the angle.
+
+use nalgebra::Vector3;
+
+use crate::inverse::{SonarModel, SonarPose};
+use crate::tsk::{Partition, Place};
+
+/// The grid: boxes over the cells of a partition, one above the other.
+#[derive(Clone, Debug)]
+pub struct OccupancyGrid {
+    partition: Partition,
+    /// Height of a box, m.
+    step: f64,
+    /// The lowest face of the lowest box, m.
+    bottom: f64,
+    layers: usize,
+    /// Certainty that a box is empty, slot by slot from the bottom up.
+    empty: Vec<f64>,
+    occupied: Vec<f64>,
+}
+
+impl OccupancyGrid {
+    /// Nothing known: `layers` boxes of `step` m above each cell, from the height `bottom` m on.
+    pub fn new(partition: Partition, bottom: f64, step: f64, layers: usize) -> Self {
+        let count = partition.columns * partition.rows * layers;
+        Self { partition, step, bottom, layers, empty: vec![0.0; count], occupied: vec![0.0; count] }
+    }
+
+    /// The cells.
+    pub fn partition(&self) -> &Partition {
+        &self.partition
+    }
+
+    /// Fuses a reading: boxes within the beam and nearer than it become emptier, those about as far away more occupied, the
+    /// less so the more boxes there are and the emptier they are known to be. How many boxes it touched.
+    pub fn fuse(&mut self, model: &SonarModel, sonar: &SonarPose, measured: f64) -> usize {
+        // A band that is thinner than the boxes would miss them.
+        let band = (model.epsilon * measured).max(self.step.max(self.partition.cell) / 2.0);
+        let mut touched = 0;
+        let mut hits = Vec::new();
+        for place in self.partition.places_around(sonar.origin.x, sonar.origin.y, measured + band) {
+            let Some(slot) = self.partition.slot(place) else { continue };
+            let (x, y) = self.partition.centre(place);
+            for layer in 0..self.layers {
+                let point = Vector3::new(x, y, self.middle(layer));
+                let r = (point - sonar.origin).norm();
+                if r > measured + band {
+                    continue;
+                }
+                let angle = model.membership_of_alpha(sonar.angle_to(&point));
+                if angle < model.least {
+                    continue;
+                }
+                touched += 1;
+                let index = slot * self.layers + layer;
+                if r < measured - band {
+                    let nearness = r / (measured - band);
+                    let empty = angle * (1.0 - nearness * nearness);
+                    self.empty[index] += empty - self.empty[index] * empty;
+                } else {
+                    let ratio = (r - measured) / band;
+                    hits.push((index, angle * (1.0 - ratio * ratio)));
+                }
+            }
+        }
+        self.occupy(&mut hits);
+        touched
+    }
+
+    /// The upper face of the highest occupied box at (x, y), m: the projection onto the plane by the maximum. `None` where none is
+    /// occupied, or outside.
+    pub fn height(&self, x: f64, y: f64) -> Option<f64> {
+        let slot = self.partition.slot(self.partition.place(x, y))?;
+        let layer = (0..self.layers).rev().find(|layer| self.is_occupied(slot, *layer))?;
+        Some(self.middle(layer) + self.step / 2.0)
+    }
+
+    /// The middle of the box at (x, y) that is most certainly occupied, m: another projection than the paper's. `None` where none
+    /// is occupied, or outside.
+    pub fn likeliest_height(&self, x: f64, y: f64) -> Option<f64> {
+        let slot = self.partition.slot(self.partition.place(x, y))?;
+        let certainty = |layer: &usize| {
+            let index = slot * self.layers + layer;
+            self.occupied[index] - self.empty[index]
+        };
+        (0..self.layers)
+            .filter(|layer| self.is_occupied(slot, *layer))
+            .max_by(|a, b| certainty(a).total_cmp(&certainty(b)))
+            .map(|layer| self.middle(layer))
+    }
+
+    /// Certainty (empty, occupied) of the box of a cell with the height `z`; `None` outside.
+    pub fn certainty(&self, place: Place, z: f64) -> Option<(f64, f64)> {
+        let layer = ((z - self.bottom) / self.step).floor();
+        let index = self.partition.slot(place)? * self.layers + layer as usize;
+        ((0.0..self.layers as f64).contains(&layer)).then(|| (self.empty[index], self.occupied[index]))
+    }
+
+    /// One reading has one echo: what its boxes gain sums up to no more than 1.
+    fn occupy(&mut self, hits: &mut [(usize, f64)]) {
+        for (index, gain) in &mut *hits {
+            *gain *= 1.0 - self.empty[*index];
+        }
+        let total: f64 = hits.iter().map(|(_, gain)| gain).sum();
+        if total <= 0.0 {
+            return;
+        }
+        for (index, gain) in &*hits {
+            let gain = gain / total;
+            self.occupied[*index] += gain - self.occupied[*index] * gain;
+        }
+    }
+
+    fn middle(&self, layer: usize) -> f64 {
+        self.bottom + (layer as f64 + 0.5) * self.step
+    }
+
+    fn is_occupied(&self, slot: usize, layer: usize) -> bool {
+        let index = slot * self.layers + layer;
+        self.occupied[index] > self.empty[index]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use super::*;
+
+    fn grid() -> OccupancyGrid {
+        OccupancyGrid::new(Partition { cell: 0.25, columns: 12, rows: 12, low: (-6, -6) }, 0.0, 0.1, 20)
+    }
+
+    fn down() -> SonarPose {
+        SonarPose::new(Vector3::new(0.1, 0.1, 2.0), 0.0, -FRAC_PI_2)
+    }
+
+    #[test]
+    fn a_reading_empties_the_beam_and_occupies_its_end() {
+        let mut grid = grid();
+        assert_eq!((grid.height(0.1, 0.1), grid.likeliest_height(0.1, 0.1)), (None, None));
+        assert!(grid.fuse(&SonarModel::srf08(), &down(), 1.45) > 0);
+        let (empty, occupied) = grid.certainty((0, 0), 1.05).unwrap();
+        assert!(empty > 0.3 && occupied == 0.0, "half way: {empty} {occupied}");
+        let (empty, occupied) = grid.certainty((0, 0), 0.55).unwrap();
+        assert!(empty == 0.0 && occupied > 0.0, "at the echo: {empty} {occupied}");
+        assert_eq!(grid.certainty((0, 0), 0.25), Some((0.0, 0.0)), "behind it");
+        assert_eq!(grid.certainty((0, 0), 2.05), None, "above the grid");
+        let total: f64 = grid.occupied.iter().sum();
+        assert!((total - 1.0).abs() < 1e-12, "one reading, one echo: {total}");
+    }
+
+    #[test]
+    fn what_was_seen_to_be_empty_is_hardly_occupied_later() {
+        let (mut first, mut second) = (grid(), grid());
+        for _ in 0..5 {
+            second.fuse(&SonarModel::srf08(), &down(), 1.95);
+        }
+        for grid in [&mut first, &mut second] {
+            grid.fuse(&SonarModel::srf08(), &down(), 1.15);
+        }
+        let at = |grid: &OccupancyGrid| grid.certainty((0, 0), 0.85).unwrap().1;
+        assert!(at(&second) < at(&first));
+    }
+
+    #[test]
+    fn heights_are_those_of_the_highest_and_of_the_likeliest_box() {
+        let mut grid = grid();
+        for _ in 0..3 {
+            grid.fuse(&SonarModel::srf08(), &down(), 1.45);
+        }
+        let likeliest = grid.likeliest_height(0.1, 0.1).unwrap();
+        assert!((likeliest - 0.55).abs() < 0.051, "{likeliest}");
+        assert!(grid.height(0.1, 0.1).unwrap() >= likeliest + 0.049);
+    }
+}

@@ -1,0 +1,425 @@
+//! A surface of heights as a Takagi-Sugeno-Kang system: one rule for each cell of a partition of the plane, with a constant or a
+//! plane as its output, fitted to sonar readings by recursive least squares.
+//!
+//! Source: Gois and Hiller, section 3. Their Eq. 3 leaves out the division by the sum of the activations that makes a weighted average
+//! of it, which the text asks for; here it is.
+
+use std::ops::Range;
+
+use crate::inverse::{Side, SonarModel, SonarPose};
+use crate::rls::Rls;
+
+/// Points in which a cell is looked at along each side for the greatest membership within it.
+const LOOKS: usize = 3;
+
+/// A cell of the unbounded lattice that partitions the plane: column along x, row along y.
+pub type Place = (i64, i64);
+
+/// A rectangle of square cells of the lattice whose point (0, 0) is a corner of cells.
+///
+/// Each cell of it has a slot, that of its place modulo the size: when the rectangle moves, cells that stay in it keep their slots.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Partition {
+    /// Side of a cell, m.
+    pub cell: f64,
+    /// Number of cells along x.
+    pub columns: usize,
+    /// Number of cells along y.
+    pub rows: usize,
+    /// The cell with the least x and y.
+    pub low: Place,
+}
+
+impl Partition {
+    /// The cell of the lattice that has the point (x, y).
+    pub fn place(&self, x: f64, y: f64) -> Place {
+        ((x / self.cell).floor() as i64, (y / self.cell).floor() as i64)
+    }
+
+    /// The slot of a cell, `None` outside.
+    pub fn slot(&self, (column, row): Place) -> Option<usize> {
+        let is_inside = self.all_columns().contains(&column) && self.all_rows().contains(&row);
+        let (columns, rows) = (self.columns as i64, self.rows as i64);
+        is_inside.then(|| (row.rem_euclid(rows) * columns + column.rem_euclid(columns)) as usize)
+    }
+
+    /// The middle of a cell, m.
+    pub fn centre(&self, (column, row): Place) -> (f64, f64) {
+        ((column as f64 + 0.5) * self.cell, (row as f64 + 0.5) * self.cell)
+    }
+
+    /// All cells, row by row from the least y.
+    pub fn places(&self) -> impl Iterator<Item = Place> + use<> {
+        let columns = self.all_columns();
+        self.all_rows().flat_map(move |row| columns.clone().map(move |column| (column, row)))
+    }
+
+    /// Cells within `reach` m of (x, y) along either axis.
+    pub fn places_around(&self, x: f64, y: f64, reach: f64) -> impl Iterator<Item = Place> + use<> {
+        let (from, to) = (self.place(x - reach, y - reach), self.place(x + reach, y + reach));
+        let cut = |all: Range<i64>, from: i64, to: i64| all.start.max(from)..all.end.min(to + 1);
+        let (columns, rows) = (cut(self.all_columns(), from.0, to.0), cut(self.all_rows(), from.1, to.1));
+        rows.flat_map(move |row| columns.clone().map(move |column| (column, row)))
+    }
+
+    fn all_columns(&self) -> Range<i64> {
+        self.low.0..self.low.0 + self.columns as i64
+    }
+
+    fn all_rows(&self) -> Range<i64> {
+        self.low.1..self.low.1 + self.rows as i64
+    }
+}
+
+/// What the rules put out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// A constant: f = d.
+    Zero,
+    /// A plane: f = a x + b y + c.
+    One,
+}
+
+impl Order {
+    /// Parameters of a rule.
+    pub fn parameters(self) -> usize {
+        match self {
+            Order::Zero => 1,
+            Order::One => 3,
+        }
+    }
+}
+
+/// How a reading becomes equations of the parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fusion {
+    /// One equation a reading, Eq. 3 as it stands: the weighted average of the rules' outputs is that of the cap's heights.
+    Average,
+    /// One equation for each rule that is activated: its output is the height of the cap over its cell, with the activation as
+    /// the weight. Our choice, and the better one: the average of many cells leaves their differences to the noise.
+    ///
+    /// What echoed is the nearest thing in the beam, so the ground touches the cap somewhere and lies below it everywhere
+    /// else. Hence an equation that would raise the height counts only `above` of its weight (asymmetric least squares, Newey and
+    /// Powell 1987); 1 makes no difference between the two.
+    Cells {
+        /// Share in (0, 1] of the weight of what would raise the height.
+        above: f64,
+    },
+}
+
+/// What the system is made of, what it takes for granted before anything is measured, and how far it believes a reading: our choice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Output functions.
+    pub order: Order,
+    /// Equations of a reading.
+    pub fusion: Fusion,
+    /// Height of a cell of which nothing is known, m.
+    pub height: f64,
+    /// Its standard deviation, m.
+    pub height_sigma: f64,
+    /// Standard deviation of the slopes of a plane, m/m.
+    pub slope_sigma: f64,
+    /// Standard deviation of the height that a reading tells, m.
+    pub reading_sigma: f64,
+    /// Height below which there is no ground, m: caps that reach below count as there. Minus infinity if nothing is known of it.
+    pub floor: f64,
+    /// As of [`Rls::new`].
+    pub forgetting: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            order: Order::Zero,
+            fusion: Fusion::Cells { above: 0.03 },
+            height: 0.0,
+            height_sigma: 1.0,
+            slope_sigma: 0.5,
+            reading_sigma: 0.1,
+            floor: f64::NEG_INFINITY,
+            forgetting: 1.0,
+        }
+    }
+}
+
+/// One rule that a reading activates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Activation {
+    /// The cell.
+    pub place: Place,
+    /// Its slot in the partition.
+    pub slot: usize,
+    /// Activation w: the greatest membership within the cell.
+    pub weight: f64,
+    /// The point of the cell where it is so, m.
+    pub x: f64,
+    /// The point of the cell where it is so, m.
+    pub y: f64,
+    /// The height of the reading's cap there, m.
+    pub height: f64,
+}
+
+/// The cells of a partition on which the shadow of a reading lies, with the lower side of its cap or the most possible one.
+pub fn activations(
+    partition: &Partition,
+    model: &SonarModel,
+    sonar: &SonarPose,
+    measured: f64,
+    side: Side,
+) -> Vec<Activation> {
+    let offset = |look: usize| ((look as f64 + 0.5) / LOOKS as f64 - 0.5) * partition.cell;
+    let look_at = |place: Place| {
+        let slot = partition.slot(place)?;
+        let (x, y) = partition.centre(place);
+        (0..LOOKS * LOOKS)
+            .filter_map(|look| {
+                let (x, y) = (x + offset(look % LOOKS), y + offset(look / LOOKS));
+                let shadow = model.shadow(sonar, measured, x, y, side)?;
+                Some(Activation { place, slot, weight: shadow.membership, x, y, height: shadow.height })
+            })
+            .max_by(|a, b| a.weight.total_cmp(&b.weight))
+    };
+    partition.places_around(sonar.origin.x, sonar.origin.y, measured).filter_map(look_at).collect()
+}
+
+/// The surface.
+///
+/// The planes of a rule are about the middle of its cell and in cells, a x' + b y' + c with x' and y' in [-1/2, 1/2]: the same planes as those
+/// of the paper, with numbers that stay near 1.
+#[derive(Clone, Debug)]
+pub struct Tsk {
+    partition: Partition,
+    settings: Settings,
+    rls: Rls,
+}
+
+impl Tsk {
+    /// Nothing measured yet.
+    ///
+    /// # Panics
+    /// If a standard deviation is not above 0, or `forgetting` not in (0, 1].
+    pub fn new(partition: Partition, settings: Settings) -> Self {
+        let count = partition.columns * partition.rows * settings.order.parameters();
+        let prior = |index| prior(&partition, &settings, index);
+        let (mean, variance): (Vec<f64>, Vec<f64>) = (0..count).map(prior).unzip();
+        Self { partition, settings, rls: Rls::new(&mean, &variance, settings.forgetting) }
+    }
+
+    /// The cells.
+    pub fn partition(&self) -> &Partition {
+        &self.partition
+    }
+
+    /// The parameters of all rules, those of a slot side by side (height, then slopes a cell along x and y), and their covariance.
+    pub fn estimate(&self) -> &Rls {
+        &self.rls
+    }
+
+    /// Fuses a reading. How many rules it activated.
+    ///
+    /// # Panics
+    /// If a number of the reading is not finite.
+    pub fn fuse(&mut self, model: &SonarModel, sonar: &SonarPose, measured: f64) -> usize {
+        let side = match self.settings.fusion {
+            Fusion::Average => Side::MostPossible,
+            Fusion::Cells { .. } => Side::Lower,
+        };
+        let mut activations = activations(&self.partition, model, sonar, measured, side);
+        for activation in &mut activations {
+            activation.height = activation.height.max(self.settings.floor);
+        }
+        match self.settings.fusion {
+            Fusion::Average => self.take(&activations, 1.0),
+            Fusion::Cells { above } => {
+                for activation in &activations {
+                    let is_raised = self.output(activation) < activation.height;
+                    self.take(&[*activation], activation.weight * if is_raised { above } else { 1.0 });
+                }
+            }
+        }
+        activations.len()
+    }
+
+    /// Takes one equation with a weight: the weighted averages of the rules' outputs and of the heights in `activations` are equal but
+    /// for the error of a reading.
+    ///
+    /// # Panics
+    /// If a number is not finite, or a slot is not one of the partition.
+    pub fn take(&mut self, activations: &[Activation], weight: f64) {
+        let total: f64 = activations.iter().map(|activation| activation.weight).sum();
+        if total <= 0.0 || weight <= 0.0 {
+            return;
+        }
+        let mut regressor = Vec::with_capacity(activations.len() * self.settings.order.parameters());
+        let mut height = 0.0;
+        for activation in activations {
+            let share = activation.weight / total;
+            height += share * activation.height;
+            regressor.extend(self.rule(activation).map(|(index, factor)| (index, share * factor)));
+        }
+        let sigma = self.settings.reading_sigma;
+        self.rls.update(&regressor, height, sigma * sigma / weight).expect("finite numbers of rules that are there");
+    }
+
+    /// Estimated height at (x, y), m; `None` outside the partition.
+    ///
+    /// The activation of a point is that of its own cell alone, a singleton (Gois and Hiller, section 3): heights jump between cells.
+    pub fn height(&self, x: f64, y: f64) -> Option<f64> {
+        let place = self.partition.place(x, y);
+        let slot = self.partition.slot(place)?;
+        Some(self.output(&Activation { place, slot, weight: 1.0, x, y, height: 0.0 }))
+    }
+
+    /// Standard deviation of the height in the middle of the cell with the point (x, y), m; `None` outside the partition. It begins at
+    /// the prior's and falls with what is measured.
+    pub fn sigma(&self, x: f64, y: f64) -> Option<f64> {
+        let slot = self.partition.slot(self.partition.place(x, y))?;
+        Some(self.rls.variance(slot * self.settings.order.parameters()).sqrt())
+    }
+
+    /// Moves the partition so that `low` is its cell with the least x and y. Cells that fall out are forgotten; new ones are as the
+    /// settings say.
+    pub fn move_to(&mut self, low: Place) {
+        let before = self.partition;
+        self.partition.low = low;
+        let count = self.settings.order.parameters();
+        for place in self.partition.places().filter(|place| before.slot(*place).is_none()) {
+            let Some(slot) = self.partition.slot(place) else { continue };
+            for index in slot * count..(slot + 1) * count {
+                let (mean, variance) = prior(&self.partition, &self.settings, index);
+                self.rls.reset(index, mean, variance);
+            }
+        }
+    }
+
+    /// What the rule of a cell puts out at a point of it.
+    fn output(&self, activation: &Activation) -> f64 {
+        self.rule(activation).map(|(index, factor)| self.rls.parameters()[index] * factor).sum()
+    }
+
+    /// Parameters of a rule and the factors with which they make its output.
+    fn rule(&self, activation: &Activation) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let (x, y) = self.partition.centre(activation.place);
+        let (x, y) = ((activation.x - x) / self.partition.cell, (activation.y - y) / self.partition.cell);
+        let count = self.settings.order.parameters();
+        let base = activation.slot * count;
+        [1.0, x, y].into_iter().take(count).enumerate().map(move |(index, factor)| (base + index, factor))
+    }
+}
+
+/// Mean and variance of a parameter, before anything is measured.
+fn prior(partition: &Partition, settings: &Settings, index: usize) -> (f64, f64) {
+    let (mean, sigma) = match index % settings.order.parameters() {
+        0 => (settings.height, settings.height_sigma),
+        _ => (0.0, settings.slope_sigma * partition.cell),
+    };
+    (mean, sigma * sigma)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use nalgebra::Vector3;
+
+    use super::*;
+
+    fn partition() -> Partition {
+        Partition { cell: 0.5, columns: 8, rows: 6, low: (-3, 2) }
+    }
+
+    fn down(x: f64, y: f64) -> SonarPose {
+        SonarPose::new(Vector3::new(x, y, 2.0), 0.0, -FRAC_PI_2)
+    }
+
+    #[test]
+    fn places_have_slots_that_stay_when_the_partition_moves() {
+        let before = partition();
+        let after = Partition { low: (-1, 1), ..before };
+        let mut slots: Vec<_> = before.places().map(|place| before.slot(place).unwrap()).collect();
+        slots.sort_unstable();
+        assert_eq!(slots, (0..48).collect::<Vec<_>>());
+        for place in before.places().filter(|place| after.slot(*place).is_some()) {
+            assert_eq!(before.slot(place), after.slot(place));
+        }
+        assert_eq!((before.slot((-4, 2)), before.slot((5, 2)), before.slot((0, 8))), (None, None, None));
+        let (x, y) = before.centre((-3, 4));
+        assert_eq!((x, y, before.place(x, y)), (-1.25, 2.25, (-3, 4)));
+    }
+
+    #[test]
+    fn a_plane_is_a_plane_to_first_order_and_steps_to_zero_order() {
+        let plane = |x: f64, y: f64| 0.3 + 0.2 * x - 0.1 * y;
+        for (order, most) in [(Order::Zero, 0.06), (Order::One, 1e-3)] {
+            let settings = Settings { order, reading_sigma: 1e-3, ..Settings::default() };
+            let mut tsk = Tsk::new(partition(), settings);
+            for place in partition().places() {
+                let (cx, cy) = partition().centre(place);
+                for (dx, dy) in [(0.0, 0.0), (0.2, 0.1), (-0.2, 0.15), (0.1, -0.2), (-0.15, -0.1)] {
+                    let (x, y) = (cx + dx, cy + dy);
+                    let slot = partition().slot(place).unwrap();
+                    tsk.take(&[Activation { place, slot, weight: 0.7, x, y, height: plane(x, y) }], 1.0);
+                }
+            }
+            let (x, y) = (0.45, 2.85);
+            let height = tsk.height(x, y).unwrap();
+            assert!((height - plane(x, y)).abs() < most, "{order:?} {height}");
+            assert!(tsk.sigma(x, y).unwrap() < 0.01);
+        }
+    }
+
+    /// Eq. 3 with the division: activations of one height give that height, whatever their sum is.
+    #[test]
+    fn the_average_is_divided_by_the_sum_of_the_activations() {
+        let settings = Settings { fusion: Fusion::Average, reading_sigma: 1e-3, ..Settings::default() };
+        let mut tsk = Tsk::new(partition(), settings);
+        let cells = [((0, 4), 0.9), ((1, 4), 0.8), ((0, 5), 0.7)];
+        let activations = cells.map(|(place, weight)| {
+            let (x, y) = partition().centre(place);
+            Activation { place, slot: partition().slot(place).unwrap(), weight, x, y, height: 0.4 }
+        });
+        for _ in 0..3 {
+            tsk.take(&activations, 1.0);
+        }
+        let heights = cells.map(|(place, weight)| {
+            let (x, y) = partition().centre(place);
+            weight * tsk.height(x, y).unwrap()
+        });
+        assert!((heights.iter().sum::<f64>() / 2.4 - 0.4).abs() < 1e-5, "{heights:?}");
+    }
+
+    #[test]
+    fn what_would_raise_the_ground_counts_less() {
+        let fused = |above: f64| {
+            let mut tsk = Tsk::new(partition(), Settings { fusion: Fusion::Cells { above }, ..Settings::default() });
+            for step in 0..200 {
+                // Level ground at 0 below sonars all over it: caps touch it, and lie above it elsewhere.
+                tsk.fuse(&SonarModel::srf08(), &down(-1.0 + 0.02 * f64::from(step), 2.3), 2.0);
+            }
+            tsk.height(0.75, 2.25).unwrap()
+        };
+        assert!(fused(0.03) < 0.04, "{}", fused(0.03));
+        assert!(fused(1.0) > 1.5 * fused(0.03), "the mean of the caps: {}", fused(1.0));
+    }
+
+    #[test]
+    fn cells_that_fall_out_are_forgotten_and_the_others_stay() {
+        let mut tsk = Tsk::new(partition(), Settings::default());
+        for step in 0..10 {
+            tsk.fuse(&SonarModel::srf08(), &down(-1.0 + 0.3 * f64::from(step), 2.0), 1.5);
+        }
+        let before = tsk.clone();
+        tsk.move_to((-1, 2));
+        assert_eq!(tsk.height(-1.25, 2.25), None);
+        for place in tsk.partition().places() {
+            let (x, y) = tsk.partition().centre(place);
+            let (height, sigma) = match before.height(x, y) {
+                Some(height) => (height, before.sigma(x, y).unwrap()),
+                None => (0.0, 1.0),
+            };
+            assert!((tsk.height(x, y).unwrap() - height).abs() < 1e-12, "{place:?}");
+            assert!((tsk.sigma(x, y).unwrap() - sigma).abs() < 1e-12, "{place:?}");
+        }
+    }
+}
