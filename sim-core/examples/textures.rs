@@ -1,11 +1,12 @@
-//! Draws the floors of `worlds/textures`: `cargo run -p sim-core --example textures` in the root of the repository.
+//! Draws the floors and terrains of `worlds/textures`: `cargo run -p sim-core --example textures` in the root of the repository.
 
 use std::f64::consts::TAU;
 use std::path::Path;
 
 use glam::DVec2;
-use image::{Rgb, RgbImage};
+use image::{ImageBuffer, Luma, Rgb, RgbImage};
 use sim_core::math;
+use sim_core::scene::{Disc, Relief};
 
 type Colour = [u8; 3];
 
@@ -14,6 +15,9 @@ const WHITE: Colour = [240, 240, 236];
 fn main() -> image::ImageResult<()> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../worlds/textures");
     for (name, draw) in FLOORS {
+        draw().save(folder.join(name))?;
+    }
+    for (name, draw) in TERRAINS {
         draw().save(folder.join(name))?;
     }
     Ok(())
@@ -25,6 +29,34 @@ type Draw = fn() -> RgbImage;
 /// The images by their file names.
 pub const FLOORS: [(&str, Draw); 4] =
     [("track.png", track), ("road.png", road), ("soccer.png", soccer), ("tiles.png", tiles)];
+
+/// A picture of heights, 0 to 65535.
+pub type Heights = ImageBuffer<Luma<u16>, Vec<u16>>;
+
+/// The terrains by their file names.
+pub const TERRAINS: [(&str, fn() -> Heights); 1] = [("hills.png", hills)];
+
+/// Hills over 6 x 4 m, level and black around two places 1 m from the left and from the right side.
+fn hills() -> Heights {
+    let clear = [1.0, 5.0].map(|x| Disc { centre: DVec2::new(x, 2.0), radius: 0.5 });
+    let relief = Relief {
+        seed: 1,
+        origin: DVec2::ZERO,
+        size: DVec2::new(6.0, 4.0),
+        base: 0.0,
+        cell: 0.05,
+        relief: 1.0,
+        length: 2.0,
+        boulders: None,
+        clear: clear.to_vec(),
+    };
+    let (field, _) = relief.field().expect("few enough cells");
+    let (columns, rows) = field.size();
+    ImageBuffer::from_fn(columns as u32, rows as u32, |column, row| {
+        let height = field.corner(column as usize, rows - 1 - row as usize).z;
+        Luma([(height * f64::from(u16::MAX)).round() as u16])
+    })
+}
 
 /// A floor of `size` metres with pixels of `pixel` metres: each is the mean of what `colour` says of 3 x 3 places in it, x to the
 /// right and y upwards from the lower left corner.

@@ -11,7 +11,7 @@ use sim_core::format::{
 /// Codes that a text alone cannot cause: they need bytes that are no text, an image, a folder, thousands of lines or
 /// robots, a program, a conversion or the
 /// functions of RoBIOS.
-const WITHOUT_EXAMPLE: [Code; 15] = [
+const WITHOUT_EXAMPLE: [Code; 16] = [
     Code::ConvertKind,
     Code::ConvertLost,
     Code::ConvertMaze,
@@ -25,6 +25,7 @@ const WITHOUT_EXAMPLE: [Code; 15] = [
     Code::ProgramGeneration,
     Code::ProgramMissing,
     Code::SceneCount,
+    Code::TerrainColour,
     Code::TextureFormat,
     Code::TextureSize,
 ];

@@ -16,6 +16,19 @@ fn the_images_are_those_that_the_command_draws() {
 }
 
 #[test]
+fn the_terrains_are_those_that_the_command_draws() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../worlds/textures");
+    for (name, draw) in drawn::TERRAINS {
+        let committed = image::open(folder.join(name)).expect("an image");
+        assert!(matches!(committed, image::DynamicImage::ImageLuma16(_)), "`{name}` is grey, of 16 bits");
+        assert!(
+            committed.into_luma16() == draw(),
+            "write `{name}` anew with `cargo run -p sim-core --example textures`"
+        );
+    }
+}
+
+#[test]
 fn a_robot_starts_on_the_line() {
     let start = glam::DVec2::new(1.5, 0.376);
     let nearest = drawn::track_line().into_iter().map(|place| place.distance(start)).fold(f64::INFINITY, f64::min);

@@ -15,7 +15,7 @@ use crate::format::{
 };
 use crate::object::{Figure, Part, Properties, Resistance, Shape, Solid};
 use crate::pose::{Pose, Pose3};
-use crate::scene::{Mesh, MeshIndex, Segment, Surface, WallId, Walls};
+use crate::scene::{HeightField, Mesh, MeshIndex, Segment, Surface, WallId, Walls};
 use crate::sensor::{Link, RangeModel, RangeSensor};
 use crate::world::{Block, Space};
 pub use scenery::{Looks, MARKER_RADIUS, ROBOT_COLOURS, WALL_COLOUR, scenery, scenery_with, wheel_places};
@@ -44,6 +44,14 @@ pub fn obstacles(scene: &SceneSpec) -> Arc<Walls> {
         }
     }
     Arc::new(Walls::new(segments).with_heights(heights))
+}
+
+/// The heights of a world's terrain: what its scene has made of an image, a function or steps; `None` for the plane z = 0, and where
+/// the terrain is a mesh file.
+///
+/// A pure function of the text of the scene and its images: [`HeightField::height`] is the truth about the ground.
+pub fn height_field(world: &WorldSpec) -> Option<&Arc<HeightField>> {
+    world.terrain.as_ref()?.field.as_ref()
 }
 
 /// What rays in space tell apart in a scene whose [`obstacles`] and [`movable`] objects are in the world: shapes of bodies

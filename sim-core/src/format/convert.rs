@@ -388,7 +388,7 @@ impl Conversion<'_> {
         sim.objects.iter_mut().for_each(|line| self.rewrite_type(&mut line.kind));
         if let Some(world) = &mut sim.inline.world {
             world.texture.iter_mut().for_each(|texture| self.rewrite_path(texture));
-            world.terrain.iter_mut().for_each(|terrain| self.rewrite_path(&mut terrain.model.path));
+            world.terrain.iter_mut().filter_map(|terrain| terrain.path_mut()).for_each(|path| self.rewrite_path(path));
             world.objects.iter_mut().for_each(|line| self.rewrite_type(&mut line.kind));
         }
         sim.inline.robot_types.iter_mut().for_each(|(robi, _)| self.rewrite_robi(robi));

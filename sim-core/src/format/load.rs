@@ -110,6 +110,7 @@ pub fn load_scene_with(path: &str, seed: Option<u64>, files: &dyn Files) -> Load
         radio: sim.radio,
     };
     loader.diagnostics.extend(unknown_sensors(&scene.robots));
+    loader.wheels_on_terrain(&scene);
     loader.diagnostics.extend(clearance::check(&scene, placed.of_world));
     loader.finish(scene)
 }
@@ -483,13 +484,7 @@ impl Loader<'_> {
             sink.error(Code::MeshSolid, model.path.span, message, "an .obj file with triangles");
         };
         if let Some(world) = world {
-            let mesh = reader.terrain(world);
-            if let Some(terrain) = &mut world.terrain {
-                if mesh.is_none() {
-                    missing(&terrain.model);
-                }
-                terrain.mesh = mesh;
-            }
+            reader.terrain(world);
         }
         for (object, _) in objects {
             let Some(model) = object.model.as_ref().filter(|_| object.solid != Solid::Colliders) else { continue };
@@ -503,6 +498,18 @@ impl Loader<'_> {
         self.diagnostics.extend(diagnostics);
         self.diagnostics.extend(sink.finish());
         self.inputs.extend(inputs);
+    }
+}
+
+impl Loader<'_> {
+    /// Says once that robots drive where the ground is not flat.
+    fn wheels_on_terrain(&mut self, scene: &SceneSpec) {
+        let terrain = scene.world.terrain.as_ref().filter(|terrain| terrain.field.is_some());
+        let (Some(terrain), Some(robot)) = (terrain, scene.robots.first()) else { return };
+        let message = format!("robot {} has wheels: it drives on the plane z = 0, whatever the terrain", robot.id.0);
+        let mut sink = Sink::new(&scene.world.file);
+        sink.warn(Code::TerrainWheels, terrain.span, message, "robots with legs on a terrain");
+        self.diagnostics.extend(sink.finish());
     }
 }
 

@@ -65,8 +65,9 @@ pub fn world(world: &WorldSpec) -> WorldSpec {
     let mut world = WorldSpec { file: String::new(), ..world.clone() };
     world.texture.iter_mut().for_each(forget);
     if let Some(terrain) = &mut world.terrain {
-        forget_model(&mut terrain.model);
-        terrain.mesh = None;
+        terrain.path_mut().into_iter().for_each(forget);
+        terrain.span = Span::default();
+        (terrain.mesh, terrain.field) = (None, None);
     }
     world.walls.iter_mut().for_each(|wall| wall.span = Span::default());
     world.starts.iter_mut().for_each(|start| start.span = Span::default());

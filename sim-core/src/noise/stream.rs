@@ -33,6 +33,8 @@ pub enum Purpose {
     Radio = 10,
     /// The fate of the token of a ring.
     Token = 11,
+    /// The shape of a terrain; the seed is the terrain's own.
+    Terrain = 12,
 }
 
 /// The seed of a stream: (seed of the run, robot, purpose, number, sub-number), in 32 bytes.

@@ -6,19 +6,26 @@
 
 mod bounds;
 mod bvh;
+pub(crate) mod distance;
 mod grid;
+mod height_field;
 mod material;
 mod mesh;
 mod moving;
+mod relief;
 mod segment;
+mod steps;
 mod surface;
 mod walls;
 
 pub use bounds::Bounds;
 pub use bvh::{MeshHit, MeshIndex};
+pub use height_field::{FieldError, HeightField, MAX_CELLS};
 pub use material::{Material, Texture};
 pub use mesh::{Mesh, Triangle};
 pub use moving::Moving;
+pub use relief::{Boulders, Disc, MAX_BOULDERS, Relief};
 pub use segment::Segment;
+pub use steps::{Block, MAX_STEPS, Stairs, Steps, Way};
 pub use surface::Surface;
 pub use walls::{Hit, WallId, Walls};

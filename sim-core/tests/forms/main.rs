@@ -205,6 +205,7 @@ fn schema_and_reader_know_the_same_keys() {
     let echoes =
         ["laser", "ultrasonic", "reflectance"].map(|kind| robot(&format!("{kind} = [{{ name = \"a\", zzz = 1 }}]")));
     let noise = |section: &str| format!("[scene.noise.{section}]\nzzz = 1");
+    let function = |name| format!("[world.terrain]\nfunction = \"{name}\"\nzzz = 1");
     let cases: &[(&str, Vec<String>)] = &[
         ("", vec!["zzz = 1".into()]),
         ("RunForm", vec!["[scene]\nzzz = 1".into()]),
@@ -241,6 +242,12 @@ fn schema_and_reader_know_the_same_keys() {
         ("SideLobesForm", vec![robot("sonar = [{ name = \"a\", side_lobes = { zzz = 1 } }]")]),
         ("SurfaceForm", vec![robot("surface = { zzz = 1 }"), object("surface = { zzz = 1 }")]),
         ("PlacedTerrainForm", vec!["[world.terrain]\nzzz = 1".into()]),
+        ("ImageTerrainForm", vec!["[world.terrain]\nimage = \"a.png\"\nzzz = 1".into()]),
+        ("FunctionTerrainForm", ["hills", "boulders"].map(function).to_vec()),
+        ("DiscForm", vec!["[world.terrain]\nfunction = \"hills\"\nclear = [{ zzz = 1 }]".into()]),
+        ("StepsTerrainForm", vec!["[world.terrain]\nblock = []\nzzz = 1".into()]),
+        ("StairsForm", vec!["[world.terrain]\nstairs = [{ zzz = 1 }]".into()]),
+        ("BlockForm", vec!["[world.terrain]\nblock = [{ zzz = 1 }]".into()]),
         ("CameraForm", vec![robot("camera = { zzz = 1 }")]),
         ("LightForm", vec!["[world.light]\nzzz = 1".into(), "[world]\nfile = \"a.wld\"\nlight = { zzz = 1 }".into()]),
         ("SkyForm", vec!["[world.sky]\nzzz = 1".into()]),

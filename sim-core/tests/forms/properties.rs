@@ -263,6 +263,47 @@ proptest! {
     }
 
     #[test]
+    fn terrains_read_back_as_they_were_printed(
+        kind in 0..4_usize, place in prop::collection::vec(number(), 3), sizes in prop::collection::vec(size(), 8),
+        seed in prop::option::of(0..=i64::MAX), count in prop::option::of(0..=1000_u32), turn in 0..4_u32,
+        says in any::<[bool; 8]>(),
+    ) {
+        let [a, b, c, d, e, f, g, h] = <[String; 8]>::try_from(sizes).expect("eight");
+        let key = |index: usize, text: String| if says[index] { text } else { String::new() };
+        let extent = key(0, format!("offset_mm = [{}], ", place.join(", "))) + &key(1, format!("size_mm = [{a}, {b}], "));
+        let function = |name: &str| {
+            let seed = seed.map_or(String::new(), |seed| format!("seed = {seed}, "));
+            let grid = key(2, format!("cell_mm = {c}, ")) + &key(3, format!("relief_mm = {d}, length_mm = {e}, "));
+            let clear = key(4, format!("clear = [{{ x_mm = {f}, y_mm = {g}, radius_mm = {h} }}], "));
+            format!("{extent}{seed}{grid}{clear}function = \"{name}\"")
+        };
+        let terrain = match kind {
+            0 => format!("{extent}image = \"a.png\", height_mm = {}", place[0]),
+            1 => function("hills"),
+            2 => {
+                let count = count.map_or(String::new(), |count| format!("boulders = {count}, "));
+                let ranges = key(5, format!("radius_mm = [{h}, {h}], ")) + &key(6, format!("height_mm = [{g}, {g}], "));
+                format!("{count}{ranges}{}", function("boulders"))
+            }
+            _ => {
+                let rest = key(5, format!(", landing_mm = {f}")) + &key(6, ", down = true".to_owned());
+                let stairs = format!(
+                    "stairs = [{{ from_mm = [{c}, {d}], direction_deg = {}, count = {}, step_height_mm = {e}, \
+                     step_depth_mm = {f}, width_mm = {g}{rest} }}], ",
+                    90 * turn, count.unwrap_or(0) + 1 - count.unwrap_or(0) / 1000,
+                );
+                let block = key(7, format!("block = [{{ from_mm = [-1, -2], to_mm = [{c}, {d}], height_mm = {e} }}], "));
+                format!("{extent}{}{block}", if says[2] || !says[7] { stairs } else { String::new() })
+            }
+        };
+        let terrain = terrain.trim_end_matches(", ");
+        let text = format!("[world]\nfloor_mm = [900, 900]\nterrain = {{ {terrain} }}\n");
+        let (sim, said) = read_scene("a.scene.toml", &text);
+        prop_assert_eq!(said, vec![], "{}", text);
+        reads_back(&sim)?;
+    }
+
+    #[test]
     fn radios_read_back_as_they_were_printed(
         medium in prop::option::of(prop::sample::select(vec!["free", "aloha", "token_ring"])),
         baud in prop::option::of(1..=1_000_000_000_u32), latency in prop::option::of(0..=3_600_000_000_i64),

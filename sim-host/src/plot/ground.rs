@@ -10,6 +10,7 @@ use sim_core::scene::{Segment, Texture};
 
 use super::colour::{FLOOR, INK, SHADE, WALL};
 use super::drawing::{Backdrop, Drawing, Form, Label, Line, Paint, Shape, Symbol};
+use super::terrain;
 
 /// Wall lines in pixels.
 const WALL_WIDTH: f64 = 2.0;
@@ -26,9 +27,13 @@ pub fn draw_world(drawing: &mut Drawing, world: &WorldSpec, texture: Option<Arc<
         let [DVec2 { x: left, y: lower }, DVec2 { x: right, y: upper }] = corners;
         let outline = [(left, lower), (right, lower), (right, upper), (left, upper)].map(|(x, y)| DVec2::new(x, y));
         // An image is shown in its own colours.
-        let paint = if texture.is_some() { Paint::veil(FLOOR, 0.0) } else { Paint::solid(FLOOR) };
+        let terrain = world.terrain.as_ref().and_then(|terrain| terrain.field.as_deref());
+        let paint = if texture.is_some() || terrain.is_some() { Paint::veil(FLOOR, 0.0) } else { Paint::solid(FLOOR) };
         drawing.push(Shape::filled(Form::Polygon(outline.to_vec()), paint));
         drawing.backdrop = texture.map(|texture| Backdrop { corners, texture });
+        if let Some(field) = terrain {
+            terrain::draw_terrain(drawing, field);
+        }
     }
     world.walls.iter().for_each(|wall| draw_wall(drawing, wall));
     if !world.walls.is_empty() {

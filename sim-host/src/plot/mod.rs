@@ -16,6 +16,7 @@ mod render;
 mod robot;
 mod run;
 mod scene;
+mod terrain;
 #[cfg(test)]
 mod tests;
 

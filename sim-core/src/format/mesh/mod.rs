@@ -13,6 +13,7 @@
 mod faults;
 mod mtl;
 mod obj;
+mod terrain;
 mod texture;
 
 use std::collections::BTreeMap;
@@ -61,12 +62,6 @@ impl<'a> MeshReader<'a> {
     pub fn object(&mut self, kind: &ObjectType) -> Option<Arc<Mesh>> {
         let without = if kind.solid == Solid::Colliders { SHAPE } else { SEEN };
         self.mesh(&kind.file, kind.model.as_ref()?, kind.scale, without)
-    }
-
-    /// The mesh that range sensors see as the ground, in the world frame; `None` if there is none or none that can be read.
-    pub fn terrain(&mut self, world: &WorldSpec) -> Option<Arc<Mesh>> {
-        let terrain = world.terrain.as_ref()?;
-        self.mesh(&world.file, &terrain.model, terrain.scale, SEEN)
     }
 
     /// The image on the floor, stretched over all of it; `None` if the world names none or none that can be read.

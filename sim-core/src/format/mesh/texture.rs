@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use image::{ImageReader, Limits};
+use image::{DynamicImage, ImageReader, Limits};
 
 use crate::scene::Texture;
 
@@ -25,6 +25,14 @@ pub(super) enum TextureError {
 
 /// The image in `bytes`.
 pub(super) fn read_texture(bytes: &[u8]) -> Result<Texture, TextureError> {
+    let image = decode(bytes)?.into_rgba8();
+    let (width, height) = image.dimensions();
+    let pixels = image.pixels().map(|pixel| pixel.0).collect();
+    Texture::new(width, height, pixels).ok_or_else(|| TextureError::Format("it is empty".to_owned()))
+}
+
+/// The image in `bytes`, of whatever kind of pixels.
+pub(super) fn decode(bytes: &[u8]) -> Result<DynamicImage, TextureError> {
     let unreadable = |error: &dyn std::fmt::Display| TextureError::Format(error.to_string());
     let open = || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| unreadable(&error));
     let (width, height) = open()?.into_dimensions().map_err(|error| unreadable(&error))?;
@@ -35,9 +43,7 @@ pub(super) fn read_texture(bytes: &[u8]) -> Result<Texture, TextureError> {
     let mut limits = Limits::default();
     limits.max_alloc = Some(MAX_BYTES);
     reader.limits(limits);
-    let image = reader.decode().map_err(|error| unreadable(&error))?.into_rgba8();
-    let pixels = image.pixels().map(|pixel| pixel.0).collect();
-    Texture::new(width, height, pixels).ok_or_else(|| unreadable(&"it is empty"))
+    reader.decode().map_err(|error| unreadable(&error))
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ mod robi;
 mod scene;
 mod sensor;
 mod sim;
+mod terrain;
 mod text;
 mod world;
 

@@ -9,7 +9,7 @@ use toml::{Table, Value};
 use super::looks::{light_form, sky_form};
 use super::noise::noise_form;
 use super::number::{degrees, heading, mm, shortest};
-use super::{sensor, text};
+use super::{sensor, terrain, text};
 use crate::drive::DriveKind;
 use crate::format::read_maze;
 use crate::format::scene::default_wheelbase;
@@ -44,7 +44,7 @@ pub fn scene_schema() -> String {
     serde_json::to_string_pretty(&schema).unwrap_or_default() + "\n"
 }
 
-fn point(point: DVec2) -> [f64; 2] {
+pub(super) fn point(point: DVec2) -> [f64; 2] {
     point.to_array().map(mm)
 }
 
@@ -154,7 +154,7 @@ fn world_of(sim: &SimSpec) -> WorldForm {
 pub(super) fn world_form(world: &WorldSpec) -> WorldForm {
     let texture = world.texture.as_ref().map(|texture| texture.text.clone());
     let surface = world.surface.map(sensor::explicit_surface);
-    let terrain = world.terrain.as_ref().map(sensor::terrain_form);
+    let terrain = world.terrain.as_ref().map(|terrain| terrain::terrain_form(terrain, world.floor));
     if let Some(maze) = super::print_maze(world).ok().filter(|maze| is_drawing(world, maze)) {
         let form = WorldForm { maze: Some(maze), texture, surface, terrain, ..WorldForm::default() };
         return with_looks(form, &world.looks);

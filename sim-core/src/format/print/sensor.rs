@@ -1,13 +1,9 @@
-//! Links, range sensors, surfaces and terrain as forms of a scene.
-
-use glam::DVec3;
+//! Links, range sensors and surfaces as forms of a scene.
 
 use super::number::{degrees, mm};
-use super::scene::{place, unless};
-use crate::format::scene::form::{
-    AxisForm, EchoForm, LinkForm, MountForm, PlacedTerrainForm, SideLobesForm, SonarForm, SurfaceForm, TerrainForm,
-};
-use crate::format::spec::{Axis, DEFAULT_TERRAIN_SCALE, LinkSpec, MountSpec, RangeSpec, Surface, TerrainSpec};
+use super::scene::unless;
+use crate::format::scene::form::{AxisForm, EchoForm, LinkForm, MountForm, SideLobesForm, SonarForm, SurfaceForm};
+use crate::format::spec::{Axis, LinkSpec, MountSpec, RangeSpec, Surface};
 use crate::sensor::{Echo, PAPER_SIGMA, RangeModel, Sonar};
 
 /// The keys of `mount` but for what is as in `usual`.
@@ -34,20 +30,6 @@ pub(super) fn explicit_surface(surface: Surface) -> SurfaceForm {
     SurfaceForm {
         reflectivity: unless(surface.reflectivity, usual.reflectivity),
         specular: unless(surface.specular, usual.specular),
-    }
-}
-
-pub(super) fn terrain_form(terrain: &TerrainSpec) -> TerrainForm {
-    let model = &terrain.model;
-    let placed = PlacedTerrainForm {
-        file: model.path.text.clone(),
-        offset_mm: unless(model.offset, DVec3::ZERO).map(place),
-        turns_deg: unless(model.turns, DVec3::ZERO).map(|turns| turns.to_array().map(degrees)),
-        scale_mm: unless(terrain.scale, DEFAULT_TERRAIN_SCALE).map(mm),
-    };
-    match placed {
-        PlacedTerrainForm { file, offset_mm: None, turns_deg: None, scale_mm: None } => TerrainForm::File(file),
-        placed => TerrainForm::Placed(placed),
     }
 }
 

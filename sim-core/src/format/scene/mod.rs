@@ -8,6 +8,7 @@ mod looks;
 mod place;
 mod radio;
 mod room;
+mod terrain;
 mod types;
 mod world;
 

@@ -1,16 +1,13 @@
 //! The world of a scene: a file, or described in place by walls or by the text of a maze.
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use toml::Spanned;
 use toml::de::DeValue;
 
 use crate::format::code::Code;
 use crate::format::diagnostic::Diagnostic;
 use crate::format::line::Quantity;
-use crate::format::spec::{
-    DEFAULT_TERRAIN_SCALE, DEFAULT_WALL_HEIGHT, ModelSpec, SimSpec, StartSpec, TerrainSpec, WallSpec, WorldKind,
-    WorldLine, WorldSpec,
-};
+use crate::format::spec::{DEFAULT_WALL_HEIGHT, SimSpec, StartSpec, WallSpec, WorldKind, WorldLine, WorldSpec};
 use crate::format::table::{Reader, Section};
 use crate::format::{Span, path, read_maze};
 use crate::pose::Pose;
@@ -23,7 +20,7 @@ const INLINE: [&str; 9] = ["floor_mm", "wall", "maze", "cell_mm", "texture", "su
 const KINDS: [&str; 2] = ["world", "maze"];
 /// Length of the unit of a mesh.
 pub(super) const MESH_UNIT: Quantity = Quantity::coordinate("length of the mesh's unit").within(1e-6, 1e9);
-const POINT: [Quantity; 2] = [Quantity::coordinate("x"), Quantity::coordinate("y")];
+pub(super) const POINT: [Quantity; 2] = [Quantity::coordinate("x"), Quantity::coordinate("y")];
 
 impl Reader<'_> {
     pub(super) fn world(&mut self, mut section: Section<'_, '_>, sim: &mut SimSpec) {
@@ -46,7 +43,7 @@ impl Reader<'_> {
         if let Some(surface) = self.section_like(&mut section, "surface", "reflectivity = 1, specular = 0.5") {
             world.surface = Some(self.surface(surface));
         }
-        world.terrain = self.terrain(&mut section);
+        world.terrain = self.terrain(&mut section, world.floor);
         world.looks = self.looks(&mut section);
         for start in self.sections(&mut section, "start") {
             world.starts.extend(self.start_place(start));
@@ -86,20 +83,6 @@ impl Reader<'_> {
             return None;
         }
         Some(WallSpec { from, to, thickness, height, colour, surface, span: section.span })
-    }
-
-    /// `terrain = "FILE"`, or a table with the place of the mesh.
-    fn terrain(&mut self, section: &mut Section<'_, '_>) -> Option<TerrainSpec> {
-        let is_table = section.get("terrain").is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_)));
-        if !is_table {
-            let path = self.reference(section, "terrain")?;
-            let model = ModelSpec { path, offset: DVec3::ZERO, turns: DVec3::ZERO };
-            return Some(TerrainSpec { model, scale: DEFAULT_TERRAIN_SCALE, mesh: None });
-        }
-        let mut section = self.section(section, "terrain")?;
-        let mut scale = DEFAULT_TERRAIN_SCALE;
-        self.set(&mut section, "scale_mm", &MESH_UNIT, &mut scale);
-        Some(TerrainSpec { model: self.model(section)?, scale, mesh: None })
     }
 
     fn start_place(&mut self, mut section: Section<'_, '_>) -> Option<StartSpec> {

@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::{LooksSpec, ModelSpec, ObjectLine, PathRef, Surface};
 use crate::format::Span;
 use crate::pose::Pose;
-use crate::scene::Mesh;
+use crate::scene::{Boulders, HeightField, Mesh, Relief, Steps};
 
 /// Height of a wall whose line does not say, in metres: what EyeSim VR shows of its walls.
 pub const DEFAULT_WALL_HEIGHT: f64 = 0.2;
@@ -59,7 +59,7 @@ pub struct WorldSpec {
     pub texture: Option<PathRef>,
     /// How the floor reflects, and walls that do not say; else the floor is smooth and walls are rough.
     pub surface: Option<Surface>,
-    /// A mesh that range sensors see as the ground; robots drive on the plane z = 0 all the same.
+    /// Ground that is not the plane z = 0: sensors and cameras see it, legs walk on it; wheels drive on the plane all the same.
     pub terrain: Option<TerrainSpec>,
     /// Light, sky and colour of the floor.
     pub looks: LooksSpec,
@@ -82,13 +82,76 @@ impl WorldSpec {
     }
 }
 
-/// A mesh that range sensors see as the ground.
+/// Ground that is not the plane z = 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TerrainSpec {
-    /// The mesh file and its place in the world.
-    pub model: ModelSpec,
-    /// Factor on the lengths of the mesh, in metres per unit of the mesh file; positive.
-    pub scale: f64,
-    /// The mesh in the world frame; `None` as long as it has not been read.
+    /// What it is made from.
+    pub shape: TerrainShape,
+    /// Its surface in the world frame, which range sensors and cameras see; `None` as long as it has not been made.
     pub mesh: Option<Arc<Mesh>>,
+    /// The same as heights, on which legs walk; `None` for a mesh file, and as long as it has not been made.
+    pub field: Option<Arc<HeightField>>,
+    /// Where it is written.
+    pub span: Span,
+}
+
+/// What a terrain is made from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TerrainShape {
+    /// A mesh.
+    Mesh {
+        /// The mesh file and its place in the world.
+        model: ModelSpec,
+        /// Factor on the lengths of the mesh, in metres per unit of the mesh file; positive.
+        scale: f64,
+    },
+    /// A grey image.
+    Image(TerrainImage),
+    /// A function with a seed.
+    Relief(Relief),
+    /// Blocks and stairs.
+    Steps(Steps),
+}
+
+/// A height field from an image: the middles of its pixels are the corners of the grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TerrainImage {
+    /// The image file.
+    pub path: PathRef,
+    /// Place of the lower left pixel, in metres, world frame.
+    pub origin: DVec2,
+    /// From there to the upper right pixel, in metres; positive.
+    pub size: DVec2,
+    /// Height where it is black, in metres.
+    pub base: f64,
+    /// As much higher it is where it is white, in metres; may be negative.
+    pub height: f64,
+}
+
+/// Greatest side of the cells of a random terrain that does not say, in metres. Source: our choice.
+pub const DEFAULT_TERRAIN_CELL: f64 = 0.05;
+
+/// Height of the relief of a random terrain that does not say, in metres. Source: our choice.
+pub const DEFAULT_RELIEF: f64 = 0.1;
+
+/// Length of the longest hills of a random terrain that does not say, in metres. Source: our choice.
+pub const DEFAULT_HILL_LENGTH: f64 = 2.0;
+
+/// The boulders of a random terrain that does not say. Source: our choice.
+pub const DEFAULT_BOULDERS: Boulders = Boulders { count: 40, radius: [0.1, 0.4], height: [0.05, 0.3] };
+
+impl TerrainSpec {
+    /// A terrain that has not been made yet.
+    pub fn new(shape: TerrainShape, span: Span) -> Self {
+        Self { shape, mesh: None, field: None, span }
+    }
+
+    /// The file that it names.
+    pub fn path_mut(&mut self) -> Option<&mut PathRef> {
+        match &mut self.shape {
+            TerrainShape::Mesh { model, .. } => Some(&mut model.path),
+            TerrainShape::Image(image) => Some(&mut image.path),
+            TerrainShape::Relief(_) | TerrainShape::Steps(_) => None,
+        }
+    }
 }

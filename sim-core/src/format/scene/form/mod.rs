@@ -123,7 +123,7 @@ pub(crate) struct WorldForm {
     /// How the floor reflects, and walls that do not say.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) surface: Option<SurfaceForm>,
-    /// A mesh that range sensors see as the ground; robots drive on the plane all the same.
+    /// Ground that is not the plane: sensors and cameras see it, legs walk on it; wheels drive on the plane all the same.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) terrain: Option<TerrainForm>,
     /// Red, green and blue of a floor without an image, 0 to 255.

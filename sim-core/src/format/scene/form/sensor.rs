@@ -19,7 +19,7 @@ pub(crate) struct SurfaceForm {
     pub(crate) specular: Option<Number>,
 }
 
-/// A mesh that range sensors see as the ground.
+/// Ground that is not the plane.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub(crate) enum TerrainForm {
@@ -27,6 +27,146 @@ pub(crate) enum TerrainForm {
     File(String),
     /// A mesh file with its place in the world.
     Placed(PlacedTerrainForm),
+    /// A grey image.
+    Image(ImageTerrainForm),
+    /// A function with a seed.
+    Function(FunctionTerrainForm),
+    /// Stairs and blocks.
+    Steps(StepsTerrainForm),
+}
+
+/// Ground as high as a grey image is bright.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ImageTerrainForm {
+    /// The image file: a grey png of 8 or 16 bits. The middles of its pixels are the corners of the terrain's cells.
+    pub(crate) image: String,
+    /// Place of the lower left corner in mm, and height of black; 0 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) offset_mm: Option<[Number; 3]>,
+    /// Width along x and along y in mm; that of the floor if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) size_mm: Option<[Number; 2]>,
+    /// As much higher than black is white, in mm.
+    pub(crate) height_mm: Number,
+}
+
+/// Ground that is drawn from a seed: a smooth relief, with or without boulders.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct FunctionTerrainForm {
+    /// What is drawn.
+    pub(crate) function: FunctionForm,
+    /// What it is drawn from; 0 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0, max = 9_223_372_036_854_775_807_u64))]
+    pub(crate) seed: Option<u64>,
+    /// Place of the lower left corner in mm, and height of the lowest ground; 0 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) offset_mm: Option<[Number; 3]>,
+    /// Width along x and along y in mm; that of the floor if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) size_mm: Option<[Number; 2]>,
+    /// Greatest side of a cell in mm; 50 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) cell_mm: Option<Number>,
+    /// From the lowest to the highest place of the smooth relief in mm; 100 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) relief_mm: Option<Number>,
+    /// Length of the longest hills in mm; 2000 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) length_mm: Option<Number>,
+    /// Number of boulders; 40 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0, max = 100_000))]
+    pub(crate) boulders: Option<u32>,
+    /// Least and greatest half length of a boulder in mm; 100 and 400 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) radius_mm: Option<[Number; 2]>,
+    /// Least and greatest height of a boulder in mm; 50 and 300 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) height_mm: Option<[Number; 2]>,
+    /// Discs in which the ground is level and low.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub(crate) clear: Vec<DiscForm>,
+}
+
+/// A function of places and a seed.
+#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum FunctionForm {
+    /// A smooth relief.
+    Hills,
+    /// The same with boulders.
+    Boulders,
+}
+
+/// A disc of level ground.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct DiscForm {
+    /// Its middle along x in mm.
+    pub(crate) x_mm: Number,
+    /// Its middle along y in mm.
+    pub(crate) y_mm: Number,
+    /// Its radius in mm.
+    pub(crate) radius_mm: Number,
+}
+
+/// Level ground with stairs and blocks.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct StepsTerrainForm {
+    /// Place of the lower left corner in mm, and height of the ground; 0 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) offset_mm: Option<[Number; 3]>,
+    /// Width along x and along y in mm; that of the floor if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) size_mm: Option<[Number; 2]>,
+    /// Flights of stairs; may be left out beside blocks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) stairs: Option<Vec<StairsForm>>,
+    /// Single blocks.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub(crate) block: Vec<BlockForm>,
+}
+
+/// A flight of stairs.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct StairsForm {
+    /// Middle of the foot of the first step, x and y in mm.
+    pub(crate) from_mm: [Number; 2],
+    /// The way up: 0, 90, 180 or 270 degrees; 0 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) direction_deg: Option<Number>,
+    /// Number of steps.
+    #[schemars(range(min = 1, max = 1000))]
+    pub(crate) count: u32,
+    /// Height of each in mm.
+    pub(crate) step_height_mm: Number,
+    /// Depth of each in mm.
+    pub(crate) step_depth_mm: Number,
+    /// Width across the way in mm.
+    pub(crate) width_mm: Number,
+    /// Depth of the uppermost in mm; that of the others if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) landing_mm: Option<Number>,
+    /// Whether as many steps go down again behind it; no if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) down: Option<bool>,
+}
+
+/// A block with level top and vertical sides.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct BlockForm {
+    /// One corner, x and y in mm.
+    pub(crate) from_mm: [Number; 2],
+    /// The opposite one, x and y in mm.
+    pub(crate) to_mm: [Number; 2],
+    /// Its height above the ground in mm.
+    pub(crate) height_mm: Number,
 }
 
 /// A mesh file with its place in the world.

@@ -1,0 +1,299 @@
+//! Ground as a height over the plane: what rays meet of it as a mesh, and how high it is at a place.
+
+mod clearance;
+#[cfg(test)]
+mod tests;
+
+use glam::{DVec2, DVec3};
+
+use super::{Bounds, Material, Mesh, Triangle};
+
+/// Most cells of a height field: an image of 1025 x 1025 pixels has as many.
+pub const MAX_CELLS: usize = 1 << 20;
+
+/// Bands of height that are told apart by colour.
+const BANDS: usize = 24;
+
+/// Colours from the lowest to the highest ground, red, green, blue. Source: the order of a relief map (green plains, brown
+/// heights, pale tops); our choice.
+const TINTS: [[f32; 3]; 5] =
+    [[0.42, 0.52, 0.36], [0.62, 0.64, 0.42], [0.74, 0.64, 0.44], [0.62, 0.48, 0.36], [0.92, 0.89, 0.84]];
+
+/// A height for each place of a rectangle of the plane, world frame, in metres.
+///
+/// The heights are given at the corners of a rectilinear grid. Each cell is two triangles along the diagonal from its least x
+/// and y to its greatest, so the surface is continuous and has no gap. A coordinate of the grid may come twice: between the two
+/// lies a cell without width, which is an exact vertical step. Beyond the rectangle the ground goes on level from its border as
+/// [`height`](Self::height) tells; rays meet nothing there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightField {
+    xs: Vec<f64>,
+    ys: Vec<f64>,
+    /// Row by row along y, in each along x.
+    heights: Vec<f64>,
+    low: f64,
+    high: f64,
+}
+
+/// Why something is no height field.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FieldError {
+    /// Too few coordinates, or too few different ones.
+    #[error("a terrain has two different places at least along either axis")]
+    Small,
+    /// More than [`MAX_CELLS`].
+    #[error("{0} cells are more than {MAX_CELLS}")]
+    Large(usize),
+    /// Coordinates that fall, or more than two that are equal.
+    #[error("the places along an axis do not rise, or come more than twice")]
+    Order,
+    /// Not one height for each corner.
+    #[error("{0} heights for {1} corners")]
+    Count(usize, usize),
+    /// A coordinate or height is infinite or NaN, or beyond 10^9 m.
+    #[error("a place or height is no number up to 1e9 m")]
+    Number,
+}
+
+impl HeightField {
+    /// The field with the corners `xs` times `ys` and their heights, row by row along y, in each along x.
+    ///
+    /// # Errors
+    /// See [`FieldError`].
+    pub fn new(xs: Vec<f64>, ys: Vec<f64>, heights: Vec<f64>) -> Result<Self, FieldError> {
+        // Written so that NaN fails.
+        let is_number = |value: &f64| value.abs() <= 1e9;
+        if !xs.iter().chain(&ys).chain(&heights).all(is_number) {
+            return Err(FieldError::Number);
+        }
+        for axis in [&xs, &ys] {
+            if axis.len() < 2 || axis[0] == axis[axis.len() - 1] {
+                return Err(FieldError::Small);
+            }
+            let rises = axis.windows(2).all(|pair| pair[0] <= pair[1]);
+            if !rises || axis.windows(3).any(|three| three[0] == three[2]) {
+                return Err(FieldError::Order);
+            }
+        }
+        let cells = (xs.len() - 1).saturating_mul(ys.len() - 1);
+        if cells > MAX_CELLS {
+            return Err(FieldError::Large(cells));
+        }
+        if heights.len() != xs.len() * ys.len() {
+            return Err(FieldError::Count(heights.len(), xs.len() * ys.len()));
+        }
+        let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        Ok(Self { xs, ys, heights, low, high })
+    }
+
+    /// The rectangle that it covers, in metres.
+    pub fn bounds(&self) -> Bounds {
+        let [(left, right), (lower, upper)] = [&self.xs, &self.ys].map(|axis| (axis[0], axis[axis.len() - 1]));
+        Bounds { min: DVec2::new(left, lower), max: DVec2::new(right, upper) }
+    }
+
+    /// Lowest and highest height, in metres.
+    pub fn range(&self) -> (f64, f64) {
+        (self.low, self.high)
+    }
+
+    /// Number of corners along x and along y.
+    pub fn size(&self) -> (usize, usize) {
+        (self.xs.len(), self.ys.len())
+    }
+
+    /// The corner in `column` along x and `row` along y, with its height.
+    ///
+    /// # Panics
+    /// If there is none.
+    pub fn corner(&self, column: usize, row: usize) -> DVec3 {
+        DVec3::new(self.xs[column], self.ys[row], self.at(column, row))
+    }
+
+    /// Height of the ground at a place of the world frame, in metres: at a step that of the upper side, beyond the rectangle that
+    /// of its nearest border. NaN where a coordinate is NaN.
+    pub fn height(&self, x: f64, y: f64) -> f64 {
+        if x.is_nan() || y.is_nan() {
+            return f64::NAN;
+        }
+        let (columns, rows) = (Spots::of(&self.xs, x), Spots::of(&self.ys, y));
+        let mut highest = f64::NEG_INFINITY;
+        for row in rows.iter() {
+            for column in columns.iter() {
+                highest = highest.max(self.interpolate(column, row));
+            }
+        }
+        highest
+    }
+
+    /// Unit normal of the ground at a place, upwards: that of the triangle above or below the place; on an edge that of the one
+    /// with the greater x, then y, at a step that of the upper side. Beyond the rectangle the ground is level across its border.
+    ///
+    /// The normal of NaN is straight up.
+    pub fn normal(&self, x: f64, y: f64) -> DVec3 {
+        if x.is_nan() || y.is_nan() {
+            return DVec3::Z;
+        }
+        let (columns, rows) = (Spots::of(&self.xs, x), Spots::of(&self.ys, y));
+        let mut upper = (f64::NEG_INFINITY, DVec3::Z);
+        for row in rows.iter() {
+            for column in columns.iter() {
+                let height = self.interpolate(column, row);
+                let slope = self.slope(column, row);
+                if height >= upper.0 {
+                    upper = (height, slope);
+                }
+            }
+        }
+        let Bounds { min: low, max: high } = self.bounds();
+        let DVec3 { x: mut a, y: mut b, .. } = upper.1;
+        if x < low.x || x > high.x {
+            a = 0.0;
+        }
+        if y < low.y || y > high.y {
+            b = 0.0;
+        }
+        DVec3::new(-a, -b, 1.0).normalize_or_zero()
+    }
+
+    /// The two triangles of the cell behind `column` along x and `row` along y, counter-clockwise as seen from above; of a step
+    /// they stand upright.
+    ///
+    /// # Panics
+    /// If there is no such cell.
+    pub fn triangles(&self, column: usize, row: usize) -> [[DVec3; 3]; 2] {
+        let corner = |right, up| self.corner(column + right, row + up);
+        let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+        [[a, b, c], [a, c, d]]
+    }
+
+    /// Columns and rows of the cells that touch the rectangle, as two ranges; cells at the border stand for the ground beyond it.
+    pub fn cells(&self, bounds: &Bounds) -> [std::ops::Range<usize>; 2] {
+        let range = |axis: &[f64], low: f64, high: f64| {
+            let last = axis.len() - 2;
+            let first = axis.partition_point(|at| *at < low).saturating_sub(1).min(last);
+            let end = axis.partition_point(|at| *at <= high).clamp(first + 1, last + 1);
+            first..end
+        };
+        [range(&self.xs, bounds.min.x, bounds.max.x), range(&self.ys, bounds.min.y, bounds.max.y)]
+    }
+
+    /// Red, green, blue, 0 to 1, of the ground at a height: as on a relief map, from the field's lowest to its highest place.
+    pub fn tint(&self, height: f64) -> [f32; 3] {
+        let share = if self.high > self.low { (height - self.low) / (self.high - self.low) } else { 0.0 };
+        tint(share.clamp(0.0, 1.0) as f32)
+    }
+
+    /// The surface as a mesh in the world frame: each corner once, two triangles a cell but for those without area. `colour` is
+    /// that of all of it; without one it is coloured by height.
+    pub fn mesh(&self, colour: Option<[u8; 3]>) -> Mesh {
+        let (columns, rows) = self.size();
+        let positions = (0..rows).flat_map(|row| (0..columns).map(move |column| self.corner(column, row))).collect();
+        let mut triangles = Vec::with_capacity(2 * (columns - 1) * (rows - 1));
+        let per_band = if self.high > self.low { BANDS as f64 / (self.high - self.low) } else { 0.0 };
+        for row in 0..rows - 1 {
+            for column in 0..columns - 1 {
+                let corner = |right, up| ((row + up) * columns + column + right) as u32;
+                let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+                let places = self.triangles(column, row);
+                for (corners, place) in [[a, b, c], [a, c, d]].into_iter().zip(places) {
+                    let [p, q, r] = place;
+                    if (q - p).cross(r - p) == DVec3::ZERO {
+                        continue;
+                    }
+                    let middle = (p.z + q.z + r.z) / 3.0;
+                    let band = (((middle - self.low) * per_band) as usize).min(BANDS - 1);
+                    let material = if colour.is_some() { 0 } else { band as u32 };
+                    triangles.push(Triangle { corners, normals: None, uv: None, material });
+                }
+            }
+        }
+        Mesh { positions, triangles, materials: materials(colour) }
+    }
+
+    fn at(&self, column: usize, row: usize) -> f64 {
+        self.heights[row * self.xs.len() + column]
+    }
+
+    /// Heights of the corners of a cell: at its least x and y, then counter-clockwise.
+    fn cell(&self, column: usize, row: usize) -> [f64; 4] {
+        [self.at(column, row), self.at(column + 1, row), self.at(column + 1, row + 1), self.at(column, row + 1)]
+    }
+
+    fn interpolate(&self, (column, right): (usize, f64), (row, up): (usize, f64)) -> f64 {
+        if right == 0.0 && up == 0.0 {
+            return self.at(column, row);
+        }
+        if up == 0.0 {
+            let [a, b] = [self.at(column, row), self.at(column + 1, row)];
+            return a + right * (b - a);
+        }
+        if right == 0.0 {
+            let [a, d] = [self.at(column, row), self.at(column, row + 1)];
+            return a + up * (d - a);
+        }
+        let [a, b, c, d] = self.cell(column, row);
+        if right >= up { a + right * (b - a) + up * (c - b) } else { a + up * (d - a) + right * (c - d) }
+    }
+
+    /// Rise along x and along y of the triangle at a spot; of a cell without width, of the one behind it.
+    fn slope(&self, (column, right): (usize, f64), (row, up): (usize, f64)) -> DVec3 {
+        let inside = |axis: &[f64], cell: usize, part: f64| {
+            let is_wide = cell + 1 < axis.len() && axis[cell + 1] > axis[cell];
+            // The last corner, and the first of two at a step, belong to the cell before.
+            if is_wide { (cell, part) } else { (cell.saturating_sub(1), 1.0) }
+        };
+        let (column, right) = inside(&self.xs, column, right);
+        let (row, up) = inside(&self.ys, row, up);
+        let [a, b, c, d] = self.cell(column, row);
+        let [along_x, along_y] = if right >= up { [b - a, c - b] } else { [c - d, d - a] };
+        let width = self.xs[column + 1] - self.xs[column];
+        let depth = self.ys[row + 1] - self.ys[row];
+        DVec3::new(along_x / width, along_y / depth, 0.0)
+    }
+}
+
+/// Where a coordinate lies on an axis: one place, or the two sides of a step; each as a corner and the part of the cell behind.
+struct Spots {
+    first: (usize, f64),
+    second: Option<(usize, f64)>,
+}
+
+impl Spots {
+    fn of(axis: &[f64], value: f64) -> Self {
+        let value = value.clamp(axis[0], axis[axis.len() - 1]);
+        let next = axis.partition_point(|at| *at < value);
+        if axis[next] == value {
+            let is_step = axis.get(next + 1) == Some(&value);
+            return Self { first: (next, 0.0), second: is_step.then_some((next + 1, 0.0)) };
+        }
+        let [low, high] = [axis[next - 1], axis[next]];
+        Self { first: (next - 1, (value - low) / (high - low)), second: None }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = (usize, f64)> + use<> {
+        std::iter::once(self.first).chain(self.second)
+    }
+}
+
+/// The looks of the bands, or of all.
+fn materials(colour: Option<[u8; 3]>) -> Vec<Material> {
+    if let Some(colour) = colour {
+        let colour = colour.map(|shade| f32::from(shade) / 255.0);
+        return vec![Material { name: "ground".to_owned(), colour, ..Material::default() }];
+    }
+    let band = |band: usize| {
+        let colour = tint(band as f32 / (BANDS - 1) as f32);
+        Material { name: format!("ground{band}"), colour, ..Material::default() }
+    };
+    (0..BANDS).map(band).collect()
+}
+
+/// The colour at a share of the way from the lowest to the highest.
+fn tint(share: f32) -> [f32; 3] {
+    let place = share * (TINTS.len() - 1) as f32;
+    let at = (place as usize).min(TINTS.len() - 2);
+    let part = place - at as f32;
+    [0, 1, 2].map(|shade| TINTS[at][shade] + part * (TINTS[at + 1][shade] - TINTS[at][shade]))
+}

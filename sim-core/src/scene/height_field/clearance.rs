@@ -1,0 +1,197 @@
+//! How far stretches and discs are from the ground.
+
+use glam::{DVec2, DVec3};
+
+use super::HeightField;
+use crate::scene::Bounds;
+use crate::scene::distance::segment_to_triangle;
+
+impl HeightField {
+    /// Distance of the straight piece between two points of the world from the ground, in metres: 0 where they touch, below the
+    /// ground minus the greatest height of the ground above a point of the piece.
+    ///
+    /// Exact up to `within`; where it is farther, any number from there on. Beyond the rectangle the height above the ground
+    /// counts instead of the distance. NaN where a coordinate is NaN.
+    pub fn clearance(&self, ends: [DVec3; 2], within: f64) -> f64 {
+        let gap = self.least_gap(ends);
+        if gap.is_nan() || gap <= 0.0 {
+            return gap;
+        }
+        let mut least = gap.min(within.max(0.0));
+        let [a, b] = ends;
+        let lowest = a.z.min(b.z);
+        let piece = Bounds::of_points([a.truncate(), b.truncate()]);
+        if lowest - self.range().1 >= least || !piece.grown(least).overlaps(&self.bounds()) {
+            return least;
+        }
+        let [columns, rows] = self.cells(&piece.grown(least));
+        for row in rows {
+            for column in columns.clone() {
+                let highest = self.cell(column, row).into_iter().fold(f64::NEG_INFINITY, f64::max);
+                if lowest - highest >= least {
+                    continue;
+                }
+                for triangle in self.triangles(column, row) {
+                    least = least.min(segment_to_triangle(ends, triangle));
+                }
+            }
+        }
+        least
+    }
+
+    /// Least height of a point of the piece above the ground, in metres; negative where it is below.
+    ///
+    /// Both are linear between the lines of the grid and the diagonals, so only those count.
+    fn least_gap(&self, [a, b]: [DVec3; 2]) -> f64 {
+        let along = b - a;
+        let gap = |share: f64| {
+            let place = a + share * along;
+            place.z - self.height(place.x, place.y)
+        };
+        let mut shares = vec![0.0, 1.0];
+        let mut cross = |axis: &[f64], from: f64, way: f64| {
+            let lines = axis.iter().map(|line| (line - from) / way).filter(|share| 0.0 < *share && *share < 1.0);
+            shares.extend(lines);
+        };
+        cross(&self.xs, a.x, along.x);
+        cross(&self.ys, a.y, along.y);
+        shares.sort_by(f64::total_cmp);
+        shares.dedup();
+        let mut least = f64::INFINITY;
+        for pair in shares.windows(2) {
+            least = least.min(gap(pair[0])).min(gap(pair[1]));
+            let middle = (a + 0.5 * (pair[0] + pair[1]) * along).truncate();
+            let [columns, rows] = self.cells(&Bounds { min: middle, max: middle });
+            for (column, row) in columns.flat_map(|column| rows.clone().map(move |row| (column, row))) {
+                // Above the diagonal of the cell positive, below it negative.
+                let low = self.corner(column, row).truncate();
+                let diagonal = self.corner(column + 1, row + 1).truncate() - low;
+                let side = |share: f64| diagonal.perp_dot((a + share * along).truncate() - low);
+                let (before, after) = (side(pair[0]), side(pair[1]));
+                if before * after < 0.0 {
+                    least = least.min(gap(pair[0] + (pair[1] - pair[0]) * before / (before - after)));
+                }
+            }
+        }
+        // NaN is no end of a range.
+        if a.is_nan() || b.is_nan() { f64::NAN } else { least }
+    }
+
+    /// Greatest height of the ground in a disc, in metres, or up to that of the corners of the cells at its border: never too low.
+    pub fn highest_in(&self, centre: DVec2, radius: f64) -> f64 {
+        let mut highest = self.height(centre.x, centre.y);
+        let [columns, rows] = self.cells(&Bounds::of_disc(centre, radius));
+        for row in rows {
+            for column in columns.clone() {
+                let low = self.corner(column, row).truncate();
+                let high = self.corner(column + 1, row + 1).truncate();
+                if centre.clamp(low, high).distance_squared(centre) <= radius * radius {
+                    highest = self.cell(column, row).into_iter().fold(highest, f64::max);
+                }
+            }
+        }
+        highest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::rough;
+    use super::*;
+    use crate::RobotId;
+    use crate::noise::{Purpose, Stream};
+
+    /// The distance by brute force: over all triangles, by many points of the piece.
+    fn brute(field: &HeightField, [a, b]: [DVec3; 2]) -> (f64, f64) {
+        let points: Vec<DVec3> = (0..=4000).map(|step| a + f64::from(step) / 4000.0 * (b - a)).collect();
+        let gap = |point: &DVec3| point.z - field.height(point.x, point.y);
+        let gap = points.iter().map(gap).fold(f64::INFINITY, f64::min);
+        let mesh = field.mesh(None);
+        let least = points.iter().step_by(40).map(|point| {
+            let to = |triangle| point.distance(nearest_on_triangle(*point, mesh.corners(triangle)));
+            mesh.triangles.iter().map(to).fold(f64::INFINITY, f64::min)
+        });
+        (gap, least.fold(f64::INFINITY, f64::min))
+    }
+
+    /// By projections: onto the plane where that lies inside, else onto the sides.
+    fn nearest_on_triangle(point: DVec3, corners: [DVec3; 3]) -> DVec3 {
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a);
+        let foot = point - normal * ((point - a).dot(normal) / normal.length_squared());
+        let inside = [(a, b), (b, c), (c, a)].iter().all(|(p, q)| (*q - *p).cross(foot - *p).dot(normal) >= 0.0);
+        if inside {
+            return foot;
+        }
+        let on_side = |(p, q): (DVec3, DVec3)| {
+            let along = q - p;
+            p + along * ((point - p).dot(along) / along.length_squared().max(1e-300)).clamp(0.0, 1.0)
+        };
+        let sides = [on_side((a, b)), on_side((b, c)), on_side((c, a))];
+        sides.into_iter().min_by(|p, q| p.distance(point).total_cmp(&q.distance(point))).expect("three")
+    }
+
+    #[test]
+    fn clearance_is_that_of_brute_force() {
+        let (mut below, mut above) = (0, 0);
+        for seed in 0..3 {
+            let field = rough(seed);
+            let Bounds { min, max } = field.bounds();
+            let mut stream = Stream::new(seed, RobotId(0), Purpose::Terrain, 97, 0);
+            for _ in 0..60 {
+                let mut point = |low: f64, high: f64| {
+                    let place = DVec2::new(stream.unit(), stream.unit()) * (max - min - 1.4) + min + 0.7;
+                    place.extend(low + (high - low) * stream.unit())
+                };
+                let start = point(0.2, 1.6);
+                let way = point(-0.5, 0.5) - point(-0.5, 0.5);
+                let ends = [start, start + way * (0.6 / way.length())];
+                let (gap, distance) = brute(&field, ends);
+                let clearance = field.clearance(ends, 5.0);
+                if gap <= 0.0 {
+                    below += 1;
+                    // Samples are 0.15 mm apart on slopes of up to some tens; steps are met by one of them.
+                    assert!(clearance <= gap + 1e-12 && clearance > gap - 0.02, "{clearance} against {gap}");
+                } else if clearance > 0.0 {
+                    above += 1;
+                    // Points of the piece that were tried are 15 mm apart: the nearest one is up to 7.5 mm along it.
+                    assert!(
+                        clearance <= distance + 1e-9 && clearance > distance - 7.6e-3,
+                        "{clearance} against {distance}"
+                    );
+                    assert_eq!(field.clearance(ends, 0.5 * clearance), 0.5 * clearance, "no farther than asked");
+                }
+            }
+        }
+        assert!(below > 20 && above > 20, "{below} below, {above} above");
+    }
+
+    #[test]
+    fn clearance_over_a_slope_is_that_at_right_angles() {
+        let slope = HeightField::new(vec![0.0, 3.0], vec![0.0, 4.0], vec![0.0, 3.0, 0.0, 3.0]).expect("a field");
+        let ends = |height: f64| [DVec3::new(1.0, 1.0, 1.0 + height), DVec3::new(2.0, 3.0, 2.0 + height)];
+        assert!((slope.clearance(ends(0.2), 1.0) - 0.2 * std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-12);
+        assert!((slope.clearance(ends(-0.2), 1.0) + 0.2).abs() < 1e-12);
+        assert_eq!(slope.clearance(ends(2.0), 0.1), 0.1);
+        assert!(slope.clearance([DVec3::NAN, DVec3::ZERO], 0.1).is_nan());
+        // Beside it, the height above its border.
+        assert!((slope.clearance([DVec3::new(5.0, 1.0, 3.25), DVec3::new(6.0, 1.0, 4.0)], 1.0) - 0.25).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_highest_place_of_a_disc_is_never_too_low() {
+        let field = rough(5);
+        let Bounds { min, max } = field.bounds();
+        for step in 0..50 {
+            let share = f64::from(step) / 50.0;
+            let centre = min + share * (max - min);
+            let highest = field.highest_in(centre, 0.3);
+            for turn in 0..200 {
+                let (sin, cos) = crate::math::sin_cos(f64::from(turn));
+                let place = centre + 0.3 * f64::from(turn) / 200.0 * DVec2::new(cos, sin);
+                assert!(field.height(place.x, place.y) <= highest);
+            }
+        }
+        assert_eq!(field.highest_in(DVec2::splat(-50.0), 0.1), field.corner(0, 0).z);
+    }
+}

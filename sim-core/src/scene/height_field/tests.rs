@@ -1,0 +1,171 @@
+use super::*;
+use crate::RobotId;
+use crate::noise::{Purpose, Stream};
+use crate::scene::{Block, MeshIndex, Stairs, Steps, Way};
+
+/// A hilly field on an uneven grid, with coordinates that come twice.
+pub(super) fn rough(seed: u64) -> HeightField {
+    let mut stream = Stream::new(seed, RobotId(0), Purpose::Terrain, 99, 0);
+    let mut axis = |low: f64| {
+        let mut at = low;
+        let mut places = vec![at];
+        for _ in 0..20 {
+            at += 0.02 + 0.3 * stream.unit();
+            places.push(at);
+            if stream.unit() < 0.3 {
+                places.push(at);
+            }
+        }
+        at += 0.1;
+        places.push(at);
+        places
+    };
+    let (xs, ys) = (axis(-1.5), axis(0.25));
+    let heights = (0..xs.len() * ys.len()).map(|_| 0.8 * stream.unit() - 0.2).collect();
+    HeightField::new(xs, ys, heights).expect("a field")
+}
+
+fn index(field: &HeightField) -> MeshIndex {
+    let mesh = field.mesh(None);
+    let corners: Vec<_> = mesh.triangles.iter().map(|triangle| mesh.corners(triangle)).collect();
+    MeshIndex::new(&corners)
+}
+
+#[test]
+fn height_and_normal_are_what_a_vertical_ray_meets() {
+    for seed in 0..8 {
+        let field = rough(seed);
+        let (mesh, rays) = (field.mesh(None), index(&field));
+        let mut stream = Stream::new(seed, RobotId(0), Purpose::Terrain, 98, 0);
+        let Bounds { min, max } = field.bounds();
+        for _ in 0..4000 {
+            let [x, y] = [min.x + (max.x - min.x) * stream.unit(), min.y + (max.y - min.y) * stream.unit()];
+            let hit = rays.cast(DVec3::new(x, y, 5.0), DVec3::NEG_Z, 20.0).expect("no gap");
+            // 1 nm on a field of some metres.
+            assert!((5.0 - hit.distance - field.height(x, y)).abs() < 1e-9, "seed {seed} at {x}, {y}");
+            let [a, b, c] = mesh.corners(&mesh.triangles[hit.triangle as usize]);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            assert!(normal.distance(field.normal(x, y)) < 1e-9, "seed {seed} at {x}, {y}: {normal}");
+        }
+    }
+}
+
+#[test]
+fn rays_at_shared_edges_and_corners_slip_through_nowhere() {
+    for seed in 0..4 {
+        let field = rough(seed);
+        let rays = index(&field);
+        let (columns, rows) = field.size();
+        for row in 0..rows {
+            for column in 0..columns {
+                let corner = field.corner(column, row);
+                let right = field.corner((column + 1).min(columns - 1), row);
+                let across = field.corner((column + 1).min(columns - 1), (row + 1).min(rows - 1));
+                for place in [corner, 0.5 * (corner + right), 0.5 * (corner + across)] {
+                    let hit = rays.cast(DVec3::new(place.x, place.y, 3.0), DVec3::NEG_Z, 20.0);
+                    let hit = hit.unwrap_or_else(|| panic!("seed {seed}: a gap at {place}"));
+                    // At a step the ray meets its upper edge, or passes it within rounding.
+                    let height = 3.0 - hit.distance;
+                    assert!(height <= field.height(place.x, place.y) + 1e-9, "seed {seed} at {place}");
+                    for origin in [DVec3::new(-0.7, 1.1, 4.0), DVec3::new(1.3, 2.9, 2.5)] {
+                        let direction = (place - origin).try_normalize().expect("apart");
+                        assert!(rays.cast(origin, direction, 100.0).is_some(), "seed {seed}: a gap at {place}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_step_is_vertical_and_exact() {
+    let block = Block { bounds: Bounds { min: DVec2::new(1.0, 1.0), max: DVec2::new(2.0, 2.0) }, height: 0.3 };
+    let steps = Steps { origin: DVec2::ZERO, size: DVec2::splat(3.0), base: 0.0, stairs: vec![], blocks: vec![block] };
+    let field = steps.field().expect("a field");
+    for (x, height) in [(1.0_f64.next_down(), 0.0), (1.0, 0.3), (2.0, 0.3), (2.0_f64.next_up(), 0.0)] {
+        assert_eq!(field.height(x, 1.5), height, "at {x}");
+        assert_eq!(field.height(1.5, x), height, "at {x}");
+        assert_eq!(field.normal(x, 1.5), DVec3::Z);
+    }
+    let rays = index(&field);
+    for z in [0.001, 0.1, 0.299] {
+        let level = rays.cast(DVec3::new(0.25, 1.5, z), DVec3::X, 10.0).expect("the side of the block");
+        assert!((level.distance - 0.75).abs() < 1e-12, "{level:?}");
+    }
+    assert!(rays.cast(DVec3::new(0.25, 1.5, 0.301), DVec3::X, 10.0).is_none(), "above the block");
+    // Five level pieces with two triangles each make the ground and the top, four sides, and nothing without area.
+    assert_eq!(field.mesh(None).triangles.len(), 2 * 9 + 2 * 4);
+}
+
+#[test]
+fn beyond_its_border_the_ground_goes_on_level() {
+    let heights = vec![0.0, 1.0, 2.0, 3.0];
+    let field = HeightField::new(vec![0.0, 1.0], vec![0.0, 1.0], heights).expect("a field");
+    assert_eq!([field.height(-5.0, 0.0), field.height(9.0, 0.5), field.height(1e300, f64::INFINITY)], [0.0, 2.0, 3.0]);
+    assert!(field.height(f64::NAN, 0.0).is_nan());
+    assert_eq!(field.normal(-5.0, -5.0), DVec3::Z);
+    assert!(field.normal(-5.0, 0.5).distance(DVec3::new(0.0, -2.0, 1.0).normalize_or_zero()) < 1e-15);
+}
+
+#[test]
+fn what_is_no_field_is_an_error() {
+    let with = |xs: &[f64], ys: &[f64], heights: &[f64]| {
+        HeightField::new(xs.to_vec(), ys.to_vec(), heights.to_vec()).expect_err("no field")
+    };
+    let four = [0.0; 4];
+    assert_eq!(with(&[], &[0.0, 1.0], &[]), FieldError::Small);
+    assert_eq!(with(&[1.0], &[0.0, 1.0], &[0.0; 2]), FieldError::Small);
+    assert_eq!(with(&[1.0, 1.0], &[0.0, 1.0], &four), FieldError::Small);
+    assert_eq!(with(&[1.0, 0.0, 2.0], &[0.0, 1.0], &[0.0; 6]), FieldError::Order);
+    assert_eq!(with(&[0.0, 1.0, 1.0, 1.0, 2.0], &[0.0, 1.0], &[0.0; 10]), FieldError::Order);
+    assert_eq!(with(&[0.0, 1.0], &[0.0, 1.0], &[0.0; 3]), FieldError::Count(3, 4));
+    for bad in [f64::NAN, f64::INFINITY, -1e10] {
+        assert_eq!(with(&[0.0, bad], &[0.0, 1.0], &four), FieldError::Number);
+        assert_eq!(with(&[0.0, 1.0], &[0.0, 1.0], &[0.0, 0.0, bad, 0.0]), FieldError::Number);
+    }
+    let many: Vec<f64> = (0..2000).map(f64::from).collect();
+    assert_eq!(with(&many, &many, &[]), FieldError::Large(1999 * 1999));
+}
+
+#[test]
+fn stairs_meet_level_rays_step_by_step() {
+    let stairs = Stairs {
+        from: DVec2::new(1.0, 1.0),
+        way: Way::East,
+        count: 5,
+        rise: 0.1,
+        depth: 0.3,
+        landing: 0.3,
+        width: 1.0,
+        goes_down: false,
+    };
+    let steps =
+        Steps { origin: DVec2::ZERO, size: DVec2::new(4.0, 2.0), base: 0.0, stairs: vec![stairs], blocks: vec![] };
+    let rays = index(&steps.field().expect("a field"));
+    for step in 0..5 {
+        let origin = DVec3::new(0.0, 1.2, 0.1 * f64::from(step) + 0.05);
+        let hit = rays.cast(origin, DVec3::X, 10.0).expect("a riser");
+        assert!((hit.distance - (1.0 + 0.3 * f64::from(step))).abs() < 1e-12, "{step}: {hit:?}");
+    }
+}
+
+#[test]
+fn cells_cover_what_a_rectangle_touches() {
+    let field = rough(2);
+    let bounds = |low: [f64; 2], high: [f64; 2]| Bounds { min: low.into(), max: high.into() };
+    let Bounds { min, max } = field.bounds();
+    let (columns, rows) = field.size();
+    assert_eq!(field.cells(&Bounds { min, max }), [0..columns - 1, 0..rows - 1]);
+    let [outside, _] = field.cells(&bounds([-90.0, -90.0], [-80.0, -80.0]));
+    assert_eq!(outside, 0..1);
+    let [outside, _] = field.cells(&bounds([80.0, 80.0], [90.0, 90.0]));
+    assert_eq!(outside, columns - 2..columns - 1);
+    let place = DVec2::new(0.5 * (min.x + max.x), 0.5 * (min.y + max.y));
+    let [across, along] = field.cells(&bounds(place.to_array(), place.to_array()));
+    assert!(
+        across
+            .clone()
+            .all(|column| { field.corner(column, 0).x <= place.x && place.x <= field.corner(column + 1, 0).x })
+    );
+    assert_eq!((across.len(), along.len()), (1, 1));
+}

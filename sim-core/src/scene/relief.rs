@@ -1,0 +1,342 @@
+//! Terrain that is drawn from a seed: smooth relief with boulders on it.
+
+use std::f64::consts::TAU;
+
+use glam::DVec2;
+
+use super::{FieldError, HeightField};
+use crate::noise::{Purpose, Stream};
+use crate::{RobotId, math};
+
+/// Most boulders of a relief.
+pub const MAX_BOULDERS: u32 = 100_000;
+
+/// Octaves of the relief; each has half the length and half the height of the one before.
+const OCTAVES: u32 = 4;
+
+/// An octave is left out whose length is less than so many cells: the grid could not show it.
+const LEAST_CELLS: f64 = 4.0;
+
+/// Places that are drawn for a boulder before it is left out.
+const TRIES: u32 = 64;
+
+/// Least width of a boulder, against its length.
+const SLIMMEST: f64 = 0.6;
+
+/// Terrain that is drawn from a seed; in metres, world frame.
+///
+/// The relief is gradient noise of up to four octaves, moved and scaled so that it goes from `base` to `base + relief`.
+/// On it lie boulders, domes with elliptical outlines. Whatever is drawn comes from streams keyed by the seed and by what it is
+/// for: more boulders change none of the others, and the bits are the same on every machine.
+///
+/// Source: gradient noise as by Perlin, "Improving noise", SIGGRAPH 2002 (the weights); directions from our keyed streams. The
+/// boulders, and all numbers that are not given, are our choice: Gois and Hiller, section 5, tell of their terrains only that they
+/// are "randomly generated".
+#[derive(Clone, Debug, PartialEq)]
+pub struct Relief {
+    /// What everything is drawn from.
+    pub seed: u64,
+    /// Corner with the least x and y.
+    pub origin: DVec2,
+    /// Width along x and along y; positive.
+    pub size: DVec2,
+    /// Height of the lowest ground.
+    pub base: f64,
+    /// Greatest side of the grid's cells: the sides are divided into the least number of equal cells; positive.
+    pub cell: f64,
+    /// From the lowest to the highest place of the smooth relief; not negative.
+    pub relief: f64,
+    /// Length of the longest hill, about; positive.
+    pub length: f64,
+    /// Boulders on it.
+    pub boulders: Option<Boulders>,
+    /// Discs in which the ground is level at `base`; the relief rises from their borders to twice their radii, and no boulder
+    /// reaches into them.
+    pub clear: Vec<Disc>,
+}
+
+/// Boulders of a [`Relief`]: lengths and heights are drawn evenly between two bounds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Boulders {
+    /// How many; at most [`MAX_BOULDERS`].
+    pub count: u32,
+    /// Least and greatest half length, in metres; half of the width is 0.6 to 1 of it.
+    pub radius: [f64; 2],
+    /// Least and greatest height above the relief around, in metres.
+    pub height: [f64; 2],
+}
+
+/// A disc on the plane, in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disc {
+    /// Its middle, world frame.
+    pub centre: DVec2,
+    /// Its radius; positive.
+    pub radius: f64,
+}
+
+impl Relief {
+    /// The terrain, and how many of its boulders found no place apart from the clear discs.
+    ///
+    /// # Errors
+    /// [`FieldError`] where the size is not positive, or has too many cells.
+    pub fn field(&self) -> Result<(HeightField, u32), FieldError> {
+        let [columns, rows] = self.counts()?;
+        let axis = |low: f64, size: f64, count: usize| -> Vec<f64> {
+            (0..=count).map(|at| low + size * (at as f64 / count as f64)).collect()
+        };
+        let xs = axis(self.origin.x, self.size.x, columns);
+        let ys = axis(self.origin.y, self.size.y, rows);
+        let mut heights = self.smooth(&xs, &ys);
+        let left_out = self.add_boulders(&xs, &ys, &mut heights);
+        heights.iter_mut().for_each(|height| *height += self.base);
+        Ok((HeightField::new(xs, ys, heights)?, left_out))
+    }
+
+    /// Cells along x and along y.
+    fn counts(&self) -> Result<[usize; 2], FieldError> {
+        let counts = self.size.to_array().map(|side| (side / self.cell * (1.0 - 1e-12)).ceil().max(1.0));
+        let cells = counts[0] * counts[1];
+        if !(self.size.min_element() > 0.0 && self.cell > 0.0) {
+            return Err(FieldError::Small);
+        }
+        if cells > super::MAX_CELLS as f64 {
+            return Err(FieldError::Large(cells as usize));
+        }
+        Ok(counts.map(|count| count as usize))
+    }
+
+    /// Heights above the base, without boulders.
+    fn smooth(&self, xs: &[f64], ys: &[f64]) -> Vec<f64> {
+        let mut heights = vec![0.0; xs.len() * ys.len()];
+        if self.relief <= 0.0 {
+            return heights;
+        }
+        let octaves = (0..OCTAVES).map(|octave| (octave, self.length / f64::from(1 << octave)));
+        for (octave, length) in octaves.filter(|(octave, length)| *octave == 0 || *length >= LEAST_CELLS * self.cell) {
+            let amplitude = 1.0 / f64::from(1 << octave);
+            let lattice = Lattice::new(self.seed, octave, self.size / length);
+            let places = ys.iter().flat_map(|y| xs.iter().map(move |x| DVec2::new(*x, *y)));
+            for (height, place) in heights.iter_mut().zip(places) {
+                *height += amplitude * lattice.value((place - self.origin) / length);
+            }
+        }
+        let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let scale = if high > low { self.relief / (high - low) } else { 0.0 };
+        let places = ys.iter().flat_map(|y| xs.iter().map(move |x| DVec2::new(*x, *y)));
+        for (height, place) in heights.iter_mut().zip(places) {
+            *height = ((*height - low) * scale).min(self.relief) * self.clearing(place);
+        }
+        heights
+    }
+
+    /// Share of the relief at a place: 0 in the clear discs, 1 from twice their radius on.
+    fn clearing(&self, place: DVec2) -> f64 {
+        let share = |disc: &Disc| {
+            let part = (place.distance(disc.centre) / disc.radius - 1.0).clamp(0.0, 1.0);
+            part * part * (3.0 - 2.0 * part)
+        };
+        self.clear.iter().map(share).fold(1.0, f64::min)
+    }
+
+    /// Puts the boulders on the ground; how many found no place.
+    fn add_boulders(&self, xs: &[f64], ys: &[f64], heights: &mut [f64]) -> u32 {
+        let Some(boulders) = &self.boulders else { return 0 };
+        let mut domes = vec![0.0_f64; heights.len()];
+        let mut left_out = 0;
+        for number in 0..boulders.count {
+            let Some(boulder) = self.boulder(boulders, number) else {
+                left_out += 1;
+                continue;
+            };
+            let within = |axis: &[f64], middle: f64| {
+                let first = axis.partition_point(|at| *at < middle - boulder.radius);
+                first..axis.partition_point(|at| *at <= middle + boulder.radius)
+            };
+            for row in within(ys, boulder.centre.y) {
+                for column in within(xs, boulder.centre.x) {
+                    let dome = &mut domes[row * xs.len() + column];
+                    *dome = dome.max(boulder.height(DVec2::new(xs[column], ys[row])));
+                }
+            }
+        }
+        heights.iter_mut().zip(&domes).for_each(|(height, dome)| *height += dome);
+        left_out
+    }
+
+    /// A boulder at a place of its own; `None` where none of those drawn for it is free.
+    fn boulder(&self, boulders: &Boulders, number: u32) -> Option<Boulder> {
+        let mut stream = Stream::new(self.seed, RobotId(0), Purpose::Terrain, 0, u64::from(number));
+        let mut between = |low: f64, high: f64| low + (high - low) * stream.unit();
+        let radius = between(boulders.radius[0], boulders.radius[1]);
+        let height = between(boulders.height[0], boulders.height[1]);
+        let aspect = between(SLIMMEST, 1.0);
+        let (sin, cos) = math::sin_cos(between(0.0, TAU));
+        let (low, high) = (self.origin, self.origin + self.size);
+        (0..TRIES).find_map(|_| {
+            let centre = DVec2::new(between(low.x, high.x), between(low.y, high.y));
+            let is_free = self.clear.iter().all(|disc| centre.distance(disc.centre) >= disc.radius + radius);
+            is_free.then_some(Boulder { centre, radius, aspect, along: DVec2::new(cos, sin), top: height })
+        })
+    }
+}
+
+/// A dome with an elliptical outline.
+struct Boulder {
+    centre: DVec2,
+    /// Half of the length.
+    radius: f64,
+    /// Width against length.
+    aspect: f64,
+    /// Direction of its length.
+    along: DVec2,
+    top: f64,
+}
+
+impl Boulder {
+    fn height(&self, place: DVec2) -> f64 {
+        let offset = (place - self.centre) / self.radius;
+        let across = self.along.perp_dot(offset) / self.aspect;
+        let along = self.along.dot(offset);
+        self.top * (1.0 - along * along - across * across).max(0.0)
+    }
+}
+
+/// Gradient noise over a lattice of unit squares.
+struct Lattice {
+    columns: usize,
+    /// Row by row a direction for each point of the lattice.
+    gradients: Vec<DVec2>,
+}
+
+impl Lattice {
+    /// One that covers `size` squares from the origin on; a row's directions come from a stream of its own.
+    fn new(seed: u64, octave: u32, size: DVec2) -> Self {
+        let [columns, rows] = size.to_array().map(|side| side as usize + 2);
+        let mut gradients = Vec::with_capacity(columns * rows);
+        for row in 0..rows {
+            let mut stream = Stream::new(seed, RobotId(0), Purpose::Terrain, octave + 1, row as u64);
+            gradients.extend((0..columns).map(|_| {
+                let (sin, cos) = math::sin_cos(TAU * stream.unit());
+                DVec2::new(cos, sin)
+            }));
+        }
+        Self { columns, gradients }
+    }
+
+    fn value(&self, place: DVec2) -> f64 {
+        let rows = self.gradients.len() / self.columns;
+        let column = (place.x as usize).min(self.columns - 2);
+        let row = (place.y as usize).min(rows - 2);
+        let part = place - DVec2::new(column as f64, row as f64);
+        let corner = |right: usize, up: usize| {
+            let gradient = self.gradients[(row + up) * self.columns + column + right];
+            gradient.dot(part - DVec2::new(right as f64, up as f64))
+        };
+        let weight = part.to_array().map(|t| t * t * t * (t * (t * 6.0 - 15.0) + 10.0));
+        let mix = |a: f64, b: f64, share: f64| a + share * (b - a);
+        mix(mix(corner(0, 0), corner(1, 0), weight[0]), mix(corner(0, 1), corner(1, 1), weight[0]), weight[1])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn relief(seed: u64) -> Relief {
+        let boulders = Boulders { count: 30, radius: [0.2, 0.6], height: [0.1, 0.4] };
+        Relief {
+            seed,
+            origin: DVec2::new(-1.0, 2.0),
+            size: DVec2::new(10.0, 6.0),
+            base: 0.05,
+            cell: 0.1,
+            relief: 0.2,
+            length: 3.0,
+            boulders: Some(boulders),
+            clear: vec![
+                Disc { centre: DVec2::new(0.0, 3.0), radius: 0.8 },
+                Disc { centre: DVec2::new(8.0, 7.0), radius: 0.5 },
+            ],
+        }
+    }
+
+    #[test]
+    fn equal_seeds_give_equal_terrains_and_others_others() {
+        let field = |seed| relief(seed).field().expect("a field").0;
+        assert_eq!(field(0), field(0));
+        assert_ne!(field(0), field(1));
+        assert_ne!(field(i64::MAX as u64), field(i64::MAX as u64 - 1));
+    }
+
+    #[test]
+    fn the_bits_of_a_terrain_stay() {
+        // Of seed 7; on every machine, so written down.
+        let (field, _) = relief(7).field().expect("a field");
+        let mut digest = 0xcbf2_9ce4_8422_2325_u64;
+        for row in 0..field.size().1 {
+            for column in 0..field.size().0 {
+                digest = (digest ^ field.corner(column, row).z.to_bits()).wrapping_mul(0x0100_0000_01b3);
+            }
+        }
+        assert_eq!(format!("{digest:016x}"), "0");
+    }
+
+    #[test]
+    fn relief_has_the_height_and_discs_are_level() {
+        for seed in [0, 1, 7, i64::MAX as u64] {
+            let mut relief = relief(seed);
+            let (field, left_out) = relief.field().expect("a field");
+            assert_eq!(left_out, 0);
+            for disc in &relief.clear {
+                for step in 0..100 {
+                    let (sin, cos) = math::sin_cos(f64::from(step));
+                    // A cell that reaches into the disc may rise.
+                    let radius = (disc.radius - 0.15) * f64::from(step) / 100.0;
+                    let place = disc.centre + radius * DVec2::new(cos, sin);
+                    assert_eq!(field.height(place.x, place.y), 0.05);
+                }
+            }
+            assert!(field.range().1 <= 0.05 + 0.2 + 0.4 && field.range().1 > 0.25, "{:?}", field.range());
+            relief.clear.clear();
+            relief.boulders = None;
+            let (low, high) = relief.field().expect("a field").0.range();
+            assert!((low - 0.05).abs() < 1e-15 && (high - 0.25).abs() < 1e-12, "{low} to {high}");
+        }
+    }
+
+    #[test]
+    fn more_boulders_leave_the_others_where_they_are() {
+        let mut fewer = relief(3);
+        let mut more = relief(3);
+        (fewer.boulders.as_mut().unwrap().count, more.boulders.as_mut().unwrap().count) = (5, 6);
+        let (fewer, more) = (fewer.field().expect("a field").0, more.field().expect("a field").0);
+        let (columns, rows) = fewer.size();
+        let corners = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
+        let changed: Vec<_> = corners.filter(|(c, r)| fewer.corner(*c, *r) != more.corner(*c, *r)).collect();
+        assert!(!changed.is_empty() && changed.iter().all(|(c, r)| more.corner(*c, *r).z > fewer.corner(*c, *r).z));
+        let spread = |of: fn(&(usize, usize)) -> usize| {
+            changed.iter().map(of).max().unwrap() - changed.iter().map(of).min().unwrap()
+        };
+        assert!(spread(|(c, _)| *c) <= 12 && spread(|(_, r)| *r) <= 12, "one boulder, not all: {}", changed.len());
+    }
+
+    #[test]
+    fn boulders_without_a_place_are_counted() {
+        let mut relief = relief(1);
+        relief.clear = vec![Disc { centre: DVec2::new(4.0, 5.0), radius: 20.0 }];
+        let (field, left_out) = relief.field().expect("a field");
+        assert_eq!((left_out, field.range()), (30, (0.05, 0.05)));
+    }
+
+    #[test]
+    fn a_field_without_size_or_with_too_many_cells_is_an_error() {
+        let with = |size: DVec2, cell| Relief { size, cell, ..relief(1) }.field().map(|(field, _)| field.size());
+        assert_eq!(with(DVec2::new(0.0, 1.0), 0.1), Err(FieldError::Small));
+        assert_eq!(with(DVec2::new(f64::NAN, 1.0), 0.1), Err(FieldError::Small));
+        assert_eq!(with(DVec2::new(1000.0, 1000.0), 0.1), Err(FieldError::Large(100_000_000)));
+        assert_eq!(with(DVec2::new(0.01, 0.01), 0.1), Ok((2, 2)));
+        assert_eq!(with(DVec2::new(0.3, 0.7), 0.1), Ok((4, 8)));
+    }
+}

@@ -1,0 +1,200 @@
+//! Ground of level blocks and stairs with exact vertical sides.
+
+use glam::DVec2;
+
+use super::{Bounds, FieldError, HeightField};
+
+/// Most steps of a flight of stairs.
+pub const MAX_STEPS: u32 = 1000;
+
+/// Level ground with blocks and stairs on it; in metres, world frame. Where several stand, the highest counts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Steps {
+    /// Corner with the least x and y.
+    pub origin: DVec2,
+    /// Width along x and along y; positive.
+    pub size: DVec2,
+    /// Height of the ground.
+    pub base: f64,
+    /// Flights of stairs.
+    pub stairs: Vec<Stairs>,
+    /// Single blocks.
+    pub blocks: Vec<Block>,
+}
+
+/// The way that stairs go up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// Towards greater x.
+    East,
+    /// Towards greater y.
+    North,
+    /// Towards lesser x.
+    West,
+    /// Towards lesser y.
+    South,
+}
+
+impl Way {
+    /// All of them, by quarter turns counter-clockwise from x.
+    pub const ALL: [Way; 4] = [Way::East, Way::North, Way::West, Way::South];
+
+    /// The unit vector.
+    fn direction(self) -> DVec2 {
+        match self {
+            Way::East => DVec2::X,
+            Way::North => DVec2::Y,
+            Way::West => DVec2::NEG_X,
+            Way::South => DVec2::NEG_Y,
+        }
+    }
+}
+
+/// A flight of stairs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stairs {
+    /// Middle of the foot of the first step.
+    pub from: DVec2,
+    /// The way up.
+    pub way: Way,
+    /// Number of steps; at most [`MAX_STEPS`].
+    pub count: u32,
+    /// Height of each; positive.
+    pub rise: f64,
+    /// Depth of each but the last; positive.
+    pub depth: f64,
+    /// Depth of the last: the landing; positive.
+    pub landing: f64,
+    /// Width across the way; positive.
+    pub width: f64,
+    /// Whether as many steps go down again behind the landing; else it ends in a vertical side.
+    pub goes_down: bool,
+}
+
+/// A block with level top and vertical sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block {
+    /// What it covers.
+    pub bounds: Bounds,
+    /// Its height above the ground; positive.
+    pub height: f64,
+}
+
+impl Stairs {
+    /// Its steps as blocks that lie on each other: each reaches as far as those on it.
+    pub fn blocks(&self) -> impl Iterator<Item = Block> {
+        let ahead = self.way.direction();
+        let aside = 0.5 * self.width * ahead.perp();
+        let stairs = *self;
+        (0..self.count).map(move |step| {
+            let start = f64::from(step) * stairs.depth;
+            let top = f64::from(stairs.count - 1) * stairs.depth + stairs.landing;
+            let end = top + if stairs.goes_down { top - stairs.landing - start } else { 0.0 };
+            let corners = [stairs.from + start * ahead + aside, stairs.from + end * ahead - aside];
+            Block { bounds: Bounds::of_points(corners), height: f64::from(step + 1) * stairs.rise }
+        })
+    }
+}
+
+impl Steps {
+    /// The terrain: blocks and stairs end at its border.
+    ///
+    /// # Errors
+    /// [`FieldError`] where the size is not positive, or the sides of all blocks make too many cells.
+    pub fn field(&self) -> Result<HeightField, FieldError> {
+        let (low, high) = (self.origin, self.origin + self.size);
+        let blocks: Vec<Block> =
+            self.stairs.iter().flat_map(Stairs::blocks).chain(self.blocks.iter().copied()).collect();
+        let sides = |of: fn(DVec2) -> f64| {
+            let sides = blocks.iter().flat_map(|block| [of(block.bounds.min), of(block.bounds.max)]);
+            let mut sides: Vec<f64> = sides.filter(|side| of(low) < *side && *side < of(high)).collect();
+            sides.sort_by(f64::total_cmp);
+            sides.dedup();
+            let twice = sides.into_iter().flat_map(|side| [side; 2]);
+            std::iter::once(of(low)).chain(twice).chain([of(high)]).collect::<Vec<f64>>()
+        };
+        let (xs, ys) = (sides(|place| place.x), sides(|place| place.y));
+        let corners = xs.len().saturating_mul(ys.len());
+        if corners > 2 * super::MAX_CELLS {
+            return Err(FieldError::Large(corners));
+        }
+        // Corners 2i and 2i + 1 bound the level piece i of an axis.
+        let mut heights = vec![0.0_f64; corners];
+        for block in &blocks {
+            let covered = |axis: &[f64], least: f64, greatest: f64| {
+                let first = (0..axis.len()).step_by(2).find(|at| axis[*at] >= least).unwrap_or(axis.len());
+                let end = (1..axis.len()).step_by(2).filter(|at| axis[*at] <= greatest).last().map_or(0, |at| at + 1);
+                first..end.max(first)
+            };
+            let Bounds { min, max } = block.bounds;
+            for row in covered(&ys, min.y.max(low.y), max.y.min(high.y)) {
+                for column in covered(&xs, min.x.max(low.x), max.x.min(high.x)) {
+                    let height = &mut heights[row * xs.len() + column];
+                    *height = height.max(block.height);
+                }
+            }
+        }
+        heights.iter_mut().for_each(|height| *height += self.base);
+        HeightField::new(xs, ys, heights)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn steps(stairs: Vec<Stairs>, blocks: Vec<Block>) -> HeightField {
+        let steps = Steps { origin: DVec2::ZERO, size: DVec2::new(4.0, 3.0), base: 0.0, stairs, blocks };
+        steps.field().expect("a field")
+    }
+
+    fn stairs(way: Way) -> Stairs {
+        let (from, count) = (DVec2::new(2.0, 1.5), 3);
+        Stairs { from, way, count, rise: 0.125, depth: 0.25, landing: 0.5, width: 1.0, goes_down: false }
+    }
+
+    #[test]
+    fn stairs_go_up_all_four_ways() {
+        for way in Way::ALL {
+            let field = steps(vec![stairs(way)], Vec::new());
+            let at = |ahead: f64, aside: f64| {
+                let place = DVec2::new(2.0, 1.5) + ahead * way.direction() + aside * way.direction().perp();
+                field.height(place.x, place.y)
+            };
+            let expected =
+                [(-0.01, 0.0), (0.0, 0.125), (0.24, 0.125), (0.25, 0.25), (0.5, 0.375), (1.0, 0.375), (1.01, 0.0)];
+            for (ahead, height) in expected {
+                assert_eq!(at(ahead, 0.0), height, "{way:?}, {ahead} m ahead");
+                assert_eq!(at(ahead, 0.5), height, "on the side");
+                assert_eq!(at(ahead, -0.51), 0.0, "beside");
+            }
+        }
+    }
+
+    #[test]
+    fn stairs_may_go_down_again() {
+        let field = steps(vec![Stairs { goes_down: true, landing: 0.25, ..stairs(Way::West) }], Vec::new());
+        let heights: Vec<f64> = (0..8).map(|step| field.height(2.125 - 0.25 * f64::from(step), 1.5)).collect();
+        assert_eq!(heights, [0.0, 0.125, 0.25, 0.375, 0.25, 0.125, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn the_highest_block_counts_and_what_lies_outside_is_cut_off() {
+        let block = |from: [f64; 2], to: [f64; 2], height| Block {
+            bounds: Bounds { min: from.into(), max: to.into() },
+            height,
+        };
+        let blocks = vec![
+            block([1.0, 1.0], [2.0, 2.0], 0.3),
+            block([1.5, 0.5], [3.0, 1.5], 0.1),
+            block([3.5, -1.0], [9.0, 9.0], 0.5),
+            block([7.0, 1.0], [8.0, 2.0], 0.9),
+        ];
+        let field = steps(Vec::new(), blocks);
+        let heights = [(1.2, 1.2, 0.3), (1.7, 1.2, 0.3), (2.5, 1.2, 0.1), (3.7, 0.1, 0.5), (0.5, 0.5, 0.0)];
+        for (x, y, height) in heights {
+            assert_eq!(field.height(x, y), height, "at {x}, {y}");
+        }
+        assert_eq!((field.range(), field.bounds().max), ((0.0, 0.5), DVec2::new(4.0, 3.0)));
+    }
+}

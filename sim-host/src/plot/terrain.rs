@@ -1,0 +1,97 @@
+//! Ground that is not flat, from above: coloured by height, shaded by a light from the upper left, with contours.
+
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+use sim_core::scene::{Bounds, HeightField, Texture};
+
+use super::colour::SHADE;
+use super::drawing::{Backdrop, Drawing, Line, Symbol};
+use super::frame::metres;
+
+/// Pixels of the longer side of its image.
+const PIXELS: f64 = 900.0;
+/// Contours of the ground, about.
+const CONTOURS: f64 = 8.0;
+/// Towards the light: from the upper left, as on relief maps.
+const LIGHT: DVec3 = DVec3::new(-0.5, 0.5, std::f64::consts::FRAC_1_SQRT_2);
+/// Share of the light that comes from everywhere.
+const AMBIENT: f64 = 0.45;
+/// How much darker a contour is than the ground.
+const DARKER: f64 = 0.72;
+
+/// Draws the ground below everything else.
+pub fn draw_terrain(drawing: &mut Drawing, field: &HeightField) {
+    let Bounds { min, max } = field.bounds();
+    drawing.include(min);
+    drawing.include(max);
+    let (low, high) = field.range();
+    let step = contour_step(high - low);
+    drawing.backdrop = image(field, step).map(|image| Backdrop { corners: [min, max], texture: Arc::new(image) });
+    let text = match step {
+        Some(step) => format!("ground {} m to {} m, a contour every {} m", written(low), written(high), written(step)),
+        None => format!("ground {} m", written(low)),
+    };
+    drawing.explain(Symbol::Line(Line::solid(SHADE, 1.0)), text);
+}
+
+fn written(length: f64) -> String {
+    metres(length, 0.001)
+}
+
+/// From one contour to the next: 1, 2 or 5 times a power of ten, in metres; none on level ground.
+fn contour_step(range: f64) -> Option<f64> {
+    let steps = (-3..4).flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * 10.0_f64.powi(power)));
+    steps.into_iter().find(|step| range / step <= CONTOURS).filter(|_| range > 1e-6)
+}
+
+fn image(field: &HeightField, step: Option<f64>) -> Option<Texture> {
+    let Bounds { min, max } = field.bounds();
+    let size = max - min;
+    let per_pixel = size.max_element() / PIXELS;
+    let [width, height] = (size / per_pixel).to_array().map(|pixels| pixels.ceil().max(1.0) as usize);
+    let place = |column: usize, row: usize| {
+        let share = DVec2::new((column as f64 + 0.5) / width as f64, 1.0 - (row as f64 + 0.5) / height as f64);
+        min + share * size
+    };
+    let level = |place: DVec2| step.map_or(0, |step| (field.height(place.x, place.y) / step).floor() as i64);
+    let levels: Vec<i64> =
+        (0..height).flat_map(|row| (0..width).map(move |column| level(place(column, row)))).collect();
+    let pixel = |column: usize, row: usize| {
+        let at = place(column, row);
+        let here = levels[row * width + column];
+        let is_contour = [(column + 1, row), (column, row + 1)]
+            .into_iter()
+            .any(|(column, row)| column < width && row < height && levels[row * width + column] != here);
+        let light = AMBIENT + (1.0 - AMBIENT) * field.normal(at.x, at.y).dot(LIGHT).max(0.0) / LIGHT.z;
+        let share = light * if is_contour { DARKER } else { 1.0 };
+        let [red, green, blue] =
+            field.tint(field.height(at.x, at.y)).map(|shade| (255.0 * f64::from(shade) * share).min(255.0) as u8);
+        [red, green, blue, 255]
+    };
+    let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+    Texture::new(width as u32, height as u32, pixels.map(|(column, row)| pixel(column, row)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contours_are_round_and_few() {
+        assert_eq!(
+            [0.0, 0.004, 0.3, 0.9, 7.0].map(contour_step),
+            [None, Some(0.001), Some(0.05), Some(0.2), Some(1.0)]
+        );
+    }
+
+    #[test]
+    fn the_side_towards_the_light_is_lighter() {
+        let roof = HeightField::new(vec![0.0, 1.0, 2.0], vec![0.0, 1.0], vec![0.0, 0.5, 0.0, 0.0, 0.5, 0.0]);
+        let image = image(&roof.expect("a field"), None).expect("an image");
+        let (width, height) = image.size();
+        assert_eq!((width, height), (900, 450));
+        let [left, right] = [225, 675].map(|column| image.pixel(column, 225)[0]);
+        assert!(left > right + 40, "{left} and {right}");
+    }
+}
