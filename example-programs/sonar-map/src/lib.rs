@@ -1,9 +1,198 @@
 //! Maps a room with seven ultrasonic sensors, by lines between neighbouring readings (Wu et al. 2013).
+//!
+//! Again and again the robot stops and looks at its surroundings, turns by half a sector where it finds a fault and looks again, turns
+//! around and does the same behind, and puts it all into its map. Then it drives to the nearest place from which it can see what it
+//! does not know. It ends when there is none.
+//!
+//! Arguments: least x, least y, greatest x, greatest y of the map, and the size of a cell, all in mm. The frame is that of the start:
+//! x ahead, y to the left. Without arguments: 4 m around, cells of 50 mm.
+//!
+//! It prints `look` with each [`Look`], `stop` for each place, and at the end the map as `row`s, the upper one first: `#` occupied,
+//! `.` free, `?` unknown. The display shows the map.
 
-use robios_api::prelude::*;
+mod plan;
+
+use std::f64::consts::{FRAC_PI_6, PI};
+
+use mapping::grid::{Cell, Frame};
+use mapping::pose::{Point, Pose};
+use mapping::score::Occupancy;
+use mapping::sector::{Fan, Look, Raster, Reading, SectorMap};
+use robios_api::{Drive, Psd, prelude::*};
+
+use plan::Plan;
 
 robios_api::program!(main);
 
-fn main(_robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
+/// The robot `sectors`.
+const FAN: Fan = Fan { sector: FRAC_PI_6, radius: 0.12, nearest: 0.03, farthest: 4.0 };
+/// The sonars, from right to left.
+const SONARS: [PsdAt; 7] = [
+    PsdAt::Other(1),
+    PsdAt::Other(2),
+    PsdAt::Other(3),
+    PsdAt::Other(4),
+    PsdAt::Other(5),
+    PsdAt::Other(6),
+    PsdAt::Other(7),
+];
+/// The one that looks ahead.
+const AHEAD: usize = 3;
+/// A sonar measures every 60 ms: one cycle may have begun before the robot stood still, the next one has not.
+const TWO_CYCLES: Duration = Duration::from_millis(120);
+/// How far it turns at a fault to look again: half a sector.
+const AGAIN: f64 = 0.5 * FAN.sector;
+/// Nearer than this ahead it stops on its way.
+const NEAR: Length = Length::metres(0.06);
+const SPEED: Speed = Speed::metres_per_second(0.3);
+const TURN: TurnRate = TurnRate::radians_per_second(1.5);
+/// Most stops.
+const STOPS: usize = 80;
+
+fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
+    let mut mapper = Mapper {
+        robot,
+        drive: robot.drive()?,
+        sonars: robot.psds(SONARS)?,
+        map: SectorMap::new(frame(robot.arguments())?, FAN, Raster::PointByPoint),
+    };
+    let mut been = Vec::new();
+    while been.len() < STOPS {
+        let here = mapper.observe()?;
+        been.push(here);
+        writeln!(robot.console(), "stop {} {:?} {:?}", been.len(), here.x, here.y);
+        mapper.show();
+        let Some(way) = Plan::new(mapper.map.probabilities()).next(here, &been) else { break };
+        mapper.follow(&way)?;
+    }
+    mapper.print();
     Ok(())
+}
+
+/// The map's cells, from the arguments.
+fn frame(arguments: &[String]) -> Result<Frame, String> {
+    let numbers: Vec<f64> = arguments.iter().filter_map(|argument| argument.parse().ok()).collect();
+    let [x0, y0, x1, y1, cell] = match (arguments.len(), &numbers[..]) {
+        (0, _) => [-4000.0, -4000.0, 4000.0, 4000.0, 50.0],
+        (5, &[x0, y0, x1, y1, cell]) if x1 > x0 && y1 > y0 && cell > 0.0 => [x0, y0, x1, y1, cell],
+        _ => return Err(format!("`{}`: expected X0 Y0 X1 Y1 CELL in mm", arguments.join(" "))),
+    };
+    Ok(Frame::covering(Point::new(x0 / 1e3, y0 / 1e3), Point::new(x1 / 1e3, y1 / 1e3), cell / 1e3))
+}
+
+/// The robot with its map.
+struct Mapper<'r> {
+    robot: &'r Robot,
+    drive: Drive,
+    sonars: [Psd; 7],
+    map: SectorMap,
+}
+
+impl Mapper<'_> {
+    /// Looks all around and puts it into the map; tells where.
+    fn observe(&mut self) -> Result<Point> {
+        let mut readings = self.look_twice()?;
+        self.turn(PI)?;
+        readings.extend(self.look_twice()?);
+        self.map.add(&readings);
+        Ok(self.pose().position)
+    }
+
+    /// Looks ahead, and once more turned by half a sector if there is a fault; the robot stands as before then.
+    fn look_twice(&self) -> Result<Vec<Reading>> {
+        let first = self.look();
+        let mut readings: Vec<Reading> = first.readings(FAN.sector).collect();
+        if first.has_fault(&FAN) {
+            self.turn(AGAIN)?;
+            readings.extend(self.look().readings(FAN.sector));
+            self.turn(-AGAIN)?;
+        }
+        Ok(readings)
+    }
+
+    /// Reads all sonars, and prints it.
+    fn look(&self) -> Look {
+        self.robot.sleep(TWO_CYCLES);
+        let distances = self.sonars.iter().map(|sonar| sonar.distance().map(Length::as_metres)).collect();
+        let look = Look { robot: self.pose(), distances };
+        writeln!(self.robot.console(), "look {look}");
+        look
+    }
+
+    fn pose(&self) -> Pose {
+        let position = self.drive.position();
+        Pose::new(position.x.as_metres(), position.y.as_metres(), position.phi.as_radians())
+    }
+
+    fn turn(&self, angle: f64) -> Result {
+        self.drive.turn(Angle::radians(angle), TURN)?.wait()
+    }
+
+    /// Drives from point to point; stops where something is ahead that the map does not know.
+    fn follow(&self, way: &[Point]) -> Result {
+        for point in way {
+            let pose = self.pose();
+            let to = *point - pose.position;
+            self.turn(mapping::pose::wrapped(mapping::math::atan2(to.y, to.x) - pose.heading))?;
+            self.drive.straight(Length::metres(to.norm()), SPEED)?;
+            while !self.drive.is_done() {
+                if self.sonars[AHEAD].distance().is_some_and(|ahead| ahead < NEAR) || self.drive.is_stalled() {
+                    return self.drive.stop();
+                }
+                self.robot.sleep(Duration::from_millis(20));
+            }
+        }
+        Ok(())
+    }
+
+    fn said(&self, cell: Cell) -> char {
+        match Occupancy::of(self.map.probabilities()[cell]) {
+            Occupancy::Free => '.',
+            Occupancy::Occupied => '#',
+            Occupancy::Unknown => '?',
+        }
+    }
+
+    /// Prints the map.
+    fn print(&self) {
+        let frame = *self.map.probabilities().frame();
+        for row in (0..frame.rows()).rev() {
+            let text: String = (0..frame.columns()).map(|column| self.said(Cell { column, row })).collect();
+            writeln!(self.robot.console(), "row {text}");
+        }
+    }
+
+    /// Shows the map on the display, so many cells a pixel that it fits: occupied black, unknown every other pixel.
+    fn show(&self) {
+        const WIDTH: usize = 128;
+        const HEIGHT: usize = 64;
+        let frame = *self.map.probabilities().frame();
+        let cells = frame.columns().div_ceil(WIDTH).max(frame.rows().div_ceil(HEIGHT));
+        let mut image = [0; WIDTH * HEIGHT / 8];
+        for y in 0..frame.rows() / cells {
+            for x in 0..frame.columns() / cells {
+                let mut said = (0..cells * cells)
+                    .map(|index| self.said(Cell::new(x * cells + index % cells, y * cells + index / cells)));
+                let is_black = said.clone().any(|said| said == '#') || (x + y) % 2 == 0 && said.all(|said| said == '?');
+                let row = HEIGHT - 1 - y;
+                image[(row * WIDTH + x) / 8] |= u8::from(is_black) << (7 - x % 8);
+            }
+        }
+        self.robot.lcd().put_image(&image);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_frame_is_told_in_millimetres() {
+        let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
+        let told = frame(&words("-500 0 1500 1000 100")).expect("a frame");
+        assert_eq!((told.columns(), told.rows(), told.origin()), (20, 10, Point::new(-0.5, 0.0)));
+        assert!(frame(&words("1 2 3")).is_err() && frame(&words("0 0 100 x 50")).is_err());
+        assert!(frame(&words("0 0 -100 100 50")).is_err());
+        assert_eq!(frame(&[]).expect("the default").columns(), 160);
+    }
 }

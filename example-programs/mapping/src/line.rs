@@ -1,0 +1,202 @@
+//! Which cells a straight line passes: three answers.
+//!
+//! - [`supercover`]: all cells that the line touches, exactly;
+//! - [`point_by_point`]: steps along one axis at a time, chosen by the sign of a deviation, as numerically controlled machines do:
+//!   additions of whole numbers alone, so an 8-bit controller does it (Wu et al. 2013, "Local Model Establishment");
+//! - [`dda`]: the digital differential analyser, one step along the longer axis at a time, the other one rounded ("digital
+//!   integration" in the same section).
+//!
+//! The last two go from the middle of a cell to the middle of another one, and differ: point by point makes |dx| + |dy| steps, each
+//! to a cell with a common side, and may be off the line by nearly a cell; DDA makes max(|dx|, |dy|) steps, some of them
+//! diagonal, is never off by more than half a cell, and so passes only cells that the line touches.
+
+use crate::grid::{Cell, Frame};
+use crate::pose::Point;
+
+/// The cells of `frame` whose square, edges and corners among it, has a point of the line from `from` to `to` (in metres), column
+/// by column.
+pub fn supercover(frame: &Frame, from: Point, to: Point) -> Vec<Cell> {
+    let (from, to) = (frame.in_cells(from), frame.in_cells(to));
+    let (left, right) = if from.x <= to.x { (from, to) } else { (to, from) };
+    let height = |x: f64| {
+        let share = if right.x > left.x { ((x - left.x) / (right.x - left.x)).clamp(0.0, 1.0) } else { 0.0 };
+        left.y + share * (right.y - left.y)
+    };
+    // One cell more to each side, since what is on an edge belongs to both cells; then each is looked at exactly.
+    let range = |least: f64, greatest: f64, count: usize| {
+        let bound = |steps: f64| steps.clamp(0.0, count as f64) as usize;
+        bound(least.floor() - 1.0)..bound(greatest.floor() + 2.0)
+    };
+    let mut cells = Vec::new();
+    for column in range(left.x, right.x, frame.columns()) {
+        let (mut low, mut high) = (height(column as f64), height(column as f64 + 1.0));
+        if right.x <= left.x {
+            (low, high) = (left.y, right.y);
+        }
+        let rows = range(low.min(high), low.max(high), frame.rows());
+        cells.extend(rows.map(|row| Cell { column, row }).filter(|cell| touches(*cell, left, right)));
+    }
+    cells
+}
+
+/// Whether the closed square of a cell has a point of a line, in units of cells: no axis parts them.
+fn touches(cell: Cell, from: Point, to: Point) -> bool {
+    let (x, y) = (cell.column as f64, cell.row as f64);
+    let overlaps = |a: f64, b: f64, least: f64| a.max(b) >= least && a.min(b) <= least + 1.0;
+    let along = to - from;
+    let side = |x: f64, y: f64| along.x * (y - from.y) - along.y * (x - from.x);
+    let sides = [side(x, y), side(x + 1.0, y), side(x, y + 1.0), side(x + 1.0, y + 1.0)];
+    overlaps(from.x, to.x, x)
+        && overlaps(from.y, to.y, y)
+        && sides.iter().any(|side| *side >= 0.0)
+        && sides.iter().any(|side| *side <= 0.0)
+}
+
+/// The cells from `from` to `to` by point-by-point comparison, both among them.
+///
+/// Let (x, y) be the steps done along either axis and (X, Y) all that are to do. The deviation F = X y - Y x is above 0 where the last
+/// cell lies to the side of the steps along y: then the next step goes along x, else along y. A deviation of 0 steps along x: our
+/// choice.
+pub fn point_by_point(from: Cell, to: Cell) -> Vec<Cell> {
+    let (all_x, all_y, towards) = steps(from, to);
+    let (mut x, mut y, mut deviation) = (0, 0, 0);
+    let mut cells = vec![from];
+    while x + y < all_x + all_y {
+        if (deviation >= 0 && x < all_x) || y == all_y {
+            x += 1;
+            deviation -= all_y;
+        } else {
+            y += 1;
+            deviation += all_x;
+        }
+        cells.push(towards(x, y));
+    }
+    cells
+}
+
+/// The cells from `from` to `to` by DDA, both among them.
+///
+/// Whole numbers alone: both axes add their number of steps to an accumulator of the larger number's size at every beat, and step
+/// when it overflows. Accumulators begin half full, so the shorter axis is rounded to the nearest cell.
+pub fn dda(from: Cell, to: Cell) -> Vec<Cell> {
+    let (all_x, all_y, towards) = steps(from, to);
+    let beats = all_x.max(all_y);
+    let along = |all: i64, beat: i64| if beats == 0 { 0 } else { (2 * all * beat + beats) / (2 * beats) };
+    (0..=beats).map(|beat| towards(along(all_x, beat), along(all_y, beat))).collect()
+}
+
+/// Steps along x and y between two cells, and the cell after so many of them.
+fn steps(from: Cell, to: Cell) -> (i64, i64, impl Fn(i64, i64) -> Cell) {
+    let towards = move |start: usize, end: usize, steps: i64| {
+        if end >= start { start + steps as usize } else { start - steps as usize }
+    };
+    let all_x = from.column.abs_diff(to.column) as i64;
+    let all_y = from.row.abs_diff(to.row) as i64;
+    (all_x, all_y, move |x, y| Cell::new(towards(from.column, to.column, x), towards(from.row, to.row, y)))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const SIDE: usize = 24;
+
+    fn frame() -> Frame {
+        Frame::new(Point::origin(), 1.0, SIDE, SIDE)
+    }
+
+    /// Whether a line between points in eighths of a cell has a point in a closed square, by cutting it off at the
+    /// square's sides, in whole numbers.
+    fn meets(cell: Cell, from: (i64, i64), to: (i64, i64)) -> bool {
+        // The part of the line that is left: from `first` to `last` of `parts`, as fractions compared crosswise.
+        let (mut first, mut last) = ((0, 1), (1, 1));
+        let less = |a: (i64, i64), b: (i64, i64)| a.0 * b.1 < b.0 * a.1;
+        let low = (cell.column as i64 * 8, cell.row as i64 * 8);
+        for (start, way, low) in [(from.0, to.0 - from.0, low.0), (from.1, to.1 - from.1, low.1)] {
+            for (towards, room) in [(way, low + 8 - start), (-way, start - low)] {
+                // towards * t <= room
+                match towards.signum() {
+                    0 if room < 0 => return false,
+                    1 if less((room, towards), last) => last = (room, towards),
+                    -1 if less(first, (-room, -towards)) => first = (-room, -towards),
+                    _ => {}
+                }
+            }
+        }
+        !less(last, first)
+    }
+
+    fn oracle(from: (i64, i64), to: (i64, i64)) -> Vec<Cell> {
+        let mut cells: Vec<Cell> = frame().cells().filter(|cell| meets(*cell, from, to)).collect();
+        cells.sort();
+        cells
+    }
+
+    fn between_middles(from: Cell, to: Cell) -> Vec<Cell> {
+        let eighths = |cell: Cell| (cell.column as i64 * 8 + 4, cell.row as i64 * 8 + 4);
+        oracle(eighths(from), eighths(to))
+    }
+
+    #[test]
+    fn the_three_differ_where_the_line_is_steep_and_slow() {
+        let cells = |list: &[(usize, usize)]| list.iter().map(|(x, y)| Cell::new(*x, *y)).collect::<Vec<_>>();
+        let (from, to) = (Cell::new(0, 0), Cell::new(4, 1));
+        assert_eq!(point_by_point(from, to), cells(&[(0, 0), (1, 0), (1, 1), (2, 1), (3, 1), (4, 1)]));
+        assert_eq!(dda(from, to), cells(&[(0, 0), (1, 0), (2, 1), (3, 1), (4, 1)]));
+        let touched = supercover(&frame(), frame().centre(from), frame().centre(to));
+        assert_eq!(touched, cells(&[(0, 0), (1, 0), (2, 0), (2, 1), (3, 1), (4, 1)]));
+    }
+
+    #[test]
+    fn a_point_and_a_line_along_an_edge_touch_both_sides() {
+        let count = |from: (f64, f64), to: (f64, f64)| {
+            supercover(&frame(), Point::new(from.0, from.1), Point::new(to.0, to.1)).len()
+        };
+        assert_eq!(count((2.5, 2.5), (2.5, 2.5)), 1);
+        assert_eq!(count((2.0, 2.0), (2.0, 2.0)), 4);
+        assert_eq!(count((2.0, 2.5), (2.0, 3.5)), 4);
+        assert_eq!(count((0.5, 0.5), (1.5, 1.5)), 4);
+        assert_eq!(count((-5.0, 0.5), (-1.0, 0.5)), 0);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(400))]
+        #[test]
+        fn supercover_agrees_with_cutting(from in (-20i64..220, -20i64..220), to in (-20i64..220, -20i64..220)) {
+            let point = |(x, y): (i64, i64)| Point::new(x as f64 / 8.0, y as f64 / 8.0);
+            let mut cells = supercover(&frame(), point(from), point(to));
+            cells.sort();
+            prop_assert_eq!(cells, oracle(from, to));
+        }
+
+        #[test]
+        fn both_ways_stay_at_the_line(ends in (0..SIDE, 0..SIDE, 0..SIDE, 0..SIDE)) {
+            let (from, to) = (Cell::new(ends.0, ends.1), Cell::new(ends.2, ends.3));
+            let (wide, high) = (from.column.abs_diff(to.column), from.row.abs_diff(to.row));
+            let touched = between_middles(from, to);
+            let (by_points, by_dda) = (point_by_point(from, to), dda(from, to));
+            prop_assert_eq!((by_points.len(), by_dda.len()), (wide + high + 1, wide.max(high) + 1));
+            for cells in [&by_points, &by_dda] {
+                prop_assert_eq!((cells[0], cells[cells.len() - 1]), (from, to));
+                for step in cells.windows(2) {
+                    prop_assert!(step[0].column.abs_diff(step[1].column) <= 1 && step[0].row.abs_diff(step[1].row) <= 1);
+                }
+            }
+            for step in by_points.windows(2) {
+                prop_assert_eq!(step[0].column.abs_diff(step[1].column) + step[0].row.abs_diff(step[1].row), 1);
+            }
+            // DDA passes no cell that the line does not; point by point none whose neighbours it does not.
+            prop_assert!(by_dda.iter().all(|cell| touched.contains(cell)));
+            let near = |a: Cell, b: Cell| a.column.abs_diff(b.column) + a.row.abs_diff(b.row) <= 1;
+            prop_assert!(by_points.iter().all(|cell| touched.iter().any(|other| near(*cell, *other))));
+            // Its deviation stays below one step: |F| <= max(X, Y).
+            let (all_x, all_y) = (wide as i64, high as i64);
+            for cell in &by_points {
+                let (x, y) = (cell.column.abs_diff(from.column) as i64, cell.row.abs_diff(from.row) as i64);
+                prop_assert!((all_x * y - all_y * x).abs() <= all_x.max(all_y));
+            }
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Bayesian occupancy: each cell holds the logarithm of its odds of being occupied, and readings are added to it.
+//!
+//! l = ln(p / (1 - p)); independent readings z with the inverse sensor model p(occupied | z) change it by
+//! ln(p(occupied | z) / (1 - p(occupied | z))), with even odds at the start. So what was wrong is corrected by as much evidence as
+//! it was wrong by, at most by [`LIMIT`].
+//!
+//! Source: Elfes 1989; Thrun, Burgard & Fox 2005, sections 4.2 and 9.2. The model of the beam's numbers is our choice.
+
+use crate::grid::{Frame, Grid};
+use crate::math;
+use crate::sonar::{Beam, Echo};
+
+/// Log-odds are cut to this, either way: a probability of 0.999, so that a map can change its mind.
+pub const LIMIT: f64 = 6.9;
+
+/// The log-odds of a probability in (0, 1).
+pub fn log_odds(probability: f64) -> f64 {
+    math::ln(probability / (1.0 - probability))
+}
+
+/// The probability whose log-odds these are.
+pub fn probability(log_odds: f64) -> f64 {
+    1.0 / (1.0 + math::exp(-log_odds))
+}
+
+/// What a reading says of the cells of its beam, in the middle of it; at its edges it says nothing, and between as 1 - (angle /
+/// half angle)^2 of it.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct SonarModel {
+    /// The beam.
+    pub beam: Beam,
+    /// Log-odds of a cell in the arc, above 0.
+    pub arc: f64,
+    /// Log-odds of a cell before the arc, below 0.
+    pub cone: f64,
+    /// Log-odds of a cell within the range of a reading without an echo, at most 0.
+    pub silence: f64,
+}
+
+impl SonarModel {
+    /// Probabilities of 0.7 in the arc and 0.3 before it; silence says nothing, since it may come from a mirror.
+    pub fn new(beam: Beam) -> Self {
+        Self { beam, arc: log_odds(0.7), cone: log_odds(0.3), silence: 0.0 }
+    }
+}
+
+/// A grid of log-odds.
+#[derive(Clone, PartialEq, Debug)]
+pub struct LogOddsGrid {
+    cells: Grid<f64>,
+}
+
+impl LogOddsGrid {
+    /// A grid of which nothing is known.
+    pub fn new(frame: Frame) -> Self {
+        Self { cells: Grid::new(frame, 0.0) }
+    }
+
+    /// The log-odds of each cell.
+    pub fn log_odds(&self) -> &Grid<f64> {
+        &self.cells
+    }
+
+    /// The probability of each cell.
+    pub fn probabilities(&self) -> Grid<f64> {
+        self.cells.map(|log_odds| probability(*log_odds))
+    }
+
+    /// Adds what is known about a cell, as log-odds; a cell beyond the grid is no matter.
+    pub fn add(&mut self, cell: crate::grid::Cell, log_odds: f64) {
+        if let Some(value) = self.cells.get_mut(cell) {
+            *value = (*value + log_odds).clamp(-LIMIT, LIMIT);
+        }
+    }
+
+    /// Puts a reading of a sonar in: the arc is one cell thick.
+    pub fn add_echo(&mut self, echo: Echo, model: &SonarModel) {
+        let frame = *self.cells.frame();
+        let half_cell = 0.5 * frame.cell_size();
+        let reach = echo.distance.map_or(model.beam.farthest, |distance| distance + half_cell);
+        for seen in model.beam.cells(&frame, echo.sonar, reach) {
+            let says = match echo.distance {
+                None => model.silence,
+                Some(distance) if seen.distance > distance - half_cell => model.arc,
+                Some(_) => model.cone,
+            };
+            let off = seen.angle / model.beam.half_angle;
+            self.add(seen.cell, says * (1.0 - off * off));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::Cell;
+    use crate::pose::{Point, Pose};
+
+    #[test]
+    fn independent_readings_multiply_odds() {
+        let mut grid = LogOddsGrid::new(Frame::new(Point::origin(), 1.0, 1, 1));
+        let cell = Cell::new(0, 0);
+        // Bayes by hand: 0.7 and 0.7 of even odds are 0.49 / (0.49 + 0.09).
+        grid.add(cell, log_odds(0.7));
+        grid.add(cell, log_odds(0.7));
+        assert!((grid.probabilities()[cell] - 0.49 / 0.58).abs() < 1e-12);
+        grid.add(cell, 2.0 * log_odds(0.3));
+        assert!((grid.probabilities()[cell] - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_beam_says_most_in_its_middle() {
+        let frame = Frame::new(Point::origin(), 0.1, 30, 20);
+        let model = SonarModel::new(Beam { half_angle: 0.26, nearest: 0.03, farthest: 2.0 });
+        let mut grid = LogOddsGrid::new(frame);
+        grid.add_echo(Echo { sonar: Pose::new(0.05, 1.05, 0.0), distance: Some(1.0) }, &model);
+        let at = |x, y| *grid.log_odds().at(Point::new(x, y)).expect("in the grid");
+        assert!((at(1.05, 1.05) - log_odds(0.7)).abs() < 1e-9 && (at(0.55, 1.05) - log_odds(0.3)).abs() < 1e-9);
+        assert!(at(1.05, 1.25) > 0.0 && at(1.05, 1.25) < 0.5 * at(1.05, 1.05));
+        assert_eq!((at(1.15, 1.05), at(1.05, 1.45)), (0.0, 0.0));
+    }
+}

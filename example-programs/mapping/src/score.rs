@@ -1,0 +1,138 @@
+//! What a map says of a cell, and how often it is right.
+
+use crate::grid::{Cell, Grid};
+
+/// Least probability at which a cell counts as occupied: that of Wu et al. 2013, Eq. 2.
+pub const OCCUPIED: f64 = 0.6;
+
+/// Greatest probability at which a cell counts as free: that of Wu et al. 2013, Eq. 2.
+pub const FREE: f64 = 0.4;
+
+/// What a map says of a cell.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Occupancy {
+    /// Nothing is there.
+    Free,
+    /// Something is there.
+    Occupied,
+    /// The map does not say.
+    Unknown,
+}
+
+impl Occupancy {
+    /// What a probability of being occupied says: at least [`OCCUPIED`], at most [`FREE`], or neither.
+    pub fn of(probability: f64) -> Self {
+        if probability >= OCCUPIED {
+            Self::Occupied
+        } else if probability <= FREE {
+            Self::Free
+        } else {
+            Self::Unknown
+        }
+    }
+}
+
+/// What a cell truly is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Truth {
+    /// Nothing is there, and a robot could be.
+    Free,
+    /// A surface that can be seen from free cells passes it.
+    Surface,
+    /// Behind a surface: within a thing, or beyond the walls.
+    Hidden,
+}
+
+/// How a map compares with the truth.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Score {
+    /// Cells that are said to be free and are, or occupied and are a surface or hidden.
+    pub right: usize,
+    /// Cells that are said to be free or occupied and are not.
+    pub wrong: usize,
+    /// Free cells and surfaces of which the map says nothing.
+    pub unknown: usize,
+    /// Share of the cells said to be occupied that have a surface in themselves or a neighbour; NaN without any.
+    pub precision: f64,
+    /// Share of the surfaces that are said to be occupied, in themselves or a neighbour; NaN without any.
+    pub recall: f64,
+}
+
+impl Score {
+    /// Compares a map with the truth; both have the same frame.
+    ///
+    /// # Panics
+    /// If they have not.
+    pub fn of(map: &Grid<Occupancy>, truth: &Grid<Truth>) -> Self {
+        assert_eq!(map.frame(), truth.frame(), "maps of different frames");
+        let count = |is_counted: fn(Occupancy, Truth) -> bool| {
+            map.values().iter().zip(truth.values()).filter(|(said, is)| is_counted(**said, **is)).count()
+        };
+        let is_right = |said, is| match said {
+            Occupancy::Free => is == Truth::Free,
+            Occupancy::Occupied => is != Truth::Free,
+            Occupancy::Unknown => false,
+        };
+        let right = count(is_right);
+        Self {
+            right,
+            wrong: count(|said, _| said != Occupancy::Unknown) - right,
+            unknown: count(|said, is| said == Occupancy::Unknown && is != Truth::Hidden),
+            precision: share_near(map, Occupancy::Occupied, truth, Truth::Surface),
+            recall: share_near(truth, Truth::Surface, map, Occupancy::Occupied),
+        }
+    }
+
+    /// Share of the cells of which the map says anything that are right.
+    pub fn accuracy(&self) -> f64 {
+        self.right as f64 / (self.right + self.wrong) as f64
+    }
+}
+
+/// The share of the cells with `value` that have `other` in the same cell or a neighbour of the other grid.
+fn share_near<A: PartialEq, B: PartialEq>(grid: &Grid<A>, value: A, others: &Grid<B>, other: B) -> f64 {
+    let cells: Vec<Cell> = grid.iter().filter(|(_, is)| **is == value).map(|(cell, _)| cell).collect();
+    let is_near = |cell: &Cell| {
+        others[*cell] == other || others.frame().neighbours(*cell).any(|neighbour| others[neighbour] == other)
+    };
+    cells.iter().filter(|cell| is_near(cell)).count() as f64 / cells.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::Frame;
+    use crate::pose::Point;
+
+    #[test]
+    fn the_limits_count_as_known() {
+        let said: Vec<Occupancy> = [0.0, 0.4, 0.45, 0.5, 0.6, 1.0].into_iter().map(Occupancy::of).collect();
+        use Occupancy::{Free, Occupied, Unknown};
+        assert_eq!(said, [Free, Free, Unknown, Unknown, Occupied, Occupied]);
+    }
+
+    #[test]
+    fn a_map_is_counted_by_hand() {
+        let frame = Frame::new(Point::origin(), 1.0, 6, 1);
+        let grid = |text: &str| text.chars().collect::<Vec<char>>();
+        let (said, is) = (grid("OO.?.?"), grid("...##x"));
+        let map = Grid::from_fn(frame, |cell| match said[cell.column] {
+            'O' => Occupancy::Occupied,
+            '.' => Occupancy::Free,
+            _ => Occupancy::Unknown,
+        });
+        let truth = Grid::from_fn(frame, |cell| match is[cell.column] {
+            '.' => Truth::Free,
+            '#' => Truth::Surface,
+            _ => Truth::Hidden,
+        });
+        // Two false obstacles, far from the surface; one free cell right, one surface said to be free, one not seen.
+        let score = Score::of(&map, &truth);
+        assert_eq!((score.right, score.wrong, score.unknown), (1, 3, 1));
+        assert_eq!((score.precision, score.recall, score.accuracy()), (0.0, 0.0, 0.25));
+        let shifted =
+            Grid::from_fn(frame, |cell| if cell.column == 2 { Occupancy::Occupied } else { Occupancy::Unknown });
+        let score = Score::of(&shifted, &truth);
+        assert_eq!((score.precision, score.recall), (1.0, 0.5));
+    }
+}

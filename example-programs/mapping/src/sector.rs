@@ -1,0 +1,700 @@
+//! Lines between the readings of neighbouring sonars, put into a grid: the map of Wu et al. 2013.
+//!
+//! Sonars sit on the rim of a round robot, a sector apart, each with a beam as wide as its sector. A reading is an arc on which the
+//! nearest surface of its sector touches somewhere; what the neighbours read says where. A [`Fan`] makes that a [`Model`] of
+//! lines, a [`SectorMap`] puts the models of a stop into a local grid (Eq. 2 and 3) and that into the global one (Eq. 4).
+//!
+//! Source: Wu et al. 2013, "Environmental Modeling Based on Ultrasonic Ranging". What the text prints wrong or leaves out, and
+//! what is done here, stands at each item and in `docs/mapping.md`.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::grid::{Cell, Frame, Grid};
+use crate::line;
+use crate::math;
+use crate::pose::{Point, Pose, direction, wrapped};
+use crate::sonar::polar;
+
+/// Probability of a cell of which nothing is known.
+pub const UNKNOWN: f64 = 0.5;
+
+/// Sonars around a robot. Lengths in metres, angles in radians.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Fan {
+    /// The angle of a sector, and between neighbouring sonars.
+    pub sector: f64,
+    /// The robot's radius, on which the sonars sit.
+    pub radius: f64,
+    /// Least distance that a sonar hears, R_min.
+    pub nearest: f64,
+    /// Greatest distance that a sonar hears, R_max.
+    pub farthest: f64,
+}
+
+/// What the readings of two neighbours are to each other ("Sensor Number and Definitions").
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Relation {
+    /// d_A <= d_B <= d_A / cos a, where a is the angle of a sector: one straight wall may give both. Printed as "d_A cos a", which
+    /// no d_B can be below: a wall whose foot lies at the far edge of A's sector is heard by B at the near edge of its own.
+    Continuous,
+    /// d_A / cos a < d_B <= d_A + 2 r: too far apart for one wall, too near for the robot to pass.
+    Interval,
+    /// d_B > d_A + 2 r: the robot may fit between.
+    Gap,
+    /// One of them hears nothing.
+    Open,
+}
+
+/// Which of the section's cases a sector is ("Modeling Process").
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Case {
+    /// Continuous on both sides, the reading between its neighbours' (Figure 2a): a wall whose foot is in the nearer
+    /// neighbour's sector.
+    WallBeside,
+    /// Continuous on both sides, the least reading (Figure 2b): a wall whose foot is in the sector.
+    WallAhead,
+    /// Continuous on both sides, the greatest reading (Figure 2c): a corner.
+    Corner,
+    /// Continuous on one side alone, with a nearer neighbour there (Figure 3a).
+    FaultBeyond,
+    /// Continuous on one side alone, with a neighbour there that is not nearer (Figure 3b).
+    FaultBefore,
+    /// Continuous on no side (Figure 4).
+    FaultBothSides,
+    /// Nothing heard: free as far as the sonar hears, or a mirror (Eq. 3).
+    Silent,
+}
+
+/// A straight line, in metres.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Line {
+    /// One end.
+    pub from: Point,
+    /// The other end.
+    pub to: Point,
+}
+
+/// What a sector holds.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Model {
+    /// Which case it is.
+    pub case: Case,
+    /// The lines, clockwise to counter-clockwise, in the sector's frame: origin in the robot's middle, x axis through the sonar.
+    pub lines: Vec<Line>,
+}
+
+/// The share of a sector, about its middle, over which the short line of a fault on both sides goes. The paper says "short": our
+/// choice.
+const SHORT: f64 = 0.5;
+
+impl Fan {
+    /// What two neighbouring readings are to each other; `None` is one without an echo.
+    ///
+    /// Distances in metres from the rim, as the sonars measure them; they are compared as seen from the robot's middle, where the
+    /// sectors meet.
+    pub fn relation(&self, a: Option<f64>, b: Option<f64>) -> Relation {
+        let (Some(a), Some(b)) = (a, b) else { return Relation::Open };
+        let (near, far) = (a.min(b) + self.radius, a.max(b) + self.radius);
+        // The limit is a wall's whose foot is at the far edge: rounding must not part it.
+        if far <= near / math::cos(self.sector) * (1.0 + 1e-9) {
+            Relation::Continuous
+        } else if far <= near + 2.0 * self.radius {
+            Relation::Interval
+        } else {
+            Relation::Gap
+        }
+    }
+
+    /// The lines of a sector from its own reading and those of its neighbours to the right and to the left, in metres from the rim.
+    ///
+    /// What the text leaves out, and what is done:
+    /// - equal readings: the neighbour counts as nearer, and its tangent at the sector's edge is at right angles to the edge;
+    /// - open on both sides (a post): as other faults on both sides;
+    /// - a sector at the end of the fan has one neighbour: let the other be `None`, open;
+    /// - how far a line of a one-sided fault goes (`FaultBeyond`): to the middle of the sector, for only its edge is known;
+    ///   (`FaultBefore`): to the tangent's point, which is what echoed.
+    pub fn model(&self, right: Option<f64>, own: Option<f64>, left: Option<f64>) -> Model {
+        let Some(own_distance) = own else { return Model { case: Case::Silent, lines: Vec::new() } };
+        let continuous = |other: Option<f64>| match other {
+            Some(other) if self.relation(own, Some(other)) == Relation::Continuous => Some(other + self.radius),
+            _ => None,
+        };
+        let own = own_distance + self.radius;
+        let (case, lines) = match (continuous(right), continuous(left)) {
+            (Some(right), Some(left)) => self.wall(right, own, left),
+            (Some(right), None) => self.fault(right, own),
+            (None, Some(left)) => {
+                let (case, line) = self.fault(left, own);
+                (case, line.into_iter().map(mirrored).collect())
+            }
+            (None, None) => (Case::FaultBothSides, vec![self.short(own)]),
+        };
+        Model { case, lines }
+    }
+
+    /// Continuous on both sides. All distances from the middle of the robot.
+    fn wall(&self, right: f64, own: f64, left: f64) -> (Case, Vec<Line>) {
+        let half = 0.5 * self.sector;
+        if right <= own && left <= own && (right, left) != (own, own) {
+            let (from_right, from_left) =
+                (Tangent::at_right(self, right, own), Tangent::at_right(self, left, own).mirrored());
+            let corner = from_right.meeting(from_left);
+            let (from, to) = (own * direction(-half), own * direction(half));
+            (Case::Corner, vec![Line { from: from.into(), to: corner }, Line { from: corner, to: to.into() }])
+        } else if right >= own && left >= own {
+            let (from, middle, to) = (right * direction(-half), own * direction(0.0), left * direction(half));
+            let (from, middle, to) = (from.into(), middle.into(), to.into());
+            (Case::WallAhead, vec![Line { from, to: middle }, Line { from: middle, to }])
+        } else if right <= own {
+            let tangent = Tangent::at_right(self, right, own);
+            (Case::WallBeside, vec![tangent.between(-half, half)])
+        } else {
+            let tangent = Tangent::at_right(self, left, own);
+            (Case::WallBeside, vec![mirrored(tangent.between(-half, half))])
+        }
+    }
+
+    /// Continuous to the right alone.
+    fn fault(&self, right: f64, own: f64) -> (Case, Vec<Line>) {
+        let half = 0.5 * self.sector;
+        if right <= own {
+            (Case::FaultBeyond, vec![Tangent::at_right(self, right, own).between(-half, 0.0)])
+        } else {
+            // Through the end of the neighbour's arc at the common edge, touching the sector's own arc within the sector.
+            let normal = -half + math::acos(own / right);
+            let tangent = Tangent { normal, distance: own };
+            (Case::FaultBefore, vec![tangent.between(-half, normal)])
+        }
+    }
+
+    /// The short line of a fault on both sides, touching the arc in its middle.
+    fn short(&self, own: f64) -> Line {
+        let end = 0.5 * SHORT * self.sector;
+        Tangent { normal: 0.0, distance: own }.between(-end, end)
+    }
+
+    /// The probability of the cells of a line, and of the free ones before it, by the reading of their sector (Eq. 2).
+    pub fn probabilities(&self, distance: f64) -> (f64, f64) {
+        let share = ((distance - self.nearest) / (self.farthest - self.nearest)).clamp(0.0, 1.0);
+        ((1.0 - share * share).max(0.6), (share * share).min(0.4))
+    }
+
+    /// The probability of the cells of a sector without an echo (Eq. 3): half of it a mirror's, of which nothing is known (the
+    /// constant S is 0.5: our choice), half of it that of free cells before an echo at R_max.
+    pub fn silent_probability(&self) -> f64 {
+        0.5 * (self.probabilities(self.farthest).1 + UNKNOWN)
+    }
+}
+
+/// A straight line by the direction of its foot from the origin, in radians, and its distance from there.
+#[derive(Clone, Copy, Debug)]
+struct Tangent {
+    normal: f64,
+    distance: f64,
+}
+
+impl Tangent {
+    /// The line that touches the arc of the neighbour to the right and goes through the end of the sector's own arc at
+    /// the common edge ("the reverse extension line of the arc tangent").
+    fn at_right(fan: &Fan, neighbour: f64, own: f64) -> Self {
+        Self { normal: -0.5 * fan.sector - math::acos(neighbour / own), distance: neighbour }
+    }
+
+    fn mirrored(self) -> Self {
+        Self { normal: -self.normal, ..self }
+    }
+
+    /// Its point in a direction.
+    fn point(self, angle: f64) -> Point {
+        Point::from(direction(angle) * (self.distance / math::cos(angle - self.normal)))
+    }
+
+    fn between(self, first: f64, last: f64) -> Line {
+        Line { from: self.point(first), to: self.point(last) }
+    }
+
+    /// Where it meets another line that is not parallel.
+    fn meeting(self, other: Self) -> Point {
+        let (a, b) = (direction(self.normal), direction(other.normal));
+        let determinant = a.x * b.y - a.y * b.x;
+        Point::new(
+            (self.distance * b.y - other.distance * a.y) / determinant,
+            (other.distance * a.x - self.distance * b.x) / determinant,
+        )
+    }
+}
+
+/// The line on the other side of the x axis.
+fn mirrored(line: Line) -> Line {
+    let flipped = |point: Point| Point::new(point.x, -point.y);
+    Line { from: flipped(line.to), to: flipped(line.from) }
+}
+
+impl Line {
+    /// How far from the origin a ray in a direction (radians) meets it, in metres.
+    fn distance_along(&self, angle: f64) -> Option<f64> {
+        let (from, along, ray) = (self.from.coords, self.to - self.from, direction(angle));
+        let cross = |a: crate::pose::Vector, b: crate::pose::Vector| a.x * b.y - a.y * b.x;
+        let (begins, ends) = (math::atan2(self.from.y, self.from.x), math::atan2(self.to.y, self.to.x));
+        (angle >= begins && angle <= ends).then(|| cross(from, along) / cross(ray, along))
+    }
+}
+
+impl Model {
+    /// How far nothing is in a direction from the sector's middle (radians), from the robot's middle: up to the line, or the arc
+    /// where there is none.
+    fn free_distance(&self, own: f64, angle: f64) -> f64 {
+        self.lines.iter().find_map(|line| line.distance_along(angle)).unwrap_or(own)
+    }
+}
+
+/// How lines are put into the grid.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Raster {
+    /// By point-by-point comparison, as the paper does.
+    PointByPoint,
+    /// By DDA, which it names too.
+    Dda,
+}
+
+/// A reading of one sector.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Reading {
+    /// The robot's middle, in the map's frame, turned to the middle of the sector.
+    pub axis: Pose,
+    /// The distance from the rim, in metres; `None` without an echo.
+    pub distance: Option<f64>,
+}
+
+/// What all sonars read at once.
+///
+/// Its text, for a program to print and others to read again to the bit: the robot's x, y and heading, then the distances from right
+/// to left, `-` without an echo; metres and radians.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Look {
+    /// The robot's pose in the map's frame.
+    pub robot: Pose,
+    /// The distances, from right to left; the middle sonar looks ahead.
+    pub distances: Vec<Option<f64>>,
+}
+
+impl Look {
+    /// The readings of its sonars, a sector apart.
+    pub fn readings(&self, sector: f64) -> impl Iterator<Item = Reading> {
+        let middle = 0.5 * (self.distances.len() as f64 - 1.0);
+        self.distances.iter().enumerate().map(move |(index, distance)| {
+            let heading = wrapped(self.robot.heading + (index as f64 - middle) * sector);
+            Reading { axis: Pose { heading, ..self.robot }, distance: *distance }
+        })
+    }
+
+    /// Whether a sector that hears something has a fault on a side: the robot has to turn, to look at it once more.
+    pub fn has_fault(&self, fan: &Fan) -> bool {
+        self.distances
+            .windows(2)
+            .any(|pair| pair != [None, None] && fan.relation(pair[0], pair[1]) != Relation::Continuous)
+    }
+}
+
+impl fmt::Display for Look {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Pose { position, heading } = self.robot;
+        write!(f, "{:?} {:?} {heading:?}", position.x, position.y)?;
+        self.distances.iter().try_for_each(|distance| match distance {
+            Some(distance) => write!(f, " {distance:?}"),
+            None => f.write_str(" -"),
+        })
+    }
+}
+
+/// A text that is no [`Look`].
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("`{0}` is no x, y, heading and distances")]
+pub struct NoLook(String);
+
+impl FromStr for Look {
+    type Err = NoLook;
+
+    fn from_str(text: &str) -> Result<Self, NoLook> {
+        let number = |word: &str| word.parse::<f64>().ok().filter(|number| number.is_finite());
+        let distance = |word: &str| if word == "-" { Some(None) } else { number(word).map(Some) };
+        let mut words = text.split_whitespace();
+        let mut read = || {
+            let mut next = || words.next().and_then(number);
+            let robot = Pose::new(next()?, next()?, next()?);
+            Some(Self { robot, distances: words.by_ref().map(distance).collect::<Option<_>>()? })
+        };
+        read().ok_or_else(|| NoLook(text.to_owned()))
+    }
+}
+
+/// The map of Wu et al.: the global grid of probabilities.
+#[derive(Clone, PartialEq, Debug)]
+pub struct SectorMap {
+    fan: Fan,
+    raster: Raster,
+    cells: Grid<f64>,
+}
+
+impl SectorMap {
+    /// A map of which nothing is known.
+    pub fn new(frame: Frame, fan: Fan, raster: Raster) -> Self {
+        Self { fan, raster, cells: Grid::new(frame, UNKNOWN) }
+    }
+
+    /// The probability of each cell of being occupied.
+    pub fn probabilities(&self) -> &Grid<f64> {
+        &self.cells
+    }
+
+    /// Puts in what was read at one stop, in all directions to which the robot turned there.
+    pub fn add(&mut self, readings: &[Reading]) {
+        let local = local_map(self.cells.frame(), &self.fan, self.raster, readings);
+        for (value, new) in self.cells.values_mut().iter_mut().zip(local.values()) {
+            *value = updated(*value, *new);
+        }
+    }
+}
+
+/// The global probability of a cell after a local one (Eq. 4): whichever is farther from 0.5, the old one if both are equally far.
+///
+/// So what was once said with confidence is never corrected by anything said with less, however often; log-odds
+/// ([`log_odds`](crate::log_odds)) are.
+pub fn updated(old: f64, new: f64) -> f64 {
+    if (new - UNKNOWN).abs() > (old - UNKNOWN).abs() { new } else { old }
+}
+
+/// The grid of one stop: what the models of all sectors say, in the cells of the global frame.
+///
+/// The body's cells are free. Where sectors overlap, as they do when the robot has turned at a fault to look again, a line's cell
+/// is dropped that lies well within another sector and nearer than its arc, since from there it would have been heard; then
+/// occupied goes before free, and the more certain before the less.
+pub fn local_map(frame: &Frame, fan: &Fan, raster: Raster, readings: &[Reading]) -> Grid<f64> {
+    let sectors: Vec<Sector> = readings.iter().map(|reading| Sector::new(fan, reading, readings)).collect();
+    let mut occupied = Grid::new(*frame, UNKNOWN);
+    let mut free = Grid::new(*frame, UNKNOWN);
+    for sector in &sectors {
+        sector.put_free(fan, &mut free);
+        sector.put_lines(fan, raster, &sectors, &mut occupied);
+    }
+    for reading in readings {
+        for cell in frame.disc(reading.axis.position, fan.radius) {
+            (free[cell], occupied[cell]) = (0.0, UNKNOWN);
+        }
+    }
+    Grid::from_fn(*frame, |cell| if occupied[cell] > UNKNOWN { occupied[cell] } else { free[cell] })
+}
+
+/// A reading with its model.
+struct Sector {
+    axis: Pose,
+    distance: Option<f64>,
+    model: Model,
+}
+
+/// How far neighbours may be from a sector apart, as a share of it.
+const TOLERANCE: f64 = 0.2;
+
+/// The share of a sector, about its middle, in which it surely hears.
+const CORE: f64 = 0.8;
+
+impl Sector {
+    fn new(fan: &Fan, reading: &Reading, readings: &[Reading]) -> Self {
+        let neighbour = |angle: f64| {
+            let off = |other: &&Reading| wrapped(other.axis.heading - reading.axis.heading - angle).abs();
+            let nearest = readings.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
+            if off(&nearest) <= TOLERANCE * fan.sector { nearest.distance } else { None }
+        };
+        let model = fan.model(neighbour(-fan.sector), reading.distance, neighbour(fan.sector));
+        Self { axis: reading.axis, distance: reading.distance, model }
+    }
+
+    /// The cells before its lines. From the rim on, though nothing nearer than R_min is heard: an echo from there would have hidden
+    /// this one.
+    fn put_free(&self, fan: &Fan, free: &mut Grid<f64>) {
+        let frame = *free.frame();
+        let (reach, probability) = match self.distance {
+            None => (fan.radius + fan.farthest, fan.silent_probability()),
+            Some(distance) => {
+                let ends = self.model.lines.iter().flat_map(|line| [line.from.coords.norm(), line.to.coords.norm()]);
+                (ends.fold(fan.radius + distance, f64::max), fan.probabilities(distance).1)
+            }
+        };
+        for cell in frame.disc(self.axis.position, reach) {
+            let (distance, angle) = polar(self.axis, frame.centre(cell));
+            let is_before = |own: f64| distance < self.model.free_distance(fan.radius + own, angle);
+            if angle.abs() <= 0.5 * fan.sector && self.distance.is_none_or(is_before) {
+                free[cell] = free[cell].min(probability);
+            }
+        }
+    }
+
+    /// The cells of its lines that no other sector hears through.
+    fn put_lines(&self, fan: &Fan, raster: Raster, sectors: &[Self], occupied: &mut Grid<f64>) {
+        let Some(distance) = self.distance else { return };
+        let frame = *occupied.frame();
+        let (probability, _) = fan.probabilities(distance);
+        for line in &self.model.lines {
+            for cell in cells_of(&frame, raster, self.axis.outward(line.from), self.axis.outward(line.to)) {
+                if !sectors.iter().any(|other| other.hears_through(fan, &frame, cell)) {
+                    occupied[cell] = occupied[cell].max(probability);
+                }
+            }
+        }
+    }
+
+    /// Whether a surface in a cell would have been heard before what was.
+    fn hears_through(&self, fan: &Fan, frame: &Frame, cell: Cell) -> bool {
+        let Some(own) = self.distance else { return false };
+        let (distance, angle) = polar(self.axis, frame.centre(cell));
+        angle.abs() <= 0.5 * CORE * fan.sector && distance + frame.cell_size() < fan.radius + own
+    }
+}
+
+/// The cells of a line; what of it lies beyond the grid is left away.
+fn cells_of(frame: &Frame, raster: Raster, from: Point, to: Point) -> Vec<Cell> {
+    // Whole steps may lead out of the grid and back, so a larger one holds the line.
+    let margin = ((to - from).norm() / frame.cell_size()).ceil() + 2.0;
+    let origin = frame.origin() - crate::pose::Vector::repeat(margin * frame.cell_size());
+    let wide = |cells: usize| cells + 2 * margin as usize;
+    let wider = Frame::new(origin, frame.cell_size(), wide(frame.columns()), wide(frame.rows()));
+    let (Some(from), Some(to)) = (wider.cell_at(from), wider.cell_at(to)) else { return Vec::new() };
+    let cells = match raster {
+        Raster::PointByPoint => line::point_by_point(from, to),
+        Raster::Dda => line::dda(from, to),
+    };
+    let back = -(margin as i64);
+    cells.into_iter().filter_map(|cell| cell.offset(back, back)).filter(|cell| frame.has(*cell)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::log_odds::{LogOddsGrid, log_odds};
+
+    const FAN: Fan = Fan { sector: PI / 6.0, radius: 0.12, nearest: 0.03, farthest: 4.0 };
+    const HALF: f64 = PI / 12.0;
+
+    /// What a sector reads of a straight wall, infinitely long: the nearest point within the sector, as seen from the middle.
+    fn of_wall(sector: f64, foot: f64, distance: f64) -> Option<f64> {
+        let off = (wrapped(foot - sector).abs() - HALF).max(0.0);
+        (off < 0.5 * PI - 1e-6).then(|| distance / math::cos(off) - FAN.radius).filter(|read| *read <= FAN.farthest)
+    }
+
+    fn check_on_wall(lines: &[Line], foot: f64, distance: f64, tolerance: f64) {
+        for line in lines {
+            for point in [line.from, line.to] {
+                let off = point.coords.dot(&direction(foot)) - distance;
+                assert!(off.abs() <= tolerance, "foot at {foot}: {point} is {off} m off");
+            }
+        }
+    }
+
+    #[test]
+    fn kinds_of_neighbours_are_told_apart_at_their_limits() {
+        let check = |a: f64, b: f64, expected| {
+            let (a, b) = (Some(a - FAN.radius), Some(b - FAN.radius));
+            assert_eq!((FAN.relation(a, b), FAN.relation(b, a)), (expected, expected), "{a:?} {b:?}");
+        };
+        let limit = 1.0 / math::cos(FAN.sector);
+        check(1.0, 1.0, Relation::Continuous);
+        check(1.0, limit - 1e-9, Relation::Continuous);
+        check(1.0, limit + 1e-9, Relation::Interval);
+        check(1.0, 1.24 - 1e-9, Relation::Interval);
+        check(1.0, 1.24 + 1e-9, Relation::Gap);
+        // Far away the interval is empty: d / cos a - d is more than 2 r.
+        check(2.0, 2.0 * limit + 1e-9, Relation::Gap);
+        for pair in [(None, Some(1.0)), (Some(1.0), None), (None, None)] {
+            assert_eq!(FAN.relation(pair.0, pair.1), Relation::Open);
+        }
+    }
+
+    #[test]
+    fn as_printed_continuous_would_be_no_pair_at_all() {
+        // d_A <= d_B <= d_A cos a has no d_B; with d_A / cos a all neighbours of a wall's foot fit, up to the limit itself.
+        let a = of_wall(0.0, -HALF, 1.0);
+        let b = of_wall(FAN.sector, -HALF, 1.0);
+        let (a, b) = (a.expect("heard") + FAN.radius, b.expect("heard") + FAN.radius);
+        assert!(a <= b && b > a * math::cos(FAN.sector));
+        assert!((b - a / math::cos(FAN.sector)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_wall_beside_is_found_exactly() {
+        for foot in [-1.4 * HALF, -2.0 * HALF, -2.9 * HALF] {
+            let readings = [-FAN.sector, 0.0, FAN.sector].map(|sector| of_wall(sector, foot, 1.0));
+            let model = FAN.model(readings[0], readings[1], readings[2]);
+            if model.case == Case::WallBeside {
+                check_on_wall(&model.lines, foot, 1.0, 1e-12);
+            } else {
+                // Its far neighbour is no more continuous: half of the line is left.
+                assert_eq!(model.case, Case::FaultBeyond);
+                check_on_wall(&model.lines, foot, 1.0, 1e-12);
+                assert!((model.lines[0].to.y).abs() < 1e-12);
+            }
+            let model = FAN.model(readings[2], readings[1], readings[0]);
+            check_on_wall(&model.lines, -foot, 1.0, 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_wall_ahead_is_found_but_for_the_bulge_of_the_arc() {
+        for foot in [0.0, 0.5 * HALF, -0.9 * HALF] {
+            let readings = [-FAN.sector, 0.0, FAN.sector].map(|sector| of_wall(sector, foot, 1.0));
+            let model = FAN.model(readings[0], readings[1], readings[2]);
+            assert_eq!((model.case, model.lines.len()), (Case::WallAhead, 2));
+            // The ends are on the wall, the middle of the arc before it by 1 - cos(foot).
+            check_on_wall(&model.lines, foot, 1.0, 1.0 - math::cos(foot) + 1e-12);
+            assert!((model.lines[0].from.coords.dot(&direction(foot)) - 1.0).abs() < 1e-12);
+            assert!((model.lines[1].to.coords.dot(&direction(foot)) - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_corner_of_two_walls_is_found_exactly() {
+        // Walls at right angles with feet in the neighbours' sectors, as far that both edges are heard alike.
+        for off in [1.2 * HALF, 2.0 * HALF, 2.9 * HALF] {
+            let own = 1.0 / math::cos(off - HALF) - FAN.radius;
+            let model = FAN.model(Some(1.0 - FAN.radius), Some(own), Some(1.0 - FAN.radius));
+            assert_eq!(model.case, Case::Corner);
+            check_on_wall(&model.lines[..1], -off, 1.0, 1e-12);
+            check_on_wall(&model.lines[1..], off, 1.0, 1e-12);
+            let corner = 1.0 / math::cos(off);
+            assert!((model.lines[0].to - Point::new(corner, 0.0)).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn faults_leave_what_is_known() {
+        let far = Some(2.0);
+        for (right, own, left, case) in [
+            (Some(0.9), Some(0.95), far, Case::FaultBeyond),
+            (Some(0.9), Some(0.95), None, Case::FaultBeyond),
+            (None, Some(0.95), Some(0.9), Case::FaultBeyond),
+            (Some(0.95), Some(0.9), far, Case::FaultBefore),
+            (far, Some(0.9), Some(0.95), Case::FaultBefore),
+            (far, Some(0.9), far, Case::FaultBothSides),
+            (None, Some(0.9), far, Case::FaultBothSides),
+            (None, Some(0.9), None, Case::FaultBothSides),
+            (Some(0.5), Some(0.9), Some(0.5), Case::FaultBothSides),
+            (Some(0.9), None, Some(0.9), Case::Silent),
+        ] {
+            let model = FAN.model(right, own, left);
+            assert_eq!(
+                (model.case, model.lines.len()),
+                (case, usize::from(own.is_some())),
+                "{right:?} {own:?} {left:?}"
+            );
+        }
+        // Figure 3b: from the neighbour's arc at the common edge to where the own arc is touched.
+        let line = FAN.model(Some(0.95), Some(0.9), None).lines[0];
+        let (edge, touched) = (line.from.coords, line.to.coords);
+        assert!((edge.norm() - 1.07).abs() < 1e-12 && (math::atan2(edge.y, edge.x) + HALF).abs() < 1e-12);
+        assert!((touched.norm() - 1.02).abs() < 1e-12 && touched.dot(&(edge - touched)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn probabilities_are_those_of_equations_2_and_3() {
+        let close = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).abs() < 1e-12 && (a.1 - b.1).abs() < 1e-12;
+        assert!(close(FAN.probabilities(0.03), (1.0, 0.0)));
+        assert!(close(FAN.probabilities(0.03 + 3.97 * 0.5), (0.75, 0.25)));
+        assert!(close(FAN.probabilities(0.03 + 3.97 * 0.9), (0.6, 0.4)));
+        assert!(close(FAN.probabilities(4.0), (0.6, 0.4)));
+        assert!((FAN.silent_probability() - 0.45).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_confident_error_stays_under_equation_4_and_goes_with_log_odds() {
+        let (wrong, right) = (0.98, 0.03);
+        let mut by_equation_4 = updated(UNKNOWN, wrong);
+        let cell = Cell::new(0, 0);
+        let mut by_log_odds = LogOddsGrid::new(Frame::new(Point::origin(), 1.0, 1, 1));
+        by_log_odds.add(cell, log_odds(wrong));
+        for _ in 0..1000 {
+            by_equation_4 = updated(by_equation_4, right);
+        }
+        by_log_odds.add(cell, log_odds(right));
+        assert_eq!(by_equation_4, updated(wrong, 1.0 - wrong + 1e-12));
+        assert_eq!(by_equation_4, wrong);
+        by_log_odds.add(cell, log_odds(right));
+        assert!(by_log_odds.probabilities()[cell] < 0.05);
+        // Only what is said with more confidence than the error changes it.
+        assert_eq!(updated(wrong, 0.01), 0.01);
+    }
+
+    /// All sectors of a stop in the middle of a square room of 2 m, as the nearest points of its walls.
+    fn in_a_room(turns: &[f64]) -> Vec<Reading> {
+        let looks = turns.iter().flat_map(|turn| (0..12).map(move |sector| turn + f64::from(sector) * FAN.sector));
+        looks
+            .map(|heading| {
+                let walls = (0..4).filter_map(|wall| of_wall(heading, f64::from(wall) * 0.5 * PI, 1.0));
+                let distance = walls.min_by(f64::total_cmp);
+                Reading { axis: Pose::new(1.05, 1.05, heading), distance }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_room_is_mapped_from_its_middle() {
+        let frame = Frame::new(Point::new(-0.2, -0.2), 0.1, 25, 25);
+        for raster in [Raster::PointByPoint, Raster::Dda] {
+            let mut map = SectorMap::new(frame, FAN, raster);
+            map.add(&in_a_room(&[0.0, HALF]));
+            let mut occupied = 0;
+            for (cell, probability) in map.probabilities().iter() {
+                // Walls at 0.05 and 2.05.
+                let centre = frame.centre(cell);
+                let off = 1.0 - (centre.x - 1.05).abs().max((centre.y - 1.05).abs());
+                occupied += usize::from(*probability >= 0.6);
+                assert!(*probability < 0.6 || off.abs() < 0.15, "{centre} is occupied");
+                assert!(*probability > 0.4 || off > -0.05, "{centre} is free");
+            }
+            assert!(occupied >= 60, "{occupied} of 80 cells of the walls");
+            assert_eq!(map.probabilities().at(Point::new(1.05, 1.05)), Some(&0.0));
+        }
+    }
+
+    #[test]
+    fn looks_are_read_as_they_were_written() {
+        let look = Look { robot: Pose::new(0.1, -2.0, 1.0 / 3.0), distances: vec![Some(0.7), None, Some(1e-3)] };
+        assert_eq!(look.to_string(), "0.1 -2.0 0.3333333333333333 0.7 - 0.001");
+        assert_eq!(look.to_string().parse(), Ok(look.clone()));
+        for text in ["", "1 2", "1 2 x", "1 2 3 4 y", "1 2 NaN"] {
+            assert_eq!(text.parse::<Look>(), Err(NoLook(text.to_owned())));
+        }
+        let headings: Vec<f64> = look.readings(0.5).map(|reading| reading.axis.heading).collect();
+        assert!(headings.iter().zip([-0.5, 0.0, 0.5]).all(|(is, off)| (is - off - 1.0 / 3.0).abs() < 1e-12));
+        assert!(look.has_fault(&FAN) && !Look { distances: vec![Some(1.0), Some(1.1)], ..look }.has_fault(&FAN));
+    }
+
+    #[test]
+    fn lines_that_leave_the_grid_are_cut() {
+        let frame = Frame::new(Point::origin(), 0.1, 5, 5);
+        let cells = cells_of(&frame, Raster::Dda, Point::new(-1.0, 0.25), Point::new(3.0, 0.25));
+        assert_eq!(cells, (0..5).map(|column| Cell::new(column, 2)).collect::<Vec<_>>());
+    }
+
+    proptest! {
+        #[test]
+        fn no_line_comes_nearer_than_what_was_heard(
+            right in prop::option::of(0.05..4.0f64), own in 0.05..4.0f64, left in prop::option::of(0.05..4.0f64),
+        ) {
+            let model = FAN.model(right, Some(own), left);
+            for line in &model.lines {
+                for share in [0.0, 0.25, 0.5, 0.75, 1.0] {
+                    let point = line.from + share * (line.to - line.from);
+                    let angle = math::atan2(point.y, point.x);
+                    prop_assert!(angle.abs() <= HALF + 1e-9);
+                    // Chords to the middle of the arc cut it by less than its bulge.
+                    prop_assert!(point.coords.norm() >= (own + FAN.radius) * math::cos(HALF) - 1e-9, "{:?}", model);
+                    prop_assert!(point.coords.norm() < 2.1 * (own + FAN.radius), "{:?}", model);
+                }
+            }
+        }
+    }
+}
