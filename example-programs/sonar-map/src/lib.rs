@@ -44,6 +44,8 @@ const TWO_CYCLES: Duration = Duration::from_millis(120);
 const AGAIN: f64 = 0.5 * FAN.sector;
 /// Nearer than this ahead it stops on its way.
 const NEAR: Length = Length::metres(0.06);
+/// How far it backs off then.
+const BACK: Length = Length::metres(0.08);
 const SPEED: Speed = Speed::metres_per_second(0.3);
 const TURN: TurnRate = TurnRate::radians_per_second(1.5);
 /// Most stops.
@@ -55,6 +57,7 @@ fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
         drive: robot.drive()?,
         sonars: robot.psds(SONARS)?,
         map: SectorMap::new(frame(robot.arguments())?, FAN, Raster::PointByPoint),
+        bumps: Vec::new(),
     };
     let mut been = Vec::new();
     while been.len() < STOPS {
@@ -62,7 +65,7 @@ fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
         been.push(here);
         writeln!(robot.console(), "stop {} {:?} {:?}", been.len(), here.x, here.y);
         mapper.show();
-        let Some(way) = Plan::new(mapper.map.probabilities()).next(here, &been) else { break };
+        let Some(way) = Plan::new(mapper.map.probabilities(), &mapper.bumps).next(here, &been) else { break };
         mapper.follow(&way)?;
     }
     mapper.print();
@@ -86,6 +89,8 @@ struct Mapper<'r> {
     drive: Drive,
     sonars: [Psd; 7],
     map: SectorMap,
+    /// Where it was stopped by something that the map does not know.
+    bumps: Vec<Point>,
 }
 
 impl Mapper<'_> {
@@ -129,7 +134,7 @@ impl Mapper<'_> {
     }
 
     /// Drives from point to point; stops where something is ahead that the map does not know.
-    fn follow(&self, way: &[Point]) -> Result {
+    fn follow(&mut self, way: &[Point]) -> Result {
         for point in way {
             let pose = self.pose();
             let to = *point - pose.position;
@@ -137,12 +142,19 @@ impl Mapper<'_> {
             self.drive.straight(Length::metres(to.norm()), SPEED)?;
             while !self.drive.is_done() {
                 if self.sonars[AHEAD].distance().is_some_and(|ahead| ahead < NEAR) || self.drive.is_stalled() {
-                    return self.drive.stop();
+                    return self.back_off();
                 }
                 self.robot.sleep(Duration::from_millis(20));
             }
         }
         Ok(())
+    }
+
+    /// Notes what is before the robot, and backs off.
+    fn back_off(&mut self) -> Result {
+        self.drive.stop()?;
+        self.bumps.push(self.pose().outward(Point::new(FAN.radius, 0.0)));
+        self.drive.straight(-BACK, SPEED)?.wait()
     }
 
     fn said(&self, cell: Cell) -> char {

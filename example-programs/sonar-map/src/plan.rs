@@ -32,14 +32,16 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Looks at a map of probabilities.
-    pub fn new(map: &Grid<f64>) -> Self {
+    /// Looks at a map of probabilities, and at the places where the robot has bumped into something.
+    pub fn new(map: &Grid<f64>, bumps: &[Point]) -> Self {
         let frame = *map.frame();
         let said = map.map(|probability| Occupancy::of(*probability));
         let to_occupied = distances(&said, |said| *said == Occupancy::Occupied);
         let to_unheard = distances(map, |probability| (UNHEARD..OCCUPIED).contains(probability));
+        let is_far = |cell: Cell| bumps.iter().all(|bump| (frame.centre(cell) - bump).norm() >= CLEARANCE);
         let room = Grid::from_fn(frame, |cell| {
-            said[cell] == Occupancy::Free && to_occupied[cell] >= CLEARANCE && to_unheard[cell] >= UNHEARD_CLEARANCE
+            let is_clear = to_occupied[cell] >= CLEARANCE && to_unheard[cell] >= UNHEARD_CLEARANCE;
+            said[cell] == Occupancy::Free && is_clear && is_far(cell)
         });
         let is_open = |cell: Cell| said[cell] != Occupancy::Free && (map[cell] - 0.5).abs() < SURE;
         let frontier =
@@ -101,7 +103,7 @@ mod tests {
         let blocked = "..........##........";
         let edge = "..................??";
         let text = [vec![edge; 6], vec![blocked; 4], vec![open; 6]].concat().join(" ");
-        let plan = Plan::new(&map(&text));
+        let plan = Plan::new(&map(&text), &[]);
         let way = plan.next(Point::new(0.35, 1.45), &[]).expect("a way");
         let end = way[way.len() - 1];
         assert!(end.x < 1.7 && end.x > 1.0, "{way:?}");
@@ -114,6 +116,6 @@ mod tests {
     fn a_closed_room_is_done() {
         let (wall, row) = ("############", "#..........#");
         let text = [vec![wall], vec![row; 10], vec![wall]].concat().join(" ");
-        assert_eq!(Plan::new(&map(&text)).next(Point::new(0.6, 0.6), &[]), None);
+        assert_eq!(Plan::new(&map(&text), &[]).next(Point::new(0.6, 0.6), &[]), None);
     }
 }
