@@ -155,7 +155,9 @@ impl Fan {
             (Case::WallAhead, vec![Line { from, to: middle }, Line { from: middle, to }])
         } else {
             // Of neighbours that are the same but for rounding, the tangent is that at the edge.
-            let tangent = Tangent::at_right(self, right.min(left).min(own), own).between(-half, half);
+            let tangent = Tangent::at_right(self, right.min(left).min(own), own);
+            let end = tangent.normal + math::acos(tangent.distance / right.max(left).max(own));
+            let tangent = tangent.between(-half, end.clamp(-half, half));
             (Case::WallBeside, vec![if right < left { tangent } else { mirrored(tangent) }])
         }
     }
@@ -250,7 +252,7 @@ impl Model {
     /// How far nothing is in a direction from the sector's middle (radians), from the robot's middle: up to the line, or the arc
     /// where there is none.
     fn free_distance(&self, own: f64, angle: f64) -> f64 {
-        self.lines.iter().find_map(|line| line.distance_along(angle)).unwrap_or(own)
+        self.lines.iter().find_map(|line| line.distance_along(angle)).map_or(own, |line| line.min(own))
     }
 }
 
