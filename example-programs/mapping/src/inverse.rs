@@ -119,6 +119,9 @@ impl SonarModel {
         let is_upper = side == Side::MostPossible && sonar.axis.z > 0.0;
         let rise = if is_upper { square.sqrt() } else { -square.sqrt() };
         let cosine = (dx * sonar.axis.x + dy * sonar.axis.y + rise * sonar.axis.z) / measured;
+        if cosine <= 0.0 {
+            return None;
+        }
         let membership = self.membership_of_alpha(math::acos(cosine));
         (membership >= self.least).then_some(Shadow { membership, height: sonar.origin.z + rise })
     }

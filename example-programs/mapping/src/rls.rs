@@ -216,6 +216,9 @@ impl Rls {
         let mut weight = weight;
         for j in (0..dyad.len()).rev() {
             let a = dyad[j];
+            if a == 0.0 {
+                continue;
+            }
             let before = self.diagonal[j];
             let after = before + weight * a * a;
             let share = weight * a / after;

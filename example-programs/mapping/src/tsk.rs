@@ -191,7 +191,16 @@ pub fn activations(
 pub struct Tsk {
     partition: Partition,
     settings: Settings,
-    rls: Rls,
+    estimate: Estimate,
+}
+
+/// Parameters of the rules: those of a slot side by side (height, then slopes a cell along x and y).
+#[derive(Clone, Debug)]
+enum Estimate {
+    /// Of all rules in one, as their averages need: n^2 numbers for n parameters.
+    Joint(Rls),
+    /// Slot by slot: equations of single rules tie no two of them together.
+    Apart(Vec<Rls>),
 }
 
 impl Tsk {
@@ -200,20 +209,22 @@ impl Tsk {
     /// # Panics
     /// If a standard deviation is not above 0, or `forgetting` not in (0, 1].
     pub fn new(partition: Partition, settings: Settings) -> Self {
-        let count = partition.columns * partition.rows * settings.order.parameters();
-        let prior = |index| prior(&partition, &settings, index);
-        let (mean, variance): (Vec<f64>, Vec<f64>) = (0..count).map(prior).unzip();
-        Self { partition, settings, rls: Rls::new(&mean, &variance, settings.forgetting) }
+        let (slots, count) = (partition.columns * partition.rows, settings.order.parameters());
+        let rls = |count: usize| {
+            let prior = |index| prior(&partition, &settings, index);
+            let (mean, variance): (Vec<f64>, Vec<f64>) = (0..count).map(prior).unzip();
+            Rls::new(&mean, &variance, settings.forgetting)
+        };
+        let estimate = match settings.fusion {
+            Fusion::Average => Estimate::Joint(rls(slots * count)),
+            Fusion::Cells { .. } => Estimate::Apart(vec![rls(count); slots]),
+        };
+        Self { partition, settings, estimate }
     }
 
     /// The cells.
     pub fn partition(&self) -> &Partition {
         &self.partition
-    }
-
-    /// The parameters of all rules, those of a slot side by side (height, then slopes a cell along x and y), and their covariance.
-    pub fn estimate(&self) -> &Rls {
-        &self.rls
     }
 
     /// Fuses a reading. How many rules it activated.
@@ -230,36 +241,67 @@ impl Tsk {
             activation.height = activation.height.max(self.settings.floor);
         }
         match self.settings.fusion {
-            Fusion::Average => self.take(&activations, 1.0),
+            Fusion::Average => self.take_average(&activations),
             Fusion::Cells { above } => {
                 for activation in &activations {
                     let is_raised = self.output(activation) < activation.height;
-                    self.take(&[*activation], activation.weight * if is_raised { above } else { 1.0 });
+                    self.take_one(activation, activation.weight * if is_raised { above } else { 1.0 });
                 }
             }
         }
         activations.len()
     }
 
-    /// Takes one equation with a weight: the weighted averages of the rules' outputs and of the heights in `activations` are equal but
-    /// for the error of a reading.
+    /// Takes one equation: the weighted averages of the rules' outputs and of the heights in `activations` are equal but for the error of
+    /// a reading. If the rules are estimated one by one, an average is an equation for each of them.
     ///
     /// # Panics
     /// If a number is not finite, or a slot is not one of the partition.
-    pub fn take(&mut self, activations: &[Activation], weight: f64) {
+    pub fn take_average(&mut self, activations: &[Activation]) {
         let total: f64 = activations.iter().map(|activation| activation.weight).sum();
-        if total <= 0.0 || weight <= 0.0 {
+        if total <= 0.0 {
             return;
         }
-        let mut regressor = Vec::with_capacity(activations.len() * self.settings.order.parameters());
+        let count = self.settings.order.parameters();
+        let mut regressor = Vec::with_capacity(activations.len() * count);
         let mut height = 0.0;
         for activation in activations {
             let share = activation.weight / total;
             height += share * activation.height;
-            regressor.extend(self.rule(activation).map(|(index, factor)| (index, share * factor)));
+            let base = activation.slot * count;
+            regressor.extend(self.rule(activation).enumerate().map(|(index, factor)| (base + index, share * factor)));
         }
         let sigma = self.settings.reading_sigma;
-        self.rls.update(&regressor, height, sigma * sigma / weight).expect("finite numbers of rules that are there");
+        match &mut self.estimate {
+            Estimate::Joint(rls) => rls.update(&regressor, height, sigma * sigma).expect("finite numbers of rules"),
+            Estimate::Apart(_) => {
+                activations.iter().for_each(|activation| self.take_one(activation, activation.weight / total))
+            }
+        }
+    }
+
+    /// Takes one equation with a weight: the output of a rule is the height in `activation` but for the error of a reading.
+    ///
+    /// # Panics
+    /// If a number is not finite, or the slot is not one of the partition.
+    pub fn take_one(&mut self, activation: &Activation, weight: f64) {
+        let sigma = self.settings.reading_sigma;
+        let variance = sigma * sigma / weight;
+        let base = activation.slot * self.settings.order.parameters();
+        let (mut regressor, mut count) = ([(0, 0.0); 3], 0);
+        for factor in self.rule(activation) {
+            regressor[count] = (count, factor);
+            count += 1;
+        }
+        let regressor = &mut regressor[..count];
+        let result = match &mut self.estimate {
+            Estimate::Apart(rules) => rules[activation.slot].update(regressor, activation.height, variance),
+            Estimate::Joint(rls) => {
+                regressor.iter_mut().for_each(|(index, _)| *index += base);
+                rls.update(regressor, activation.height, variance)
+            }
+        };
+        result.expect("finite numbers of rules that are there");
     }
 
     /// Estimated height at (x, y), m; `None` outside the partition.
@@ -275,7 +317,11 @@ impl Tsk {
     /// the prior's and falls with what is measured.
     pub fn sigma(&self, x: f64, y: f64) -> Option<f64> {
         let slot = self.partition.slot(self.partition.place(x, y))?;
-        Some(self.rls.variance(slot * self.settings.order.parameters()).sqrt())
+        let variance = match &self.estimate {
+            Estimate::Joint(rls) => rls.variance(slot * self.settings.order.parameters()),
+            Estimate::Apart(rules) => rules[slot].variance(0),
+        };
+        Some(variance.sqrt())
     }
 
     /// Moves the partition so that `low` is its cell with the least x and y. Cells that fall out are forgotten; new ones are as the
@@ -286,25 +332,30 @@ impl Tsk {
         let count = self.settings.order.parameters();
         for place in self.partition.places().filter(|place| before.slot(*place).is_none()) {
             let Some(slot) = self.partition.slot(place) else { continue };
-            for index in slot * count..(slot + 1) * count {
+            for index in 0..count {
                 let (mean, variance) = prior(&self.partition, &self.settings, index);
-                self.rls.reset(index, mean, variance);
+                match &mut self.estimate {
+                    Estimate::Joint(rls) => rls.reset(slot * count + index, mean, variance),
+                    Estimate::Apart(rules) => rules[slot].reset(index, mean, variance),
+                }
             }
         }
     }
 
     /// What the rule of a cell puts out at a point of it.
     fn output(&self, activation: &Activation) -> f64 {
-        self.rule(activation).map(|(index, factor)| self.rls.parameters()[index] * factor).sum()
+        let parameters = match &self.estimate {
+            Estimate::Joint(rls) => &rls.parameters()[activation.slot * self.settings.order.parameters()..],
+            Estimate::Apart(rules) => rules[activation.slot].parameters(),
+        };
+        self.rule(activation).zip(parameters).map(|(factor, parameter)| parameter * factor).sum()
     }
 
-    /// Parameters of a rule and the factors with which they make its output.
-    fn rule(&self, activation: &Activation) -> impl Iterator<Item = (usize, f64)> + use<> {
+    /// The factors with which the parameters of a rule make its output.
+    fn rule(&self, activation: &Activation) -> impl Iterator<Item = f64> + use<> {
         let (x, y) = self.partition.centre(activation.place);
         let (x, y) = ((activation.x - x) / self.partition.cell, (activation.y - y) / self.partition.cell);
-        let count = self.settings.order.parameters();
-        let base = activation.slot * count;
-        [1.0, x, y].into_iter().take(count).enumerate().map(move |(index, factor)| (base + index, factor))
+        [1.0, x, y].into_iter().take(self.settings.order.parameters())
     }
 }
 
@@ -359,7 +410,7 @@ mod tests {
                 for (dx, dy) in [(0.0, 0.0), (0.2, 0.1), (-0.2, 0.15), (0.1, -0.2), (-0.15, -0.1)] {
                     let (x, y) = (cx + dx, cy + dy);
                     let slot = partition().slot(place).unwrap();
-                    tsk.take(&[Activation { place, slot, weight: 0.7, x, y, height: plane(x, y) }], 1.0);
+                    tsk.take_one(&Activation { place, slot, weight: 1.0, x, y, height: plane(x, y) }, 0.7);
                 }
             }
             let (x, y) = (0.45, 2.85);
@@ -380,7 +431,7 @@ mod tests {
             Activation { place, slot: partition().slot(place).unwrap(), weight, x, y, height: 0.4 }
         });
         for _ in 0..3 {
-            tsk.take(&activations, 1.0);
+            tsk.take_average(&activations);
         }
         let heights = cells.map(|(place, weight)| {
             let (x, y) = partition().centre(place);
@@ -405,7 +456,13 @@ mod tests {
 
     #[test]
     fn cells_that_fall_out_are_forgotten_and_the_others_stay() {
-        let mut tsk = Tsk::new(partition(), Settings::default());
+        for fusion in [Fusion::Average, Fusion::Cells { above: 0.1 }] {
+            moved(Settings { fusion, order: Order::One, ..Settings::default() });
+        }
+    }
+
+    fn moved(settings: Settings) {
+        let mut tsk = Tsk::new(partition(), settings);
         for step in 0..10 {
             tsk.fuse(&SonarModel::srf08(), &down(-1.0 + 0.3 * f64::from(step), 2.0), 1.5);
         }
