@@ -1,9 +1,115 @@
 //! Walks over unstructured terrain on four legs, by a local map from sonar (Gois and Hiller).
+//!
+//! Arguments: the goal in the world, x and y in metres. The operator on board sees it and says in which direction it lies, to whole
+//! degrees, and when it is reached: the direction comes from the true pose, for odometry is lost after tens of metres. The map and
+//! all else know odometry, legs and sonars alone.
 
-use robios_api::prelude::*;
+mod body;
+#[cfg(test)]
+mod offline;
+mod operator;
+mod perception;
+mod planner;
+
+use body::{Pose, SONARS};
+use mapping::local_map::LocalMap;
+use mapping::math;
+use nalgebra::{Rotation3, Vector3};
+use planner::{LegState, Planner, Reading};
+use robios_api::robios7::prelude::*;
+use robios_api::robios7::{Leg, LegLink, Legs, TruePose};
 
 robios_api::program!(main);
 
-fn main(_robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
+/// How often it measures and plans: 16 sonars, two or three at a time, need about 65 ms for each echo from 6 m.
+const CYCLE: Duration = Duration::from_millis(250);
+/// The operator stops so near to the goal, m.
+const ARRIVED: f64 = 0.5;
+/// From knee to tip, m; as in the robi.
+const SHANK: f64 = 1.1;
+/// A row of the map is told so often, in cycles.
+const TOLD: u32 = 20;
+
+fn main(robot: &Robot) -> std::result::Result<(), Box<dyn std::error::Error>> {
+    let [goal_x, goal_y] = robot.arguments() else { return Err("usage: alduro GOAL_X GOAL_Y (m)".into()) };
+    let goal: (f64, f64) = (goal_x.parse()?, goal_y.parse()?);
+    let legs = robot.legs()?;
+    let sonars = (1..=SONARS as u8).map(|number| robot.psd(PsdAt::Other(number))).collect::<Result<Vec<_>>>()?;
+    let mut planner = Planner::new(pose(robot, &legs)?.heading);
+    let ticker = robot.ticker(CYCLE);
+    for cycle in 0.. {
+        let pose = pose(robot, &legs)?;
+        let distance = |sonar: &robios_api::robios7::Psd| sonar.distance().map(|distance| distance.as_metres());
+        let readings: Vec<Reading> = sonars
+            .iter()
+            .enumerate()
+            .map(|(sonar, device)| Reading { sonar, pose, distance: distance(device) })
+            .collect();
+        planner.observe(&readings);
+        let (bearing, distance) = seen(&robot.simulation().own_pose(), goal);
+        if distance < ARRIVED {
+            legs.stop()?;
+            writeln!(robot.console(), "arrived after {:.1} s", robot.now().as_secs_f64());
+            return Ok(());
+        }
+        let states = legs.all().map(|leg| state(&legs, leg)).collect::<Result<Vec<_>>>()?;
+        let orders = planner.plan(&pose, pose.heading + bearing, distance, &states);
+        for (leg, correction) in legs.all().zip(&orders.corrections) {
+            legs.correct(leg, correction.x.metres(), correction.y.metres(), correction.z.metres())?;
+        }
+        let (vx, vy) = (orders.velocity.x.metres_per_second(), orders.velocity.y.metres_per_second());
+        legs.set_speed(vx, vy, orders.turn.radians_per_second())?;
+        if cycle % TOLD == 0 {
+            tell(robot, &pose, planner.map());
+        }
+        ticker.wait();
+    }
     Ok(())
+}
+
+/// Where odometry and the legs believe the body to be.
+fn pose(robot: &Robot, legs: &Legs) -> Result<Pose> {
+    let position = robot.drive().position();
+    let lift = legs.height()?.as_metres();
+    Ok(Pose { x: position.x.as_metres(), y: position.y.as_metres(), heading: position.phi.as_radians(), lift })
+}
+
+/// What the operator sees of the goal: its bearing from straight ahead, rad to whole degrees, and its distance, m.
+fn seen(own: &TruePose, (x, y): (f64, f64)) -> (f64, f64) {
+    let (x, y) = (x - own.position.x.as_metres(), y - own.position.y.as_metres());
+    let bearing = math::atan2(y, x) - own.position.phi.as_radians();
+    (bearing.to_degrees().round().to_radians(), math::hypot(x, y))
+}
+
+/// A leg by its encoders.
+fn state(legs: &Legs, leg: Leg) -> Result<LegState> {
+    let link = legs.link(leg, LegLink::Shank)?;
+    let [x, y, z] = [link.x, link.y, link.z].map(Length::as_metres);
+    let [roll, pitch, yaw] = [link.roll, link.pitch, link.yaw].map(Angle::as_radians);
+    let down = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw)
+        * Rotation3::from_axis_angle(&Vector3::y_axis(), -pitch)
+        * Rotation3::from_axis_angle(&Vector3::x_axis(), roll)
+        * Vector3::new(0.0, 0.0, -SHANK);
+    let knee = Vector3::new(x, y, z);
+    Ok(LegState { shank: knee + down / 2.0, tip: knee + down, is_in_the_air: !legs.is_on_ground(leg)? })
+}
+
+/// Prints the map: a line that says where it is, and a line a row from the least y, heights in cm.
+fn tell(robot: &Robot, pose: &Pose, map: &LocalMap) {
+    let partition = map.surface().partition();
+    let (x, y) = partition.centre(partition.low);
+    writeln!(
+        robot.console(),
+        "map {:.3} {:.3} {:.4} {x:.2} {y:.2} {:.2} {}",
+        pose.x,
+        pose.y,
+        pose.heading,
+        partition.cell,
+        partition.columns
+    );
+    let heights: Vec<i64> = map.patches().map(|patch| (patch.z * 100.0).round() as i64).collect();
+    for row in heights.chunks(partition.columns) {
+        let row: Vec<String> = row.iter().map(i64::to_string).collect();
+        writeln!(robot.console(), "row {}", row.join(" "));
+    }
 }

@@ -1,0 +1,114 @@
+//! General perception of a shank (Gois and Hiller, section 5, after Braunstingl): what is around it, as two vectors towards it.
+//!
+//! Eq. 4 and 5 print the length of each p_k without its direction, though sums of them are taken and are to have one: here each
+//! has the unit vector from the shank to the point.
+
+use mapping::local_map::Patch;
+use nalgebra::{Vector2, Vector3};
+
+/// The two fuzzy sets of heights above the ground that the robot stands on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Heights {
+    /// Below the first it is ground, from the second on it is low, m.
+    pub low: (f64, f64),
+    /// Up to the first it is low alone, from the second on high alone, m.
+    pub high: (f64, f64),
+}
+
+impl Heights {
+    /// Membership in the set `high`: a ramp.
+    pub fn high(&self, height: f64) -> f64 {
+        ramp(height, self.high)
+    }
+
+    /// Membership in the set `low`, which a simple step overcomes: a ramp up from the ground, and down where `high` begins.
+    pub fn low(&self, height: f64) -> f64 {
+        ramp(height, self.low) * (1.0 - self.high(height))
+    }
+}
+
+fn ramp(value: f64, (from, to): (f64, f64)) -> f64 {
+    ((value - from) / (to - from)).clamp(0.0, 1.0)
+}
+
+/// P_H of Eq. 4: towards the high points around `shank`, in the plane; its length is that of the nearest, 1 at the shank itself and 0 from
+/// `reach` m on. Points count by their membership in `high` (our choice; it makes a fuzzy rule of the equation).
+pub fn high(shank: Vector2<f64>, reach: f64, points: impl Iterator<Item = (Patch, f64)>) -> Vector2<f64> {
+    let vectors = points.filter_map(|(patch, membership)| {
+        let offset = Vector2::new(patch.x, patch.y) - shank;
+        vector(offset, reach, membership)
+    });
+    combined(vectors, Vector2::zeros())
+}
+
+/// P_L of Eq. 5: towards the low points around the place to which the tip of the shank, at `tip`, goes within the next moment, `ahead` m
+/// from there. The paper takes the points at the distance `reach`, which would leave them all with p_k about 0; ours are those within it.
+pub fn low(
+    tip: Vector3<f64>,
+    ahead: Vector3<f64>,
+    reach: f64,
+    points: impl Iterator<Item = (Patch, f64)>,
+) -> Vector3<f64> {
+    let vectors = points.filter_map(|(patch, membership)| {
+        let offset = Vector3::new(patch.x, patch.y, patch.z) - tip - ahead;
+        vector(offset, reach, membership)
+    });
+    combined(vectors, Vector3::zeros())
+}
+
+type Vector<const N: usize> = nalgebra::SVector<f64, N>;
+
+/// p_k: (l_max - l_k) / l_max along the unit vector to the point; none beyond l_max, and none of a point at the reference itself, which has no
+/// direction.
+fn vector<const N: usize>(offset: Vector<N>, reach: f64, membership: f64) -> Option<Vector<N>> {
+    let length = offset.norm();
+    (length > 0.0 && length < reach && membership > 0.0)
+        .then(|| offset / length * (membership * (reach - length) / reach))
+}
+
+/// The greatest length of all along the direction of their sum; zero where there is none.
+fn combined<const N: usize>(vectors: impl Iterator<Item = Vector<N>>, none: Vector<N>) -> Vector<N> {
+    let (sum, greatest) = vectors.fold((none, 0.0f64), |(sum, greatest), p| (sum + p, greatest.max(p.norm())));
+    let length = sum.norm();
+    if length > 0.0 { sum * (greatest / length) } else { none }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn patch(x: f64, y: f64, z: f64) -> Patch {
+        Patch { x, y, z, sigma: 0.1 }
+    }
+
+    #[test]
+    fn high_points_pull_by_the_nearest_in_the_direction_of_all() {
+        let at = |points: &[(f64, f64)]| {
+            high(Vector2::new(1.0, 0.0), 2.0, points.iter().map(|(x, y)| (patch(*x, *y, 1.0), 1.0)))
+        };
+        assert_eq!(at(&[]), Vector2::zeros());
+        assert_eq!(at(&[(4.0, 0.0)]), Vector2::zeros());
+        assert_eq!(at(&[(1.5, 0.0)]), Vector2::new(0.75, 0.0));
+        // Two alike to both sides ahead: straight ahead, as long as each.
+        let both = at(&[(1.6, 0.8), (1.6, -0.8)]);
+        assert!((both - Vector2::new(0.5, 0.0)).norm() < 1e-12, "{both}");
+        assert_eq!(at(&[(1.0, 0.0)]), Vector2::zeros(), "the point itself has no direction");
+    }
+
+    #[test]
+    fn low_points_are_looked_at_from_where_the_foot_goes() {
+        let tip = Vector3::new(0.0, 0.0, 0.3);
+        let point = |x| [(patch(x, 0.0, 0.3), 1.0)].into_iter();
+        assert_eq!(low(tip, Vector3::zeros(), 0.5, point(0.6)), Vector3::zeros());
+        let near = low(tip, Vector3::new(0.2, 0.0, 0.0), 0.5, point(0.6));
+        assert!((near - Vector3::new(0.2, 0.0, 0.0)).norm() < 1e-12, "{near}");
+    }
+
+    #[test]
+    fn what_is_not_low_is_ground_or_high() {
+        let heights = Heights { low: (0.1, 0.2), high: (0.4, 0.6) };
+        assert_eq!((heights.low(0.05), heights.low(0.3), heights.low(0.7)), (0.0, 1.0, 0.0));
+        assert_eq!((heights.high(0.3), heights.high(0.7)), (0.0, 1.0));
+        assert!((heights.high(0.5) - 0.5).abs() < 1e-12 && (heights.low(0.5) - 0.5).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,170 @@
+//! The reactive planner (Gois and Hiller, section 5): readings into the local map, from it what each shank perceives, from that corrections of
+//! the steps, and what is too much for a leg goes over to the body.
+
+use mapping::inverse::SonarModel;
+use mapping::local_map::{LocalMap, Patch};
+use mapping::tsk::{Fusion, Order, Settings};
+use nalgebra::{Vector2, Vector3};
+
+use crate::body::{self, Pose};
+use crate::operator::{Obstacle, Operator, View, wrapped};
+use crate::perception::{self, Heights};
+
+/// Side of a cell of the local map, m.
+const CELL: f64 = 0.5;
+/// How far the map reaches to every side, m: as far as the sonars.
+const REACH: f64 = 7.0;
+/// What a step overcomes and what not, m.
+const HEIGHTS: Heights = Heights { low: (0.08, 0.2), high: (0.4, 0.6) };
+/// A point whose membership in `high` is as much stops the operator.
+const BLOCKS: f64 = 0.5;
+/// l_max of Eq. 4, m from a shank.
+const HIGH_REACH: f64 = 1.6;
+/// l_max of Eq. 5, m from the tip of a leg.
+const LOW_REACH: f64 = 1.0;
+/// The moment ahead of Eq. 5, s.
+const AHEAD_S: f64 = 0.5;
+/// How far a foothold is shifted by a P_H of 1, m.
+const SHIFT: f64 = 0.6;
+/// A leg takes no greater shift than this, m; the rest goes over to the body.
+const LEG_LIMIT: f64 = 0.2;
+/// Speed of the body for each metre of a shift that the legs could not take, 1/s.
+const BODY_GAIN: f64 = 1.5;
+/// How much higher a foot is lifted by a P_L of 1, m.
+const LIFT: f64 = 0.4;
+/// Speed of the body on a free way, m/s.
+const SPEED: f64 = 0.3;
+/// Least speed towards a direction that is free at all, m/s.
+const LEAST_SPEED: f64 = 0.06;
+/// The heading is held with so many rad/s for each rad.
+const HEADING_GAIN: f64 = 0.8;
+/// What is kept clear around the robot, m.
+const MARGIN: f64 = 0.35;
+
+/// A leg as it is now, in the frame of the robot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LegState {
+    /// The middle of the shank, m.
+    pub shank: Vector3<f64>,
+    /// The tip of the shank, m.
+    pub tip: Vector3<f64>,
+    pub is_in_the_air: bool,
+}
+
+/// A reading of one sonar.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// Number of the sonar, from 0.
+    pub sonar: usize,
+    /// Where the robot was believed to be.
+    pub pose: Pose,
+    /// m; `None` without an echo.
+    pub distance: Option<f64>,
+}
+
+/// What the legs are told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Orders {
+    /// Velocity of the body in the frame of the robot, m/s.
+    pub velocity: Vector2<f64>,
+    /// Turning speed, rad/s.
+    pub turn: f64,
+    /// Of each leg: shift of its foothold in the frame of the robot (x, y), and how much higher it is lifted (z), m.
+    pub corrections: Vec<Vector3<f64>>,
+}
+
+/// The planner, with its map.
+#[derive(Clone, Debug)]
+pub struct Planner {
+    map: LocalMap,
+    operator: Operator,
+    /// The heading that is held, rad.
+    heading: f64,
+    velocity: Vector2<f64>,
+}
+
+impl Planner {
+    /// Knows nothing yet; will hold `heading`, rad.
+    pub fn new(heading: f64) -> Self {
+        let settings = Settings {
+            order: Order::Zero,
+            fusion: Fusion::Cells { above: 0.03 },
+            reading_sigma: 0.1,
+            floor: 0.0,
+            forgetting: 0.98,
+            ..Settings::default()
+        };
+        let map = LocalMap::new(CELL, REACH, SonarModel::srf08(), settings);
+        Self { map, operator: Operator::default(), heading, velocity: Vector2::zeros() }
+    }
+
+    /// The local map.
+    pub fn map(&self) -> &LocalMap {
+        &self.map
+    }
+
+    /// Takes readings into the map.
+    pub fn observe(&mut self, readings: &[Reading]) {
+        for Reading { sonar, pose, distance } in readings {
+            self.map.follow(pose.x, pose.y);
+            if let Some(distance) = *distance {
+                self.map.observe(&pose.sonar(&body::mount(*sonar)), distance);
+            }
+        }
+    }
+
+    /// What to do now, for a goal that is `distance` m away to `direction` (rad, in the frame of the odometry).
+    pub fn plan(&mut self, pose: &Pose, direction: f64, distance: f64, legs: &[LegState]) -> Orders {
+        let patches: Vec<Patch> = self.map.patches().collect();
+        let is_high = |patch: &&Patch| HEIGHTS.high(patch.z - pose.lift) >= BLOCKS;
+        let obstacles: Vec<Obstacle> =
+            patches.iter().filter(is_high).map(|patch| Obstacle::seen_from(patch, pose.x, pose.y)).collect();
+        let view = View { half_width: body::RADIUS + MARGIN, look_ahead: 4.0 };
+        let (way, free) = self.operator.look(&view, direction, distance, &obstacles);
+        let speed = (SPEED * free / view.look_ahead.min(distance.max(0.1))).clamp(LEAST_SPEED, SPEED).min(distance);
+        let wanted = Vector2::new(mapping::math::cos(way), mapping::math::sin(way)) * speed;
+
+        let mut too_much = Vector2::zeros();
+        let corrections = legs
+            .iter()
+            .map(|leg| {
+                let (correction, rest) = self.correct(pose, leg, &patches);
+                too_much += rest;
+                correction
+            })
+            .collect();
+        self.velocity = limited(wanted + too_much * BODY_GAIN, SPEED);
+        let (vx, vy) = pose.turned_back(self.velocity.x, self.velocity.y);
+        let turn = (HEADING_GAIN * wrapped(self.heading - pose.heading)).clamp(-0.1, 0.1);
+        Orders { velocity: Vector2::new(vx, vy), turn, corrections }
+    }
+
+    /// The two rules for one leg: away from what is high, higher over what is low. What of the shift is too much for the leg, in the frame
+    /// of the odometry, is the second.
+    fn correct(&self, pose: &Pose, leg: &LegState, patches: &[Patch]) -> (Vector3<f64>, Vector2<f64>) {
+        let above = |patch: &Patch| patch.z - pose.lift;
+        let shank = pose.place(&leg.shank);
+        let high = patches.iter().map(|patch| (*patch, HEIGHTS.high(above(patch))));
+        let away = -SHIFT * perception::high(shank.xy(), HIGH_REACH, high);
+        let shift = limited(away, LEG_LIMIT);
+        let lift = match leg.is_in_the_air {
+            true => {
+                // A foot in the air gains on the body: it goes about twice as fast.
+                let ahead = 2.0 * AHEAD_S * self.velocity;
+                let low = patches.iter().map(|patch| (*patch, HEIGHTS.low(above(patch))));
+                let perceived =
+                    perception::low(pose.place(&leg.tip), Vector3::new(ahead.x, ahead.y, 0.0), LOW_REACH, low);
+                LIFT * perceived.norm()
+            }
+            false => 0.0,
+        };
+        let (x, y) = pose.turned_back(shift.x, shift.y);
+        (Vector3::new(x, y, lift), away - shift)
+    }
+}
+
+/// The same direction, no longer than `most`.
+fn limited(vector: Vector2<f64>, most: f64) -> Vector2<f64> {
+    let length = vector.norm();
+    if length > most { vector * (most / length) } else { vector }
+}
