@@ -167,6 +167,7 @@ pub fn robi(robi: &RobiSpec) {
         DriveKind::Differential => (2, false),
         DriveKind::Ackermann => (1, true),
         DriveKind::Omni => (4, false),
+        DriveKind::Legged => (0, false),
     };
     assert_eq!((drive.motors.len(), drive.steering.is_some()), (motors, has_steering), "{drive:?}");
     assert!((MIN_SIZE / 2.0..=MAX_LENGTH).contains(&drive.wheelbase), "{drive:?}");

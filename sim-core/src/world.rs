@@ -18,7 +18,7 @@ use glam::DVec2;
 use crate::{
     ObjectId, RobotId,
     contact::{Body, TOUCH, Thing},
-    drive::{HISTORY, Leg, Motion},
+    drive::{HISTORY, Motion, Passage},
     object::{Properties, State, cast_disc},
     pose::{PlaceError, Pose, Twist},
     radio::{Channel, Loss, Model},
@@ -325,16 +325,18 @@ impl World {
     /// How a robot moves in the present slot, as far as that is public: at least one stretch, in the order of time, of which the
     /// first holds at the slot's start.
     pub fn stretches(&self, robot: RobotId) -> impl Iterator<Item = Stretch> {
-        let legs = self.tracks[robot.index()].legs();
-        // A leg without an end is the last one.
-        let first = legs.iter().position(|leg| leg.until > self.now).unwrap_or(legs.len() - 1);
-        let in_slot =
-            legs[first..].iter().enumerate().take_while(|(index, leg)| *index == 0 || leg.start < self.slot_end());
-        in_slot.map(|(_, leg)| Stretch {
-            start: leg.start,
-            from: leg.pose(leg.start),
-            twist: leg.path.twist,
-            after: leg.after,
+        let passages = self.tracks[robot.index()].passages();
+        // A passage without an end is the last one.
+        let first = passages.iter().position(|passage| passage.until > self.now).unwrap_or(passages.len() - 1);
+        let in_slot = passages[first..]
+            .iter()
+            .enumerate()
+            .take_while(|(index, passage)| *index == 0 || passage.start < self.slot_end());
+        in_slot.map(|(_, passage)| Stretch {
+            start: passage.start,
+            from: passage.pose(passage.start),
+            twist: passage.path.twist,
+            after: passage.after,
         })
     }
 
@@ -551,8 +553,8 @@ impl World {
     }
 }
 
-/// The leg that holds at `at`: the last that has started, or the first.
-fn leg_at(legs: &[Leg], at: Time) -> &Leg {
-    let started = legs.iter().rposition(|leg| leg.start <= at);
-    &legs[started.unwrap_or(0)]
+/// The passage that holds at `at`: the last that has started, or the first.
+fn passage_at(passages: &[Passage], at: Time) -> &Passage {
+    let started = passages.iter().rposition(|passage| passage.start <= at);
+    &passages[started.unwrap_or(0)]
 }

@@ -286,8 +286,8 @@ fn more_rays_come_nearer_to_the_truth() {
 fn a_sensor_on_a_tilting_link_moves_with_it() {
     // A mast of 0.3 m on a pan joint, with a tilt joint on it, 5 cm ahead; a sensor 2 cm ahead of that.
     let at = |x: f64, z: f64| Pose3 { position: DVec3::new(x, 0.0, z), ..Pose3::IDENTITY };
-    let pan = Link { parent: None, origin: at(0.1, 0.3), axis: DVec3::Z, servo: Some(0) };
-    let tilt = Link { parent: Some(0), origin: at(0.05, 0.0), axis: DVec3::NEG_Y, servo: Some(1) };
+    let pan = Link { parent: None, origin: at(0.1, 0.3), axis: DVec3::Z, joint: Some(0) };
+    let tilt = Link { parent: Some(0), origin: at(0.05, 0.0), axis: DVec3::NEG_Y, joint: Some(1) };
     let links = [pan, tilt];
     let sensor = RangeSensor { mount: at(0.02, 0.0), link: Some(1), model: RangeModel::Psd { range: 9.0 } };
     let wall = Segment::new(DVec2::new(-9.0, 2.0), DVec2::new(9.0, 2.0));
@@ -295,7 +295,8 @@ fn a_sensor_on_a_tilting_link_moves_with_it() {
     for (pan, tilt) in
         [(FRAC_PI_2, 0.0), (FRAC_PI_2, 0.1), (FRAC_PI_2, -0.1), (FRAC_PI_2, -0.5), (1.0, -0.1), (1.0, 0.3)]
     {
-        let posture = Posture { world_from_robot: Pose::new(0.5, 0.2, 0.0), links: &links, angles: &[pan, tilt] };
+        let posture =
+            Posture { world_from_robot: Pose::new(0.5, 0.2, 0.0), links: &links, angles: &[pan, tilt], lift: 0.0 };
         let found = sensor.read(&world, ME, &posture, Time::ZERO, 0.0).distance;
         let (sin_pan, sin_tilt, cos_tilt) = (math::sin(pan), math::sin(tilt), math::cos(tilt));
         let (y, z) = (0.2 + sin_pan * (0.05 + 0.02 * cos_tilt), 0.3 + 0.02 * sin_tilt);

@@ -13,7 +13,7 @@ use sim_core::format::{ObjectSpec, ObjectType, RobiSpec, RobotSpec, SceneSpec};
 use sim_core::noise::{Profile, Radio};
 use sim_core::pose::Pose;
 use sim_core::radio::Channel;
-use sim_core::scene::Walls;
+use sim_core::scene::{Ground, Walls};
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
@@ -204,6 +204,8 @@ pub(crate) struct Maker {
     scenery: Arc<LazyScenery>,
     frames: Option<Arc<Frames>>,
     walls: Arc<Walls>,
+    /// What legged robots walk on.
+    ground: Arc<Ground>,
     census: Arc<Census>,
     /// By the files of the types.
     models: BTreeMap<String, Arc<Model>>,
@@ -221,6 +223,7 @@ impl Maker {
             scenery: Arc::clone(&options.scenery),
             frames: options.frames.clone(),
             walls: build::obstacles(scene),
+            ground: build::ground(&scene.world),
             census: Arc::new(setup::census(scene)),
             models: BTreeMap::new(),
         }
@@ -271,7 +274,10 @@ impl Maker {
         devices.storage = Storage::new(&self.folder);
         devices.os.may_execute = self.may_execute;
         devices.camera = devices.camera.in_run(Arc::clone(&self.scenery), self.frames.clone());
-        let motion = Motion::new(spec.id, model, Arc::clone(&self.walls), spec.start).starting_at(since);
+        let mut motion = Motion::new(spec.id, model, Arc::clone(&self.walls), spec.start).starting_at(since);
+        if let Some(legs) = build::legs(&spec.robi) {
+            motion = motion.with_legs(legs, Arc::clone(&self.ground));
+        }
         let heard = profile.as_ref().map(|profile| profile.radio).unwrap_or_default();
         let mut robot = Robot::new(RobotParts {
             program: program.map(|program| program.name.clone()).unwrap_or_default(),

@@ -58,14 +58,14 @@ const STEP_HEIGHT: f64 = 0.25;
 pub fn walk(period: f64) -> Vec<Sample> {
     let world = stairs();
     let at_knee = Pose3 { position: DVec3::new(0.0, 0.0, 0.45), ..Pose3::IDENTITY };
-    let shin = [Link { parent: None, origin: at_knee, axis: DVec3::Y, servo: Some(0) }];
+    let shin = [Link { parent: None, origin: at_knee, axis: DVec3::Y, joint: Some(0) }];
     let mount = Pose3 { position: DVec3::new(0.0, 0.0, -0.15), ..Pose3::IDENTITY };
     let count = (WALK / period) as usize;
     let at_time = |seconds: f64| {
         // Turned about y, the shin's x axis dips.
         let dip = (34.5 + 22.5 * math::sin(TAU * seconds / GAIT)) / 180.0 * PI;
         let world_from_robot = Pose::new(SPEED * seconds, 0.0, 0.0);
-        let posture = Posture { world_from_robot, links: &shin, angles: &[dip] };
+        let posture = Posture { world_from_robot, links: &shin, angles: &[dip], lift: 0.0 };
         let read = |model| {
             let sensor = RangeSensor { mount, link: Some(0), model };
             let reading = sensor.read(&world, ROBOT, &posture, Time::ZERO, 0.0);

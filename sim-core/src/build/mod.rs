@@ -8,15 +8,17 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::drive::Model;
+use crate::drive::legged::{Gait, Leg, Legs};
+use crate::drive::{DriveKind, Model};
 use crate::format::{
-    self, Axis, Collider, LidarSpec, LinkSpec, MountSpec, ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec,
-    WorldSpec,
+    self, Axis, Collider, DEFAULT_DUTY, DEFAULT_PERIOD, GaitSpec, LegSpec, LegsSpec, LidarSpec, LinkSpec, MountSpec,
+    ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec, WorldSpec,
 };
 use crate::object::{Figure, Part, Properties, Resistance, Shape, Solid};
 use crate::pose::{Pose, Pose3};
-use crate::scene::{HeightField, Mesh, MeshIndex, Segment, Surface, WallId, Walls};
+use crate::scene::{Ground, HeightField, Mesh, MeshIndex, Segment, Surface, WallId, Walls};
 use crate::sensor::{Link, RangeModel, RangeSensor};
+use crate::time::Time;
 use crate::world::{Block, Space};
 pub use scenery::{Looks, MARKER_RADIUS, ROBOT_COLOURS, WALL_COLOUR, scenery, scenery_with, wheel_places};
 
@@ -52,6 +54,11 @@ pub fn obstacles(scene: &SceneSpec) -> Arc<Walls> {
 /// A pure function of the text of the scene and its images: [`HeightField::height`] is the truth about the ground.
 pub fn height_field(world: &WorldSpec) -> Option<&Arc<HeightField>> {
     world.terrain.as_ref()?.field.as_ref()
+}
+
+/// What legged robots walk on in a world: its [`height_field`], or the plane z = 0.
+pub fn ground(world: &WorldSpec) -> Arc<Ground> {
+    Arc::new(height_field(world).map_or(Ground::Flat, |field| Ground::Field(Arc::clone(field))))
 }
 
 /// What rays in space tell apart in a scene whose [`obstacles`] and [`movable`] objects are in the world: shapes of bodies
@@ -197,8 +204,10 @@ fn part(collider: &Collider) -> Part {
     Part { shape, object_from_part: Pose::new(centre.x, centre.y, phi) }
 }
 
-/// The links of a robot type, each behind the one that bears it.
+/// The links of a robot type, each behind the one that bears it: those of its legs, leg by leg, then its own. The angles that
+/// turn them are those of its servos, then those of the joints of its legs.
 pub fn links(robi: &RobiSpec) -> Vec<Link> {
+    let legs = legs(robi);
     let order = link_order(robi);
     let places = link_places(robi, &order);
     let servos = robi.all_servos();
@@ -211,9 +220,10 @@ pub fn links(robi: &RobiSpec) -> Vec<Link> {
             Axis::Z => DVec3::Z,
         };
         let servo = turn.as_ref().and_then(|turn| servos.iter().position(|servo| servo.name == turn.servo.text));
-        Link { parent: bearer(mount.on.as_ref(), &places), origin: pose(mount), axis, servo }
+        Link { parent: bearer(mount.on.as_ref(), &places), origin: pose(mount), axis, joint: servo }
     };
-    order.iter().map(link).collect()
+    let of_legs = legs.map_or_else(Vec::new, |legs| legs.links(0, servos.len()));
+    of_legs.into_iter().chain(order.iter().map(link)).collect()
 }
 
 /// The range sensors of a robot type, the PSDs first. Their links are those of [`links`].
@@ -244,15 +254,20 @@ fn pose(mount: &MountSpec) -> Pose3 {
 }
 
 /// The place of the link of a name.
-fn bearer(on: Option<&PathRef>, places: &BTreeMap<&str, usize>) -> Option<usize> {
+fn bearer(on: Option<&PathRef>, places: &BTreeMap<String, usize>) -> Option<usize> {
     on.and_then(|on| places.get(on.text.as_str()).copied())
 }
 
 /// Places of the links in [`links`] by their names; the first of one name counts.
-fn link_places<'r>(robi: &'r RobiSpec, order: &[usize]) -> BTreeMap<&'r str, usize> {
+fn link_places(robi: &RobiSpec, order: &[usize]) -> BTreeMap<String, usize> {
     let mut places = BTreeMap::new();
+    let mut first = 0;
+    for leg in legs(robi).iter().flat_map(|legs| &legs.legs) {
+        places.extend(leg.parts().map(|(part, place)| (format!("{}.{part}", leg.name), first + place)));
+        first += leg.link_count();
+    }
     for (place, index) in order.iter().enumerate() {
-        places.entry(robi.links[*index].name.as_str()).or_insert(place);
+        places.entry(robi.links[*index].name.clone()).or_insert(first + place);
     }
     places
 }
@@ -295,8 +310,48 @@ fn segments(world: &WorldSpec) -> (Vec<Segment>, Vec<f64>) {
     (segments, heights)
 }
 
-/// The drive and the body of a robot type.
+/// The legs of a robot type, if it walks.
+pub fn legs(robi: &RobiSpec) -> Option<Arc<Legs>> {
+    let LegsSpec { step_height, gaits, legs } = robi.legs.as_ref().filter(|legs| !legs.legs.is_empty())?;
+    let legs: Vec<Leg> = legs.iter().map(leg).collect();
+    let usual =
+        || GaitSpec { name: "walk".to_owned(), period: DEFAULT_PERIOD, duty: DEFAULT_DUTY, ..GaitSpec::default() };
+    let usual = gaits.is_empty().then(usual);
+    let gaits = gaits.iter().chain(&usual).map(|spec| gait(spec, legs.len())).collect();
+    Some(Arc::new(Legs { legs, gaits, step_height: *step_height }))
+}
+
+/// A leg of a robot type.
+pub fn leg(spec: &LegSpec) -> Leg {
+    Leg {
+        name: spec.name.text.clone(),
+        hip: spec.hip,
+        thigh: spec.thigh,
+        shank: spec.shank,
+        foot: spec.foot,
+        wheel: spec.wheel.map(|diameter| 0.5 * diameter),
+    }
+}
+
+fn gait(spec: &GaitSpec, legs: usize) -> Gait {
+    let one_by_one = (0..legs).map(|leg| leg as f64 / legs as f64);
+    let offsets = if spec.offsets.is_empty() { one_by_one.collect() } else { spec.offsets.clone() };
+    Gait { name: spec.name.clone(), period: Time::from_seconds_ceil(spec.period), duty: spec.duty, offsets }
+}
+
+/// The drive and the body of a robot type. One that walks has the limits of its legs where they are the lower ones.
 pub fn model(robi: &RobiSpec) -> Model {
+    let mut model = model_of_file(robi);
+    if let Some(legs) = legs(robi).filter(|_| robi.drive.kind == DriveKind::Legged) {
+        for gait in &legs.gaits {
+            model.max_speed = model.max_speed.min(legs.greatest_speed(gait));
+            model.max_turn = model.max_turn.min(legs.greatest_turn(gait));
+        }
+    }
+    model
+}
+
+fn model_of_file(robi: &RobiSpec) -> Model {
     Model {
         kind: robi.drive.kind,
         wheel_diameter: robi.wheel.diameter,

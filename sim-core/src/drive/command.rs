@@ -83,8 +83,8 @@ pub enum CommandError {
         /// Number of wheels with a motor.
         wheels: usize,
     },
-    /// Only an omni drive moves to the side.
-    #[error("this drive cannot move sideways, accepted: omni drives")]
+    /// Only an omni drive and legs move to the side.
+    #[error("this drive cannot move sideways, accepted: omni drives and legs")]
     Sideways,
 }
 
@@ -144,6 +144,7 @@ impl Orders {
     pub fn with(self, model: &Model, command: Command) -> Result<Self, CommandError> {
         match command {
             Command::Halt => Ok(Self { pending: Pending::Idle, ..self }),
+            Command::Wheels(_) if model.wheel_count() == 0 => Err(CommandError::NoWheel { wheels: 0 }),
             Command::Wheels(rates) => {
                 if !rates.iter().all(|rate| rate.is_finite()) {
                     return Err(CommandError::NotFinite);
@@ -248,7 +249,7 @@ fn check_drivable(model: &Model, twist: Twist) -> Result<(), CommandError> {
     // Negated, so that NaN is refused as well.
     if !(twist.vx.abs().max(twist.vy.abs()).max(twist.omega.abs()) <= 1e12 && twist.is_finite()) {
         Err(CommandError::NotFinite)
-    } else if twist.vy != 0.0 && model.kind != DriveKind::Omni {
+    } else if twist.vy != 0.0 && !model.is_holonomic() {
         Err(CommandError::Sideways)
     } else {
         Ok(())

@@ -115,7 +115,7 @@ impl TwistNoise {
         Twist {
             vx: deviation(self.speed, self.speed_share, twist.vx) * ahead,
             vy: match kind {
-                DriveKind::Omni => deviation(self.speed, self.speed_share, twist.vy) * aside,
+                DriveKind::Omni | DriveKind::Legged => deviation(self.speed, self.speed_share, twist.vy) * aside,
                 DriveKind::Differential | DriveKind::Ackermann => 0.0,
             },
             omega: deviation(self.turn, self.turn_share, twist.omega) * turn,
@@ -193,12 +193,14 @@ impl Errors {
         let tick = Events::index(start, TICK);
         let mut erring = Erring { truth: belief, odometry: belief, is_drawn: false };
         let mut slips = [slip; 4];
-        if slip_deviation > 0.0 {
+        // Feet stand where they are.
+        let slips_at_all = model.kind != DriveKind::Legged;
+        if slip_deviation > 0.0 && slips_at_all {
             erring.is_drawn = true;
             slips = normals(self.slip.at(tick)).map(|normal: f64| (slip + slip_deviation * normal).clamp(-1.0, 1.0));
         }
         let factors: Wheels = std::array::from_fn(|i| (1.0 + diameters[i]) * (1.0 - slips[i]));
-        if factors != [1.0; 4] {
+        if factors != [1.0; 4] && slips_at_all {
             let rates = std::array::from_fn(|i| during.rates[i] * factors[i]);
             erring.truth = model.twist_from_wheels(&rates, orders.steering);
         }

@@ -6,6 +6,7 @@
 mod command;
 mod control;
 mod imperfection;
+pub mod legged;
 mod model;
 mod motion;
 mod piece;
@@ -16,5 +17,5 @@ pub use control::{Gains, Pid};
 pub use imperfection::{Imperfection, Resolution, TwistNoise};
 pub use model::{DriveKind, Model, ModelError, Wheels};
 pub use motion::{HISTORY, Impact, Motion};
-pub(crate) use motion::{Leg, Thrust};
+pub(crate) use motion::{Passage, Thrust};
 pub use piece::{Cause, Piece, Rates, State};

@@ -11,6 +11,8 @@ pub enum DriveKind {
     Ackermann,
     /// Four Mecanum wheels in the order front left, front right, back left, back right.
     Omni,
+    /// Legs: no wheels. In the place of rates of wheels stands the twist itself: m/s ahead, m/s to the left, rad/s.
+    Legged,
 }
 
 /// Rates or angles of up to four wheels in the order of the [`DriveKind`]; unused places are 0.
@@ -70,6 +72,7 @@ impl Model {
             DriveKind::Differential => 2,
             DriveKind::Ackermann => 1,
             DriveKind::Omni => 4,
+            DriveKind::Legged => 0,
         }
     }
 
@@ -122,6 +125,10 @@ impl Model {
                     omega: 0.5 * radius * ((fr - fl) + (br - bl)) / (self.track + self.wheelbase),
                 }
             }
+            DriveKind::Legged => {
+                let [vx, vy, omega, _] = *wheels;
+                Twist { vx, vy, omega }
+            }
         }
     }
 
@@ -141,6 +148,7 @@ impl Model {
                 let turn = 0.5 * (self.track + self.wheelbase) * omega;
                 [vx - vy - turn, vx + vy + turn, vx + vy - turn, vx - vy + turn].map(|speed| speed * per_metre)
             }
+            DriveKind::Legged => [vx, vy, omega, 0.0],
         }
     }
 
@@ -151,6 +159,11 @@ impl Model {
             return Some(0.0);
         }
         (twist.vx != 0.0).then(|| math::atan(twist.omega * self.wheelbase / twist.vx))
+    }
+
+    /// Whether it goes to the side as well as ahead.
+    pub fn is_holonomic(&self) -> bool {
+        matches!(self.kind, DriveKind::Omni | DriveKind::Legged)
     }
 
     /// `wheels` with each rate within its limit.
@@ -195,6 +208,10 @@ impl Model {
 
     /// Greatest of the wheels' rates, as a multiple of the limit.
     pub(super) fn wheel_excess(&self, wheels: &Wheels) -> f64 {
+        if self.kind == DriveKind::Legged {
+            // Legs have the limits of the twist alone.
+            return 0.0;
+        }
         wheels.iter().fold(0.0, |most: f64, rate| most.max(rate.abs())) / self.max_wheel_rate
     }
 }

@@ -8,6 +8,7 @@ use super::{
     command::{Command, CommandError, Orders, Pending, check_wheel},
     control::{Actuation, Controllers, Gains, Pid},
     imperfection::{Errors, Imperfection, Vehicle},
+    legged::{Course, Walk},
     model::{Model, ModelError, Wheels},
     piece::{Cause, State},
     stage::{Grip, Stage, centre_of},
@@ -62,7 +63,7 @@ pub(crate) enum Input {
 
 /// A disc on a path from `start` on, at rest from `after` seconds on, until `until`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Leg {
+pub(crate) struct Passage {
     pub start: Time,
     pub until: Time,
     pub after: f64,
@@ -71,7 +72,7 @@ pub(crate) struct Leg {
     pub heading: Heading,
 }
 
-impl Leg {
+impl Passage {
     /// Seconds that the disc has moved at `at`.
     pub fn elapsed(&self, at: Time) -> f64 {
         (at - self.start).seconds().clamp(0.0, self.after)
@@ -124,6 +125,8 @@ pub struct Motion {
     revision: u64,
     /// Revision and answer of the last [`Motion::drive_end`].
     drive_end: Option<(u64, Option<Time>)>,
+    /// The feet of a robot with legs.
+    pub(super) walk: Option<Box<Walk>>,
 }
 
 impl Motion {
@@ -148,6 +151,7 @@ impl Motion {
             contacts: 0,
             revision: 0,
             drive_end: None,
+            walk: None,
         }
     }
 
@@ -444,20 +448,40 @@ impl Motion {
         &self.journal
     }
 
-    /// The legs of the body's motion that touch the time from `from` to `to`, in order, the last without an end.
-    pub(crate) fn legs(&mut self, from: Time, to: Time, legs: &mut Vec<Leg>) {
+    /// The passages of the body's motion that touch the time from `from` to `to`, in order, the last without an end.
+    pub(crate) fn passages(&mut self, from: Time, to: Time, passages: &mut Vec<Passage>) {
         let mut first = self.index_at(from);
         self.index_at(to);
         // Exploring the stage at `to` does not reach back; each stage on the way is explored to its successor.
-        legs.clear();
-        while first < self.stages.len() && (legs.is_empty() || self.stages[first].piece.start <= to) {
+        passages.clear();
+        while first < self.stages.len() && (passages.is_empty() || self.stages[first].piece.start <= to) {
             let until = self.stages.get(first + 1).map_or(Time::NEVER, |next| next.piece.start);
             let stage = &mut self.stages[first];
             stage.explore(&self.vehicle.model, &self.walls, (until.min(to) - stage.piece.start).seconds());
             let heading = stage.piece.state.world_from_axle.heading;
-            legs.push(Leg { start: stage.piece.start, until, after: stage.piece.after, path: stage.path, heading });
+            passages.push(Passage {
+                start: stage.piece.start,
+                until,
+                after: stage.piece.after,
+                path: stage.path,
+                heading,
+            });
             first += 1;
         }
+    }
+
+    /// The pieces of motion since the one in force just before `from`, until `to`.
+    pub(super) fn courses(&mut self, from: Time, to: Time) -> Vec<Course> {
+        let last = self.index_at(to);
+        let first = self.stages.iter().rposition(|stage| stage.piece.start <= from).unwrap_or(0).min(last);
+        for index in first..last {
+            let until = self.stages[index + 1].piece.start;
+            let stage = &mut self.stages[index];
+            stage.explore(&self.vehicle.model, &self.walls, (until - stage.piece.start).seconds());
+        }
+        let axis_offset = self.vehicle.model.axis_offset;
+        let course = |stage: &Stage| Course { piece: stage.piece, axis_offset, is_placed: stage.is_placed };
+        self.stages.range(first..=last).map(course).collect()
     }
 
     /// Stops the body at `obstacle` `seconds` after `base`, an instant of the present slot; forgets what was planned after.
@@ -522,6 +546,10 @@ impl Motion {
         }
         self.journal.clear();
         self.committed = end;
+        if let Some(mut walk) = self.walk.take() {
+            walk.commit(self, end);
+            self.walk = Some(walk);
+        }
         while self.stages.len() > 1 && self.stages[1].piece.start <= end - HISTORY {
             self.stages.pop_front();
         }

@@ -70,6 +70,7 @@ impl Reader<'_> {
             robi.surface = self.surface(section);
         }
         self.links(parent, robi);
+        self.legs(parent, robi);
         self.ranges(parent, robi);
         if let Some(section) = self.section(parent, "camera") {
             self.camera(section, robi);

@@ -14,6 +14,7 @@ mod convert;
 mod diagnostic;
 mod esobj;
 mod given;
+mod legs;
 mod line;
 mod load;
 mod maze;

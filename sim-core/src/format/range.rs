@@ -7,6 +7,7 @@ use super::code::Code;
 use super::line::{self, Quantity};
 use super::spec::{Axis, BODY, LinkSpec, MountSpec, PathRef, RangeSpec, RobiSpec, Surface, TurnSpec};
 use super::table::{Reader, Section};
+use crate::build;
 use crate::sensor::{Echo, PAPER_SIGMA, RangeModel, SideLobes, Sonar};
 
 /// Names that a message lists at most.
@@ -220,7 +221,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Place of each link by its name; the second of one name is reported.
+    /// Place of each link by its name, beyond all others for those of legs; the second of one name is reported.
     fn link_names(&mut self, robi: &RobiSpec) -> BTreeMap<String, usize> {
         let mut names: BTreeMap<String, usize> = BTreeMap::new();
         for (index, link) in robi.links.iter().enumerate() {
@@ -234,6 +235,17 @@ impl Reader<'_> {
                 self.sink.error(Code::LinkTwice, link.span, message, expected);
             } else {
                 names.insert(link.name.clone(), index);
+            }
+        }
+        for spec in robi.legs.iter().flat_map(|legs| &legs.legs) {
+            let parts = build::leg(spec);
+            let mut is_known = false;
+            for (part, _) in parts.parts() {
+                is_known |= names.insert(format!("{}.{part}", spec.name.text), usize::MAX).is_some();
+            }
+            if is_known {
+                let message = format!("the links of leg `{}` are named as those of another", spec.name.text);
+                self.sink.error(Code::LinkTwice, spec.name.span, message, "each name once");
             }
         }
         names
@@ -251,7 +263,11 @@ impl Reader<'_> {
 
     /// Reports links that hang on each other in a circle, each circle once, and cuts it.
     fn circles(&mut self, links: &mut [LinkSpec], names: &BTreeMap<String, usize>) {
-        let parent = |link: &LinkSpec| link.mount.on.as_ref().and_then(|on| names.get(&on.text).copied());
+        let count = links.len();
+        let parent = |link: &LinkSpec| {
+            let on = link.mount.on.as_ref().and_then(|on| names.get(&on.text).copied());
+            on.filter(|place| *place < count)
+        };
         // By link from which start it was first reached.
         let mut reached: Vec<Option<usize>> = vec![None; links.len()];
         for start in 0..links.len() {

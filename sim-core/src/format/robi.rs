@@ -64,6 +64,7 @@ impl RobiSpec {
                 wheel_lag: 0.0,
             },
             links: Vec::new(),
+            legs: None,
             psds: Vec::new(),
             ranges: Vec::new(),
             camera: None,
@@ -303,6 +304,7 @@ impl Reader {
             }
             Some("ACKERMANN_DRIVE") => (DriveKind::Ackermann, &["MOTOR_DRIVE", "QUAD_DRIVE", "SERVO_STEER"]),
             Some("OMNI_DRIVE") => (DriveKind::Omni, &OMNI),
+            Some("LEGGED_DRIVE") => (DriveKind::Legged, &[]),
             other => {
                 let word = rest.first().unwrap_or(keyword);
                 let message = format!("unknown drive `{}`; a differential drive is taken", other.unwrap_or_default());
@@ -357,8 +359,9 @@ const WHEEL_FORM: &str = "`wheel DIAMETER MAX_RATE TICKS TRACK` in mm, degrees/s
 const VR_WHEEL_FORM: &str =
     "`wheel drive DIAMETER MAX_RATE TICKS HALF_TRACK` and `wheel turn ...` in mm, degrees/s, ticks a turn, mm";
 const DRIVE_FORM: &str = "`drive DIFFERENTIAL_DRIVE MOTOR QUAD MOTOR QUAD`, `drive OMNI_DRIVE` with four pairs (front left, \
-                          front right, back left, back right), or `drive ACKERMANN_DRIVE MOTOR QUAD SERVO`";
-const DRIVES: [&str; 3] = ["DIFFERENTIAL_DRIVE", "ACKERMANN_DRIVE", "OMNI_DRIVE"];
+                          front right, back left, back right), `drive ACKERMANN_DRIVE MOTOR QUAD SERVO`, or \
+                          `drive LEGGED_DRIVE` with legs in the companion";
+const DRIVES: [&str; 4] = ["DIFFERENTIAL_DRIVE", "ACKERMANN_DRIVE", "OMNI_DRIVE", "LEGGED_DRIVE"];
 const OMNI: [&str; 8] = ["MOTOR_FL", "QUAD_FL", "MOTOR_FR", "QUAD_FR", "MOTOR_BL", "QUAD_BL", "MOTOR_BR", "QUAD_BR"];
 
 const WHEEL: [Quantity; 4] = [

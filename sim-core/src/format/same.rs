@@ -79,6 +79,13 @@ pub fn world(world: &WorldSpec) -> WorldSpec {
 pub fn robi(robi: &RobiSpec) -> RobiSpec {
     let mut robi = RobiSpec { file: String::new(), ..robi.clone() };
     robi.model.iter_mut().for_each(forget_model);
+    if let Some(legs) = &mut robi.legs {
+        legs.gaits.iter_mut().for_each(|gait| gait.span = Span::default());
+        for leg in &mut legs.legs {
+            leg.span = Span::default();
+            forget(&mut leg.name);
+        }
+    }
     for link in &mut robi.links {
         link.span = Span::default();
         link.mount.on.iter_mut().for_each(forget);

@@ -123,7 +123,7 @@ impl Reader<'_> {
         self.as_number(key, value, quantity)
     }
 
-    fn as_number(&mut self, key: &str, value: &Spanned<DeValue<'_>>, quantity: &Quantity) -> Option<f64> {
+    pub(super) fn as_number(&mut self, key: &str, value: &Spanned<DeValue<'_>>, quantity: &Quantity) -> Option<f64> {
         let span = self.span(value.span());
         let Some(number) = float(value.get_ref()) else {
             self.wrong_type(key, value, &quantity.expected());

@@ -41,6 +41,7 @@ impl Motion {
             DriveKind::Differential => [Some(self.left), Some(self.right), None, None],
             DriveKind::Ackermann => [Some(self.left), None, None, None],
             DriveKind::Omni => [self.left, self.right, self.left, self.right].map(Some),
+            DriveKind::Legged => [None; 4],
         };
         let mut made = Events::new(seed, robot, Purpose::Make, "").at(0);
         let diameters = sides.map(|side| {

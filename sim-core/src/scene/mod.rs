@@ -8,6 +8,7 @@ mod bounds;
 mod bvh;
 pub(crate) mod distance;
 mod grid;
+mod ground;
 mod height_field;
 mod material;
 mod mesh;
@@ -20,6 +21,7 @@ mod walls;
 
 pub use bounds::Bounds;
 pub use bvh::{MeshHit, MeshIndex};
+pub use ground::Ground;
 pub use height_field::{FieldError, HeightField, MAX_CELLS};
 pub use material::{Material, Texture};
 pub use mesh::{Mesh, Triangle};

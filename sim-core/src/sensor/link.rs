@@ -11,17 +11,18 @@ pub struct Link {
     pub origin: Pose3,
     /// Axis of the joint through the link's origin, a unit vector of the link's frame; angles are right-handed about it.
     pub axis: DVec3,
-    /// The servo whose angle turns it, by its place in the list of angles; `None` for a rigid joint.
-    pub servo: Option<usize>,
+    /// The joint whose angle turns it, by its place in the list of angles (those of the servos, then those of the legs);
+    /// `None` for a rigid one.
+    pub joint: Option<usize>,
 }
 
-/// Pose of link `index` in the robot's frame, the servos standing at `angles` (rad, in the order of their places).
+/// Pose of link `index` in the robot's frame, the joints standing at `angles` (rad, in the order of their places).
 ///
 /// # Panics
 /// If there is no such link or angle, or a link comes before its parent in the list.
 pub fn link_pose(links: &[Link], angles: &[f64], index: usize) -> Pose3 {
     let link = &links[index];
-    let turned = link.servo.map_or(link.origin, |servo| link.origin.then(&Pose3::about_axis(link.axis, angles[servo])));
+    let turned = link.joint.map_or(link.origin, |joint| link.origin.then(&Pose3::about_axis(link.axis, angles[joint])));
     match link.parent {
         Some(parent) => {
             assert!(parent < index, "a link comes after its parent");
@@ -44,18 +45,18 @@ mod tests {
             parent: None,
             origin: Pose3::from_angles(DVec3::new(0.1, 0.0, 0.8), 0.0, 0.0, 0.0),
             axis: DVec3::Y,
-            servo: Some(1),
+            joint: Some(1),
         };
         let knee = Link {
             parent: Some(0),
             origin: Pose3::from_angles(DVec3::new(0.0, 0.0, -0.4), 0.0, 0.0, 0.0),
-            servo: Some(0),
+            joint: Some(0),
             ..hip
         };
         let foot = Link {
             parent: Some(1),
             origin: Pose3::from_angles(DVec3::new(0.0, 0.0, -0.3), 0.0, 0.0, 0.0),
-            servo: None,
+            joint: None,
             ..hip
         };
         let links = [hip, knee, foot];

@@ -43,8 +43,10 @@ pub struct Posture<'a> {
     pub world_from_robot: Pose,
     /// Its links, each after its parent.
     pub links: &'a [Link],
-    /// Angles of its servos, rad, in the order that [`Link::servo`] counts.
+    /// Angles of its joints, rad, in the order that [`Link::joint`] counts: servos, then legs.
     pub angles: &'a [f64],
+    /// Height of its frame above the plane z = 0, m: that of the body of a walking robot.
+    pub lift: f64,
 }
 
 /// What a range sensor measures at one instant.
@@ -103,7 +105,7 @@ impl Posture<'_> {
     /// # Panics
     /// As [`link_pose`].
     pub fn world_from(&self, mount: &Pose3, link: Option<usize>) -> Pose3 {
-        let world_from_robot = Pose3::from_planar(&self.world_from_robot, 0.0);
+        let world_from_robot = Pose3::from_planar(&self.world_from_robot, self.lift);
         match link {
             Some(link) => world_from_robot.then(&link_pose(self.links, self.angles, link)).then(mount),
             None => world_from_robot.then(mount),
@@ -134,7 +136,7 @@ impl RangeSensor {
             let origin = posture.world_from_robot.position + forward.rotate(self.mount.position.truncate());
             let direction = forward.rotate(self.mount.forward().truncate());
             let hit = world.cast(by, origin, direction, range, at).map(|hit| hit.distance);
-            let (origin, direction) = (origin.extend(self.mount.position.z), direction.extend(0.0));
+            let (origin, direction) = (origin.extend(self.mount.position.z + posture.lift), direction.extend(0.0));
             let mesh = world.sight_off_plane(by, origin, direction, hit.unwrap_or(range), at);
             return Reading::of_distance(mesh.map(|mesh| mesh.distance).or(hit), noise);
         }

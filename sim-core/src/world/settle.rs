@@ -8,11 +8,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::{World, objects::Objects, track::legs_bounds};
+use super::{World, objects::Objects, track::passages_bounds};
 use crate::{
     RobotId,
     contact::{APPROACH, Body, Obstacle, Path, Rolling, TOUCH, Thing, first_touch},
-    drive::{Leg, Model, Motion, Thrust},
+    drive::{Model, Motion, Passage, Thrust},
     object::{GRAVITY, Pusher, STEP},
     pose::Twist,
     scene::{Bounds, Moving},
@@ -28,7 +28,7 @@ pub(super) struct Truth {
     /// Where each robot is in the list of active motions.
     places: Vec<u32>,
     /// Legs of the active motions.
-    legs: Vec<Vec<Leg>>,
+    passages: Vec<Vec<Passage>>,
     /// Rectangles of the active motions' bodies in the slot.
     bounds: Vec<(RobotId, Bounds)>,
     /// Index of these bounds as they were before any contact was settled.
@@ -85,10 +85,10 @@ impl<'a, 'm> Settling<'a, 'm> {
         let (start, end) = (world.slot_start(), world.slot_end());
         truth.places.clear();
         truth.places.resize(world.tracks.len(), PASSIVE);
-        truth.legs.resize_with(truth.legs.len().max(active.len()), Vec::new);
+        truth.passages.resize_with(truth.passages.len().max(active.len()), Vec::new);
         for (place, motion) in active.iter_mut().enumerate() {
             truth.places[motion.id().index()] = place as u32;
-            motion.legs(start, end, &mut truth.legs[place]);
+            motion.passages(start, end, &mut truth.passages[place]);
         }
         Self {
             truth,
@@ -105,8 +105,9 @@ impl<'a, 'm> Settling<'a, 'm> {
 
     /// Settles all contacts within the slot.
     pub fn run(&mut self, mut objects: Option<&mut Objects>) {
-        let legs = &self.truth.legs[..self.active.len()];
-        let has_contacts = self.world.tracks.len() > 1 && !legs.iter().flatten().all(|leg| leg.path.is_resting());
+        let passages = &self.truth.passages[..self.active.len()];
+        let has_contacts =
+            self.world.tracks.len() > 1 && !passages.iter().flatten().all(|passage| passage.path.is_resting());
         if let Some(objects) = &mut objects {
             objects.skip_to(self.start);
             let active: Vec<_> = self.active.iter().map(|motion| motion.id()).collect();
@@ -300,10 +301,10 @@ impl<'a, 'm> Settling<'a, 'm> {
         self.truth.places[robot.index()] == PASSIVE
     }
 
-    fn legs(&self, robot: RobotId) -> &[Leg] {
+    fn passages(&self, robot: RobotId) -> &[Passage] {
         match self.truth.places[robot.index()] {
-            PASSIVE => self.world.tracks[robot.index()].legs(),
-            place => &self.truth.legs[place as usize],
+            PASSIVE => self.world.tracks[robot.index()].passages(),
+            place => &self.truth.passages[place as usize],
         }
     }
 
@@ -312,7 +313,7 @@ impl<'a, 'm> Settling<'a, 'm> {
     }
 
     fn bounds_of(&self, robot: RobotId) -> Bounds {
-        legs_bounds(self.legs(robot), self.start, self.end).grown(self.radius(robot) + TOUCH)
+        passages_bounds(self.passages(robot), self.start, self.end).grown(self.radius(robot) + TOUCH)
     }
 
     /// Queues the first contact of a pair from `from` seconds on, in place of what was queued for it.
@@ -342,7 +343,7 @@ impl<'a, 'm> Settling<'a, 'm> {
             {
                 return None;
             }
-            // A picosecond at least, so that rounding cannot stop the search at an end of a leg.
+            // A picosecond at least, so that rounding cannot stop the search at an end of a passage.
             let until = until_a.min(until_b).min(span).max(t + 1e-12);
             if let Some(seconds) = first_touch(&disc_a, &disc_b, until - t) {
                 return Some(t + seconds);
@@ -354,19 +355,19 @@ impl<'a, 'm> Settling<'a, 'm> {
 
     /// The motion of a body `t` seconds after the start of the slot, and until when it stays the same.
     fn rolling(&self, robot: RobotId, t: f64) -> (Rolling, f64) {
-        let legs = self.legs(robot);
-        let since = |leg: &Leg| (leg.start - self.start).seconds();
-        let place = legs.iter().rposition(|leg| since(leg) <= t).unwrap_or(0);
-        let leg = &legs[place];
-        let until = legs.get(place + 1).map_or(f64::INFINITY, since);
-        let elapsed = (t - since(leg)).max(0.0);
+        let passages = self.passages(robot);
+        let since = |passage: &Passage| (passage.start - self.start).seconds();
+        let place = passages.iter().rposition(|passage| since(passage) <= t).unwrap_or(0);
+        let passage = &passages[place];
+        let until = passages.get(place + 1).map_or(f64::INFINITY, since);
+        let elapsed = (t - since(passage)).max(0.0);
         let radius = self.radius(robot);
-        if leg.path.is_resting() {
-            (Rolling { path: leg.path, elapsed: 0.0, radius }, until)
-        } else if elapsed >= leg.after {
-            (Rolling { path: Path::resting(leg.path.position(leg.after)), elapsed: 0.0, radius }, until)
+        if passage.path.is_resting() {
+            (Rolling { path: passage.path, elapsed: 0.0, radius }, until)
+        } else if elapsed >= passage.after {
+            (Rolling { path: Path::resting(passage.path.position(passage.after)), elapsed: 0.0, radius }, until)
         } else {
-            (Rolling { path: leg.path, elapsed, radius }, until.min(since(leg) + leg.after))
+            (Rolling { path: passage.path, elapsed, radius }, until.min(since(passage) + passage.after))
         }
     }
 
@@ -407,7 +408,7 @@ impl<'a, 'm> Settling<'a, 'm> {
     /// Takes a motion whose plan from `seconds` into the slot on is new, and queues what its program does after.
     fn replan(&mut self, robot: RobotId, seconds: f64) {
         let place = self.truth.places[robot.index()] as usize;
-        self.active[place].legs(self.start, self.end, &mut self.truth.legs[place]);
+        self.active[place].passages(self.start, self.end, &mut self.truth.passages[place]);
         // What was queued from an earlier change is queued again.
         self.events.retain(|(_, event)| !matches!(event, Event::Input(other, _) if *other == robot));
         let journal = self.active[place].journal();
@@ -430,7 +431,7 @@ impl<'a, 'm> Settling<'a, 'm> {
         let touching = self.touching(robot, at);
         let motion = &mut self.active[place];
         motion.replay(at, input, &touching);
-        motion.legs(self.start, self.end, &mut self.truth.legs[place]);
+        motion.passages(self.start, self.end, &mut self.truth.passages[place]);
         self.queue_input(robot, entry + 1);
         self.revised(robot, instant.seconds());
     }

@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 
 use glam::DVec2;
 
-use super::{Presence, leg_at};
+use super::{Presence, passage_at};
 use crate::{
-    drive::{Leg, Motion},
+    drive::{Motion, Passage},
     pose::Pose,
     scene::Bounds,
     time::Time,
@@ -17,7 +17,7 @@ use crate::{
 struct Publication {
     since: Time,
     /// Never empty; in the order of time.
-    legs: Vec<Leg>,
+    passages: Vec<Passage>,
 }
 
 /// The publications of one robot, and its disc.
@@ -34,15 +34,15 @@ pub(super) struct Track {
     /// The body stays where it is, and has done so for as long as the world remembers.
     is_resting: bool,
     /// Legs that are not in use, for the next publication.
-    spare: Vec<Leg>,
+    spare: Vec<Passage>,
 }
 
 impl Track {
     /// That of a body with this motion, which is public from `from` to `until`.
     pub fn new(motion: &mut Motion, presence: Presence, (from, until): (Time, Time)) -> Self {
-        let mut legs = Vec::new();
-        motion.legs(from, until, &mut legs);
-        let publications = VecDeque::from([Publication { since: Time(i64::MIN), legs }]);
+        let mut passages = Vec::new();
+        motion.passages(from, until, &mut passages);
+        let publications = VecDeque::from([Publication { since: Time(i64::MIN), passages }]);
         Self {
             presence,
             radius: motion.radius(),
@@ -60,42 +60,42 @@ impl Track {
 
     /// Centre of the body at `at`, as it was public at `at`.
     pub fn centre(&self, at: Time) -> DVec2 {
-        self.leg(at).centre(at.min(self.presence.until))
+        self.passage(at).centre(at.min(self.presence.until))
     }
 
     /// Pose of the body at `at`, as it was public at `at`.
     pub fn pose(&self, at: Time) -> Pose {
-        self.leg(at).pose(at.min(self.presence.until))
+        self.passage(at).pose(at.min(self.presence.until))
     }
 
-    /// The leg in force at `at`, as it was public at `at`; of a body that is gone, when it left.
-    fn leg(&self, at: Time) -> &Leg {
+    /// The passage in force at `at`, as it was public at `at`; of a body that is gone, when it left.
+    fn passage(&self, at: Time) -> &Passage {
         let at = at.min(self.presence.until);
         let in_force = self.publications.iter().rposition(|publication| publication.since <= at);
-        leg_at(&self.publications[in_force.unwrap_or(0)].legs, at)
+        passage_at(&self.publications[in_force.unwrap_or(0)].passages, at)
     }
 
-    /// The legs published last.
-    pub fn legs(&self) -> &[Leg] {
-        &self.publications.back().expect("a track has a publication").legs
+    /// The passages published last.
+    pub fn passages(&self) -> &[Passage] {
+        &self.publications.back().expect("a track has a publication").passages
     }
 
     /// Makes public what `motion` plans for the slot from `since` to `until`.
     pub fn publish(&mut self, motion: &mut Motion, since: Time, until: Time) {
-        let mut legs = std::mem::take(&mut self.spare);
-        motion.legs(since, until, &mut legs);
-        if legs == self.legs() {
-            self.spare = legs;
+        let mut passages = std::mem::take(&mut self.spare);
+        motion.passages(since, until, &mut passages);
+        if passages == self.passages() {
+            self.spare = passages;
             return;
         }
         self.is_resting = false;
         let last = self.publications.back_mut().expect("a track has a publication");
-        if self.revision == motion.revision() && legs.len() == 1 && last.legs.len() == 1 {
+        if self.revision == motion.revision() && passages.len() == 1 && last.passages.len() == 1 {
             // The same plan, seen farther ahead: its past is what it was.
-            self.spare = std::mem::replace(&mut last.legs, legs);
+            self.spare = std::mem::replace(&mut last.passages, passages);
         } else {
             self.revision = motion.revision();
-            self.publications.push_back(Publication { since, legs });
+            self.publications.push_back(Publication { since, passages });
         }
     }
 
@@ -124,7 +124,7 @@ impl Track {
             return;
         }
         while self.publications.len() > 1 && self.publications[1].since <= from {
-            self.spare = self.publications.pop_front().expect("more than one publication").legs;
+            self.spare = self.publications.pop_front().expect("more than one publication").passages;
         }
         let mut bounds = Bounds::EMPTY;
         self.is_resting = self.publications.len() == 1 && self.presence.until == Time::NEVER;
@@ -132,22 +132,24 @@ impl Track {
             let next = self.publications.get(index + 1).map_or(to, |next| next.since);
             let (from, to) = (from.max(publication.since), to.min(next));
             if from <= to {
-                bounds = bounds.union(legs_bounds(&publication.legs, from, to));
+                bounds = bounds.union(passages_bounds(&publication.passages, from, to));
             }
-            self.is_resting &=
-                publication.legs.iter().all(|leg| leg.path.is_resting() || leg.elapsed(from) >= leg.after);
+            self.is_resting &= publication
+                .passages
+                .iter()
+                .all(|passage| passage.path.is_resting() || passage.elapsed(from) >= passage.after);
         }
         self.bounds = bounds.grown(self.radius);
     }
 }
 
-/// The rectangle of the centre on `legs` from `from` to `to`.
-pub(super) fn legs_bounds(legs: &[Leg], from: Time, to: Time) -> Bounds {
+/// The rectangle of the centre on `passages` from `from` to `to`.
+pub(super) fn passages_bounds(passages: &[Passage], from: Time, to: Time) -> Bounds {
     let mut bounds = Bounds::EMPTY;
-    for leg in legs {
-        let (from, to) = (from.max(leg.start), to.min(leg.until));
-        if from <= to || leg.start > from && legs.len() == 1 {
-            bounds = bounds.union(leg.path.bounds(leg.elapsed(from), leg.elapsed(to)));
+    for passage in passages {
+        let (from, to) = (from.max(passage.start), to.min(passage.until));
+        if from <= to || passage.start > from && passages.len() == 1 {
+            bounds = bounds.union(passage.path.bounds(passage.elapsed(from), passage.elapsed(to)));
         }
     }
     bounds

@@ -195,7 +195,9 @@ fn sights(robi: &RobiSpec) -> Vec<Sight<'_>> {
 
 /// Where what sits at `mount` on a link, or on the body, is in the robot's frame, the servos in the middle.
 fn frame_of(robi: &RobiSpec, mount: &Pose3, link: Option<usize>) -> Pose3 {
-    let angles: Vec<f64> = robi.all_servos().iter().map(|servo| 0.5 * (servo.swing[0] + servo.swing[1])).collect();
+    let servos = robi.all_servos().into_iter().map(|servo| 0.5 * (servo.swing[0] + servo.swing[1]));
+    let joints = build::legs(robi).map_or_else(Vec::new, |legs| legs.standing_joints());
+    let angles: Vec<f64> = servos.chain(joints).collect();
     let links = build::links(robi);
     Posture { links: &links, angles: &angles, ..Posture::default() }.world_from(mount, link)
 }

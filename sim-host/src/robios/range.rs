@@ -6,6 +6,7 @@
 use sim_core::RobotId;
 use sim_core::build;
 use sim_core::drive::Motion;
+use sim_core::drive::legged::Stance;
 use sim_core::format::{LIDAR, LidarSpec, RobiSpec};
 use sim_core::noise::{Events, Profile, RangeErrors, RangeKind};
 use sim_core::pose::Pose3;
@@ -15,7 +16,7 @@ use sim_core::world::World;
 
 use super::servo::Servos;
 
-/// The range sensors of a robot and the links that they sit on.
+/// The range sensors of a robot and the links that they sit on: those of its legs, then its own.
 #[derive(Clone, Debug, Default)]
 pub struct Ranges {
     sensors: Vec<RangeSensor>,
@@ -104,8 +105,8 @@ impl Ranges {
         let event = Events::index(at, CYCLE);
         let errors = self.errors.as_ref().and_then(|errors| errors.sensors.get(index));
         let Some(sensor) = self.sensors.get(index) else { return NOTHING };
-        let angles = self.angles(sensor.link, servos, at);
-        let posture = Posture { world_from_robot, links: &self.links, angles: &angles };
+        let (angles, lift) = self.angles(sensor.link, servos, motion, at);
+        let posture = Posture { world_from_robot, links: &self.links, angles: &angles, lift };
         let own = errors.map_or(0.0, |(errors, [sigma, mean])| errors.own(event, *sigma, *mean));
         let reading = sensor.read(world, motion.id(), &posture, at, own);
         errors.map_or(reading, |(errors, _)| errors.reading_of(event, at, &sensor.model, reading))
@@ -113,8 +114,10 @@ impl Ranges {
 
     /// Where each sensor looks from at `at`, in the world, and what it would read without errors.
     pub fn sights(&self, servos: &Servos, motion: &mut Motion, world: &World, at: Time) -> Vec<Sight> {
-        let angles = self.all_angles(servos, at);
-        let posture = Posture { world_from_robot: motion.pose(at), links: &self.links, angles: &angles };
+        let stance = motion.stance(at);
+        let angles = self.all_angles(servos, &stance.joints, at);
+        let world_from_robot = motion.pose(at);
+        let posture = Posture { world_from_robot, links: &self.links, angles: &angles, lift: stance.lift };
         let sight = |sensor: &RangeSensor| {
             let Reading { distance, signal } = sensor.read(world, motion.id(), &posture, at, 0.0);
             let world_from_sensor = sensor.world_from_sensor(&posture);
@@ -140,8 +143,8 @@ impl Ranges {
                 (Pose3::from_planar(&planar, scan.height()), distances)
             }
             Scanner::InSpace { scan, mount, link } => {
-                let angles = self.angles(*link, servos, at);
-                let posture = Posture { world_from_robot, links: &self.links, angles: &angles };
+                let (angles, lift) = self.angles(*link, servos, motion, at);
+                let posture = Posture { world_from_robot, links: &self.links, angles: &angles, lift };
                 let world_from_scanner = posture.world_from(mount, *link);
                 let distances = scan.distances_from(world, motion.id(), &world_from_scanner, at);
                 (world_from_scanner, distances)
@@ -165,15 +168,16 @@ impl Ranges {
         (world_from_scanner, exact.into_iter().map(|point| erring.point(point)).collect())
     }
 
-    /// Angles of all servos just before `at`; none where nothing asks for them.
-    fn angles(&self, link: Option<usize>, servos: &Servos, at: Time) -> Vec<f64> {
-        if link.is_some() { self.all_angles(servos, at) } else { Vec::new() }
+    /// Angles of all joints at `at`, rad, none where nothing asks for them; and the height of the robot's frame, m.
+    fn angles(&self, link: Option<usize>, servos: &Servos, motion: &mut Motion, at: Time) -> (Vec<f64>, f64) {
+        let Stance { joints, lift, .. } = motion.stance(at);
+        (if link.is_some() { self.all_angles(servos, &joints, at) } else { Vec::new() }, lift)
     }
 
-    /// Angles of all servos just before `at`, rad.
-    pub fn all_angles(&self, servos: &Servos, at: Time) -> Vec<f64> {
+    /// Angles of all servos just before `at`, then those of the legs, `joints`, rad.
+    pub fn all_angles(&self, servos: &Servos, joints: &[f64], at: Time) -> Vec<f64> {
         let angle = |(index, swing): (usize, &[f64; 2])| servos.angle_before(index, *swing, at);
-        self.swings.iter().enumerate().map(angle).collect()
+        self.swings.iter().enumerate().map(angle).chain(joints.iter().copied()).collect()
     }
 }
 
@@ -182,7 +186,8 @@ impl Scanner {
     pub fn new(spec: &RobiSpec, lidar: &LidarSpec, [sweep, tilt]: [f64; 2], points: u32) -> Self {
         let LidarSpec { mount, range, .. } = lidar;
         let fan = Fan { sweep, points, tilt, height: mount.position.z, range: *range };
-        if mount.is_level() {
+        // A body that walks goes up and down.
+        if mount.is_level() && spec.legs.is_none() {
             return Self::Level(Scan::new(Mount::new(mount.position.x, mount.position.y, mount.yaw), fan));
         }
         let (mount, link) = build::scanner_mount(spec, lidar);

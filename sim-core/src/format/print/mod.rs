@@ -3,6 +3,7 @@
 //! What a form has no place for is listed, not dropped silently. Numbers are the shortest decimals that read back to the same
 //! double; where none does (a place that the arithmetic of a frame has put between them), the nearest is taken.
 
+mod legs;
 mod looks;
 mod maze;
 mod noise;

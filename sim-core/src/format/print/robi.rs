@@ -82,6 +82,7 @@ fn differences(a: &RobiSpec, b: &RobiSpec) -> Vec<String> {
         (a.wheel != b.wheel, "the wheels"),
         (a.drive != b.drive, "the drive"),
         (a.links != b.links, "the links"),
+        (a.legs != b.legs, "the legs"),
         (a.psds != b.psds, "the PSDs"),
         (a.ranges != b.ranges, "the range sensors"),
         (a.surface != b.surface, "the surface"),
@@ -151,6 +152,7 @@ fn head(robi: &RobiSpec) -> String {
         DriveKind::Differential => "DIFFERENTIAL_DRIVE",
         DriveKind::Ackermann => "ACKERMANN_DRIVE",
         DriveKind::Omni => "OMNI_DRIVE",
+        DriveKind::Legged => "LEGGED_DRIVE",
     };
     let mut out = format!("drive {kind}");
     names.for_each(|name| {

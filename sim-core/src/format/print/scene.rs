@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 use serde::Serialize;
 use toml::{Table, Value};
 
+use super::legs::{leg_form, legs_form};
 use super::looks::{light_form, sky_form};
 use super::noise::noise_form;
 use super::number::{degrees, heading, mm, shortest};
@@ -325,6 +326,8 @@ pub(crate) fn robot_type_form(robi: &RobiSpec) -> RobotTypeForm {
         drive: Some(drive_form(robi)),
         surface: sensor::surface_form(robi.surface),
         link: robi.links.iter().map(sensor::link_form).collect(),
+        legs: robi.legs.as_ref().map(legs_form).filter(|form| !form.is_usual()),
+        leg: robi.legs.iter().flat_map(|legs| &legs.legs).map(leg_form).collect(),
         psd: robi.psds.iter().map(psd_form).collect(),
         laser: sensor::echo_forms(&robi.ranges, Echo::LASER, |model| match model {
             RangeModel::Laser(echo) => Some(echo),
@@ -425,6 +428,7 @@ fn drive_form(robi: &RobiSpec) -> DriveForm {
             DriveKind::Differential => DriveKindForm::Differential,
             DriveKind::Ackermann => DriveKindForm::Ackermann,
             DriveKind::Omni => DriveKindForm::Omni,
+            DriveKind::Legged => DriveKindForm::Legged,
         }),
         motor: motor.collect(),
         steering: drive.steering.clone(),

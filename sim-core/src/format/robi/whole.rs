@@ -14,7 +14,7 @@ pub(crate) const WHEELBASE_OF_DIAMETER: f64 = 0.6;
 impl Reader {
     /// Says what the file lacks, and what EyeSim VR would not take.
     pub(super) fn check_whole(&mut self) {
-        if self.wheel.is_none() {
+        if self.wheel.is_none() && self.robi.drive.kind != DriveKind::Legged {
             let wheel = &self.robi.wheel;
             let message = format!(
                 "no `wheel` line: wheels of {} mm, {} ticks a turn, {} mm apart are taken",
@@ -93,7 +93,7 @@ impl Reader {
         let axles = match (drive.kind, self.axles.map(|axle| axle.map(|(place, _)| place))) {
             (DriveKind::Omni, _) => [middle - 0.5 * wheel.track, middle + 0.5 * wheel.track],
             (DriveKind::Ackermann, [driven, steered]) => [driven.unwrap_or(middle), steered.unwrap_or(middle)],
-            (DriveKind::Differential, _) => [middle; 2],
+            (DriveKind::Differential | DriveKind::Legged, _) => [middle; 2],
         };
         let reach = axles.map(|x| math::hypot(x.abs() + 0.5 * wheel.diameter, 0.5 * wheel.track));
         let diameter = (2.0 * reach[0].max(reach[1])).min(MAX_LENGTH);

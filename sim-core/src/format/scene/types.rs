@@ -19,9 +19,9 @@ use crate::format::spec::{
 use crate::format::table::{Reader, Section};
 
 /// Kinds of drives.
-const DRIVES: [&str; 3] = ["differential", "ackermann", "omni"];
+const DRIVES: [&str; 4] = ["differential", "ackermann", "omni", "legged"];
 /// The same in a robi.
-const DRIVE_WORDS: [&str; 3] = ["DIFFERENTIAL_DRIVE", "ACKERMANN_DRIVE", "OMNI_DRIVE"];
+const DRIVE_WORDS: [&str; 4] = ["DIFFERENTIAL_DRIVE", "ACKERMANN_DRIVE", "OMNI_DRIVE", "LEGGED_DRIVE"];
 /// Shapes of colliders.
 const SHAPES: [&str; 4] = ["box", "sphere", "capsule", "cylinder"];
 /// What range sensors in space see of an object.

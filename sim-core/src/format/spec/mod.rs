@@ -3,6 +3,7 @@
 //! Every value in a spec is a finite number within its documented range, whatever the text was.
 
 mod device;
+mod legs;
 mod looks;
 mod mount;
 mod object;
@@ -16,6 +17,7 @@ pub use crate::camera::Lens;
 pub use crate::drive::DriveKind;
 pub use crate::scene::Surface;
 pub use device::*;
+pub use legs::*;
 pub use looks::*;
 pub use mount::*;
 pub use object::*;

@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 
 use super::{
-    BumperSpec, CameraSpec, Collider, CompassSpec, DriveKind, InfraredSpec, InputSpec, JointSpec, LcdSpec, LidarSpec,
-    LinkSpec, ModelSpec, PsdSpec, RangeSpec, SerialSpec, ServoSpec, Surface,
+    BumperSpec, CameraSpec, Collider, CompassSpec, DriveKind, InfraredSpec, InputSpec, JointSpec, LcdSpec, LegsSpec,
+    LidarSpec, LinkSpec, ModelSpec, PsdSpec, RangeSpec, SerialSpec, ServoSpec, Surface,
 };
 
 /// Mass of a robot type that does not say, in kg. Source: our choice.
@@ -96,6 +96,8 @@ pub struct RobiSpec {
     pub centre_of_mass: DVec3,
     /// Coefficient of friction between wheels and floor: what the robot can push with, over its weight.
     pub traction: f64,
+    /// Legs, of a robot with [`DriveKind::Legged`]; `None` where no file describes them.
+    pub legs: Option<LegsSpec>,
     /// Infrared switches.
     pub infrareds: Vec<InfraredSpec>,
     /// Bumpers.

@@ -3,6 +3,7 @@
 //! The reader does not go through them, since it reports all mistakes with their places; tests hold the two together.
 
 mod body;
+mod legs;
 mod looks;
 mod robot;
 mod sensor;
@@ -14,6 +15,7 @@ use serde::Serialize;
 
 use crate::format::noise::form::NoiseForm;
 pub(crate) use body::*;
+pub(crate) use legs::*;
 pub(crate) use looks::*;
 pub(crate) use robot::*;
 pub(crate) use sensor::*;

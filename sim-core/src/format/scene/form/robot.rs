@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{ColliderForm, EchoForm, LinkForm, ModelForm, MountForm, Number, SonarForm, SurfaceForm};
+use super::{
+    ColliderForm, EchoForm, LegForm, LegsForm, LinkForm, ModelForm, MountForm, Number, SonarForm, SurfaceForm,
+};
 
 /// A robot type: a file alone, or all that a `.robi` and its companion can say.
 #[derive(Clone, Debug, Default, Serialize, JsonSchema)]
@@ -53,6 +55,12 @@ pub(crate) struct RobotTypeForm {
     /// Links: parts that sensors sit on.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub(crate) link: Vec<LinkForm>,
+    /// What the legs do; for `kind = "legged"`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) legs: Option<LegsForm>,
+    /// The legs.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub(crate) leg: Vec<LegForm>,
     /// PSD distance sensors.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub(crate) psd: Vec<PsdForm>,
@@ -168,6 +176,8 @@ pub(crate) enum DriveKindForm {
     Ackermann,
     /// Four Mecanum wheels.
     Omni,
+    /// Legs.
+    Legged,
 }
 
 /// A motor with its encoder.

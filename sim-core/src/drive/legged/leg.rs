@@ -1,0 +1,263 @@
+//! One leg: its parts, where its joints put them, and the angles that put its sole on a point.
+
+use std::f64::consts::PI;
+
+use glam::{DVec2, DVec3};
+
+use crate::{math, pose::Pose3, sensor::Link};
+
+/// How far a leg stretches, as a share of thigh and shank in one line: the knee stays bent by 3.6 degrees, or a
+/// millimetre of height would turn it by any angle. Our choice.
+const STRETCH: f64 = 0.9995;
+
+/// Greatest flexion of a knee, rad: 150 degrees. Our choice.
+const MAX_KNEE: f64 = 150.0 / 180.0 * PI;
+
+/// One leg: a thigh that hangs from the hip, a shank that hangs from the knee, and a foot or none.
+///
+/// Its joints are, in this order, `yaw` about z and `roll` about x in the hip (right-handed), `pitch` of the thigh
+/// (positive forwards) in the hip too, `knee` (flexion positive) and with a foot `ankle` (toes up positive). At angles of
+/// 0 it hangs straight down and the foot is level. Without a foot it stands on the tip of its shank.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Leg {
+    /// Its name, `LEFT`: its links are `LEFT.thigh`, `LEFT.shank` and `LEFT.foot`.
+    pub name: String,
+    /// The hip in the robot's frame while the robot stands, m; z is its height above the ground then.
+    pub hip: DVec3,
+    /// Length from hip to knee, m.
+    pub thigh: f64,
+    /// Length from knee to ankle, or to the tip of the leg, m.
+    pub shank: f64,
+    /// Its foot, if it has one.
+    pub foot: Option<Foot>,
+    /// Radius of the wheel on which it rolls instead of stepping, m.
+    pub wheel: Option<f64>,
+}
+
+/// A flat foot, as long as from its heel to its toe and without width.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Foot {
+    /// From the ankle back to the heel, m.
+    pub heel: f64,
+    /// From the ankle ahead to the toe on which it rolls off, m.
+    pub toe: f64,
+    /// Height of the ankle above the sole, m.
+    pub height: f64,
+}
+
+/// Angles of the joints of a leg, rad.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Joints {
+    /// About z.
+    pub yaw: f64,
+    /// About x: positive swings the leg to the left.
+    pub roll: f64,
+    /// Of the thigh: positive swings it forwards.
+    pub pitch: f64,
+    /// Flexion.
+    pub knee: f64,
+    /// Toes up; 0 without a foot.
+    pub ankle: f64,
+}
+
+/// How a sole meets a point: which place of the sole, and how far its toes are up.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sole {
+    /// Place on the sole, m ahead of the ankle.
+    pub ahead: f64,
+    /// Angle of the foot above the level in the plane of the leg, toes up, rad.
+    pub pitch: f64,
+}
+
+/// Parts of a leg that bear sensors, in the order of their links.
+const PARTS: [&str; 3] = ["thigh", "shank", "foot"];
+/// Links of the hip before the thigh: yaw and roll.
+const HIP_LINKS: usize = 2;
+
+impl Leg {
+    /// Number of its joints: 4, or 5 with a foot.
+    pub fn joint_count(&self) -> usize {
+        if self.foot.is_some() { 5 } else { 4 }
+    }
+
+    /// Number of its links, one a joint.
+    pub fn link_count(&self) -> usize {
+        self.joint_count()
+    }
+
+    /// Names of the parts that bear sensors, `thigh`, `shank` and with a foot `foot`, and their places among its links.
+    pub fn parts(&self) -> impl Iterator<Item = (&'static str, usize)> {
+        PARTS.into_iter().zip(HIP_LINKS..self.link_count())
+    }
+
+    /// Its links, one a joint, where `first_link` links stand before them in the robot's list and `first_joint` angles
+    /// before theirs. The frames of thigh, shank and foot have their origins in hip, knee and ankle, and axes parallel to
+    /// the robot's (x forward, y left, z up) while all angles are 0.
+    pub fn links(&self, first_link: usize, first_joint: usize) -> Vec<Link> {
+        let at = |position| Pose3 { position, ..Pose3::IDENTITY };
+        let down = |length: f64| at(DVec3::new(0.0, 0.0, -length));
+        let joints = [
+            (at(self.hip), DVec3::Z),
+            (Pose3::IDENTITY, DVec3::X),
+            (Pose3::IDENTITY, DVec3::NEG_Y),
+            (down(self.thigh), DVec3::Y),
+            (down(self.shank), DVec3::NEG_Y),
+        ];
+        let link = |(index, (origin, axis)): (usize, (Pose3, DVec3))| Link {
+            parent: index.checked_sub(1).map(|before| first_link + before),
+            origin,
+            axis,
+            joint: Some(first_joint + index),
+        };
+        joints.into_iter().enumerate().take(self.link_count()).map(link).collect()
+    }
+
+    /// The heights of the hip at which it can stand with its foot below, the least and the greatest, m.
+    pub fn standing_heights(&self) -> (f64, f64) {
+        let height = self.ankle_above(Sole::default()).y;
+        (height + self.least_reach(), height + self.reach())
+    }
+
+    /// The greatest distance from hip to ankle, m.
+    pub fn reach(&self) -> f64 {
+        STRETCH * (self.thigh + self.shank)
+    }
+
+    /// The least distance from hip to ankle, m.
+    fn least_reach(&self) -> f64 {
+        let (thigh, shank) = (self.thigh, self.shank);
+        (thigh * thigh + shank * shank + 2.0 * thigh * shank * math::cos(MAX_KNEE)).max(0.0).sqrt()
+    }
+
+    /// From the point of the sole that is met to the ankle, ahead and up in the plane of the leg, m.
+    fn ankle_above(&self, sole: Sole) -> DVec2 {
+        let height = self.foot.map(|foot| foot.height).or(self.wheel).unwrap_or(0.0);
+        let (sin, cos) = math::sin_cos(sole.pitch);
+        DVec2::new(-sole.ahead * cos - height * sin, -sole.ahead * sin + height * cos)
+    }
+
+    /// The greatest height of the hip above a point that it reaches with its sole, the point lying `offset` from the hip in
+    /// the plane, ahead and left of a leg that is turned as the sole is; `None` for a point that is too far away for any.
+    pub fn greatest_height(&self, offset: DVec2, sole: Sole) -> Option<f64> {
+        let above = self.ankle_above(sole);
+        let root = |square: f64| (square >= 0.0).then(|| square.sqrt());
+        let ahead = offset.x + above.x;
+        let depth = above.y + root(self.reach() * self.reach() - ahead * ahead)?;
+        root(depth * depth - offset.y * offset.y).filter(|_| depth > 0.0)
+    }
+
+    /// The angles that put the sole on a point, `hip_to_point` in the robot's axes, with the foot turned by `yaw` to the
+    /// robot; the nearest ones for a point out of reach.
+    ///
+    /// Yaw given, roll turns the plane of the leg through the point, and two links reach the ankle in it: closed form.
+    pub fn joints(&self, hip_to_point: DVec3, yaw: f64, sole: Sole) -> Joints {
+        let (sin, cos) = math::sin_cos(yaw);
+        let ahead = cos * hip_to_point.x + sin * hip_to_point.y;
+        let left = cos * hip_to_point.y - sin * hip_to_point.x;
+        let roll = math::atan2(left, -hip_to_point.z);
+        let depth = math::hypot(left, hip_to_point.z);
+        let ankle = DVec2::new(ahead, -depth) + self.ankle_above(sole);
+        let distance = math::hypot(ankle.x, ankle.y).clamp(self.least_reach(), self.reach());
+        let (thigh, shank) = (self.thigh, self.shank);
+        let cos_knee = ((distance * distance - thigh * thigh - shank * shank) / (2.0 * thigh * shank)).clamp(-1.0, 1.0);
+        let sin_knee = (1.0 - cos_knee * cos_knee).max(0.0).sqrt();
+        let knee = math::atan2(sin_knee, cos_knee);
+        let pitch = math::atan2(ankle.x, -ankle.y) + math::atan2(shank * sin_knee, thigh + shank * cos_knee);
+        let ankle = if self.foot.is_some() { sole.pitch - pitch + knee } else { 0.0 };
+        Joints { yaw, roll, pitch, knee, ankle }
+    }
+}
+
+impl Joints {
+    /// In the order of the joints.
+    pub fn to_array(self) -> [f64; 5] {
+        [self.yaw, self.roll, self.pitch, self.knee, self.ankle]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensor::link_pose;
+
+    fn leg(foot: Option<Foot>) -> Leg {
+        Leg { name: "LEFT".to_owned(), hip: DVec3::new(0.1, 0.2, 0.8), thigh: 0.4, shank: 0.5, foot, wheel: None }
+    }
+
+    const FOOT: Foot = Foot { heel: 0.05, toe: 0.15, height: 0.08 };
+
+    /// Where the place `ahead` on the sole is, in the robot's frame.
+    fn met(leg: &Leg, joints: Joints, ahead: f64) -> DVec3 {
+        let links = leg.links(0, 0);
+        let (index, point) = match leg.foot {
+            Some(foot) => (4, DVec3::new(ahead, 0.0, -foot.height)),
+            None => (3, DVec3::new(0.0, 0.0, -leg.shank)),
+        };
+        link_pose(&links, &joints.to_array(), index).transform_point(point)
+    }
+
+    #[test]
+    fn a_bent_leg_ends_where_trigonometry_says() {
+        let leg = leg(None);
+        // Thigh level ahead, knee at a right angle: the tip is below the knee.
+        let joints = Joints { pitch: PI / 2.0, knee: PI / 2.0, ..Joints::default() };
+        assert!((met(&leg, joints, 0.0) - DVec3::new(0.5, 0.2, 0.3)).length() < 1e-15);
+        // A straight leg to the left, level.
+        let joints = Joints { roll: PI / 2.0, ..Joints::default() };
+        assert!((met(&leg, joints, 0.0) - DVec3::new(0.1, 1.1, 0.8)).length() < 1e-15);
+        // Turned to the left, ahead is left.
+        let joints = Joints { yaw: PI / 2.0, pitch: PI / 2.0, ..Joints::default() };
+        assert!((met(&leg, joints, 0.0) - DVec3::new(0.1, 1.1, 0.8)).length() < 1e-15);
+    }
+
+    #[test]
+    fn a_sole_meets_the_point_that_it_shall() {
+        for foot in [None, Some(FOOT)] {
+            let leg = leg(foot);
+            for ahead in [-0.05, 0.0, 0.15] {
+                for (x, y, z) in [(0.0, 0.0, -0.8), (0.2, -0.1, -0.7), (-0.3, 0.2, -0.55)] {
+                    for (yaw, pitch) in [(0.0, 0.0), (0.4, -0.6), (-0.8, 0.3)] {
+                        let sole = Sole { ahead: if foot.is_some() { ahead } else { 0.0 }, pitch };
+                        let to_point = DVec3::new(x, y, z);
+                        let joints = leg.joints(to_point, yaw, sole);
+                        let found = met(&leg, joints, ahead);
+                        assert!((found - leg.hip - to_point).length() < 1e-12, "{to_point} {yaw} {sole:?}: {found}");
+                        if foot.is_some() {
+                            let tilt = joints.pitch - joints.knee + joints.ankle;
+                            assert!((tilt - pitch).abs() < 1e-15);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn angles_come_back_from_the_point_that_they_give() {
+        let leg = leg(Some(FOOT));
+        for joints in [
+            Joints { yaw: 0.2, roll: -0.1, pitch: 0.5, knee: 0.7, ankle: 0.1 },
+            Joints { yaw: -0.4, roll: 0.3, pitch: -0.3, knee: 0.2, ankle: -0.4 },
+        ] {
+            let pitch = joints.pitch - joints.knee + joints.ankle;
+            let point = met(&leg, joints, 0.15);
+            let found = leg.joints(point - leg.hip, joints.yaw, Sole { ahead: 0.15, pitch });
+            for (found, given) in found.to_array().into_iter().zip(joints.to_array()) {
+                assert!((found - given).abs() < 1e-14, "{found} {given}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_greatest_height_is_where_the_leg_is_stretched() {
+        let leg = leg(Some(FOOT));
+        let (offset, sole) = (DVec2::new(0.3, -0.2), Sole { ahead: 0.15, pitch: -0.5 });
+        let height = leg.greatest_height(offset, sole).expect("within reach");
+        let knee = leg.joints(offset.extend(-height), 0.0, sole).knee;
+        // Hip to ankle is 0.9995 * 0.9 m: the law of cosines.
+        let cosine = ((0.9995f64 * 0.9).powi(2) - 0.16 - 0.25) / 0.4;
+        assert!((math::cos(knee) - cosine).abs() < 1e-12, "{knee}");
+        assert_eq!(leg.greatest_height(DVec2::new(1.2, 0.0), sole), None);
+        assert_eq!(leg.greatest_height(DVec2::new(0.0, 1.2), sole), None);
+    }
+}

@@ -1,0 +1,214 @@
+//! Legs: bodies that walk.
+//!
+//! Kinematic, without forces. A legged robot's planar motion is that of any robot, a chain of pieces from its commands; its
+//! feet, its joints and the height of its body are functions of that motion and of virtual time, so they too are exact for
+//! every slot length. See docs/legged.md.
+
+mod gait;
+mod glide;
+mod leg;
+mod walk;
+
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+
+use super::motion::Motion;
+use crate::{math, pose::Twist, scene::Ground, sensor::Link, time::Time};
+pub use gait::Gait;
+pub use leg::{Foot, Joints, Leg, Sole};
+pub(in crate::drive) use walk::{Course, Walk};
+
+/// The legs of a robot and the gaits that they know.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Legs {
+    /// Its legs.
+    pub legs: Vec<Leg>,
+    /// Its gaits, the first is the one that it starts with; at least one.
+    pub gaits: Vec<Gait>,
+    /// How high a foot is lifted over the higher of the places that it steps from and to, m, until something else is commanded.
+    pub step_height: f64,
+}
+
+/// What a robot's program tells its legs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LegCommand {
+    /// Walk in this gait, counted from 0: feet in the air come down as planned.
+    Gait(usize),
+    /// How high a foot is lifted over the higher of the places that it steps from and to, m.
+    StepHeight(f64),
+    /// Shifts where a foot comes down, from the next instant of decision on and until it is told otherwise.
+    Correct {
+        /// Which leg, counted from 0.
+        leg: usize,
+        /// Shift of the place in the robot's frame (x forward, y left), m.
+        shift: DVec2,
+        /// Additional height of the foot in the air, m.
+        lift: f64,
+    },
+}
+
+/// Why legs refused a command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum LegCommandError {
+    /// The robot has none.
+    #[error("the robot has no legs")]
+    NoLegs,
+    /// There is no gait of this number.
+    #[error("the robot has no such gait, accepted: less than {gaits}")]
+    NoGait {
+        /// Number of its gaits.
+        gaits: usize,
+    },
+    /// There is no leg of this number.
+    #[error("the robot has no such leg, accepted: less than {legs}")]
+    NoLeg {
+        /// Number of its legs.
+        legs: usize,
+    },
+    /// A height or a shift that no leg can do.
+    #[error("a length is not one that a leg can do, accepted: finite values within its reach, heights of 0 or more")]
+    Length,
+}
+
+/// How a legged robot holds itself at an instant.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stance {
+    /// Height of the robot's frame above the plane z = 0, m: 0 for one that stands on the floor.
+    pub lift: f64,
+    /// Angles of all joints, leg by leg, rad: see [`Leg`].
+    pub joints: Vec<f64>,
+    /// Its feet.
+    pub feet: Vec<FootState>,
+}
+
+/// Where a foot is at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FootState {
+    /// The point of its sole that is nearest to where it stands or will: in the world, m.
+    pub point: DVec3,
+    /// Which place of the sole that is.
+    pub sole: Sole,
+    /// Where its toes point, rad counter-clockwise from the world's x axis.
+    pub heading: f64,
+    /// Whether it is on the ground.
+    pub is_down: bool,
+}
+
+/// A foot that has come down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footfall {
+    /// When.
+    pub time: Time,
+    /// Which leg, counted from 0.
+    pub leg: usize,
+    /// Where it stands: the tip of the leg, or the point of the sole under the ankle; in the world, m.
+    pub point: DVec3,
+}
+
+impl Legs {
+    /// Number of joints of all legs.
+    pub fn joint_count(&self) -> usize {
+        self.legs.iter().map(Leg::joint_count).sum()
+    }
+
+    /// The links of all legs, where `first_link` links and `first_joint` angles stand before theirs.
+    pub fn links(&self, mut first_link: usize, mut first_joint: usize) -> Vec<Link> {
+        let mut links = Vec::new();
+        for leg in &self.legs {
+            links.extend(leg.links(first_link, first_joint));
+            first_link += leg.link_count();
+            first_joint += leg.joint_count();
+        }
+        links
+    }
+
+    /// Angles of all joints of a robot that stands, leg by leg, rad.
+    pub fn standing_joints(&self) -> Vec<f64> {
+        let of_leg = |leg: &Leg| {
+            let joints = leg.joints(DVec3::new(0.0, 0.0, -leg.hip.z), 0.0, Sole::default());
+            joints.to_array().into_iter().take(leg.joint_count())
+        };
+        self.legs.iter().flat_map(of_leg).collect()
+    }
+
+    /// How far a foot may be from its place under the hip while it stands, m: the leg reaches that with the hip lowered by a
+    /// sixth. Our choice.
+    pub fn excursion(&self) -> f64 {
+        let of_leg = |leg: &Leg| {
+            let ankle = leg.foot.map_or(0.0, |foot| foot.height);
+            let depth = 5.0 / 6.0 * leg.hip.z - ankle;
+            (leg.reach() * leg.reach() - depth * depth).max(0.0).sqrt()
+        };
+        self.legs.iter().filter(|leg| leg.wheel.is_none()).map(of_leg).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The greatest speed at which no foot is left behind in a gait, m/s: a foot goes from one end of four fifths of its
+    /// excursion to the other while it stands. Our choice.
+    pub fn greatest_speed(&self, gait: &Gait) -> f64 {
+        2.0 * 0.8 * self.excursion() / (gait.duty * gait.period.seconds())
+    }
+
+    /// The greatest turning speed at which no foot is left behind in a gait, rad/s.
+    pub fn greatest_turn(&self, gait: &Gait) -> f64 {
+        let radius = self.legs.iter().map(|leg| math::hypot(leg.hip.x, leg.hip.y)).fold(0.0, f64::max);
+        // A foot does not turn by more than 45 degrees to either side either.
+        let by_angle = std::f64::consts::FRAC_PI_2 / (gait.duty * gait.period.seconds());
+        by_angle.min(self.greatest_speed(gait) / radius)
+    }
+
+    /// `twist` slowed down as a whole to what the legs can do in a gait.
+    pub fn clamp_twist(&self, twist: Twist, gait: &Gait) -> Twist {
+        let excess = twist.speed() / self.greatest_speed(gait) + twist.omega.abs() / self.greatest_turn(gait);
+        if excess > 1.0 { twist.scaled(1.0 / excess) } else { twist }
+    }
+}
+
+impl Motion {
+    /// This motion, not yet commanded, of a robot that walks on `ground` with `legs`.
+    pub fn with_legs(mut self, legs: Arc<Legs>, ground: Arc<Ground>) -> Self {
+        self.walk = Some(Box::new(Walk::new(legs, ground)));
+        self
+    }
+
+    /// The robot's legs, if it has any.
+    pub fn legs(&self) -> Option<&Legs> {
+        self.walk.as_ref().map(|walk| walk.legs())
+    }
+
+    /// The gait in force at `at`, counted from 0; 0 without legs.
+    pub fn gait(&self, at: Time) -> usize {
+        self.walk.as_ref().map_or(0, |walk| walk.orders_at(at).gait)
+    }
+
+    /// Tells the legs something at `at`, not before the command before.
+    ///
+    /// # Errors
+    /// A [`LegCommandError`] for what these legs cannot do; nothing changes then.
+    pub fn command_legs(&mut self, at: Time, command: LegCommand) -> Result<(), LegCommandError> {
+        let walk = self.walk.as_mut().ok_or(LegCommandError::NoLegs)?;
+        walk.command(at, command)
+    }
+
+    /// Feet, joints and height of the body at `at`; for a robot without legs nothing and 0.
+    pub fn stance(&mut self, at: Time) -> Stance {
+        let Some(mut walk) = self.walk.take() else { return Stance::default() };
+        let world_from_robot = self.pose(at);
+        let stance = walk.stance(self, at, &world_from_robot);
+        self.walk = Some(walk);
+        stance
+    }
+
+    /// Height of the robot's frame above the plane z = 0 at `at`, m; 0 without legs.
+    pub fn lift(&mut self, at: Time) -> f64 {
+        self.stance(at).lift
+    }
+
+    /// The feet that have come down before `until`, since this was asked last; in the order of time, then of legs.
+    pub fn take_footfalls(&mut self, until: Time) -> Vec<Footfall> {
+        let Some(mut walk) = self.walk.take() else { return Vec::new() };
+        let footfalls = walk.take_footfalls(self, until);
+        self.walk = Some(walk);
+        footfalls
+    }
+}
