@@ -1,85 +1,15 @@
 //! The events of a run, in one list from which enum, kinds, JSON names and the check of `docs/trace.md` come.
 
+mod field;
+mod line;
+mod set;
+
 use serde::ser::SerializeMap;
-use serde::{Deserialize, Serialize, Serializer};
-use sim_core::RobotId;
-use sim_core::time::Time;
-use sim_view::protocol::Action;
+use serde::{Deserialize, Serialize};
 
-/// How a robot's program stands at the end of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Outcome {
-    /// The program ended by itself with exit code 0.
-    Finished,
-    /// The run's time was over while the program ran.
-    Running,
-    /// The program waits for something that cannot come any more.
-    Waiting,
-    /// The user ended the run.
-    Interrupted,
-    /// The program panicked, faulted, could not be loaded or ended with another exit code than 0.
-    Failed,
-    /// The program computed for too long without a RoBIOS call.
-    Timeout,
-    /// The robot has no program: it only stands there.
-    NoProgram,
-    /// The robot was taken out of the world before its program ended.
-    Removed,
-}
-
-impl Outcome {
-    /// The word of the report and the trace, such as `finished`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Finished => "finished",
-            Self::Running => "running",
-            Self::Waiting => "waiting",
-            Self::Interrupted => "interrupted",
-            Self::Failed => "failed",
-            Self::Timeout => "timeout",
-            Self::NoProgram => "no_program",
-            Self::Removed => "removed",
-        }
-    }
-
-    /// True where the program is to blame, so that the run's exit code is 1.
-    pub fn is_failure(self) -> bool {
-        matches!(self, Self::Waiting | Self::Failed | Self::Timeout)
-    }
-}
-
-/// What a robot touched.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Obstacle {
-    /// A wall or another thing that never moves.
-    Wall,
-    /// The robot with this number.
-    Robot(u32),
-    /// The movable object with this number.
-    Object(u32),
-}
-
-/// An [`Action`] as JSON text: the text itself in the canonical form, the object in the trace.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-pub struct ActionText<'a>(pub &'a str);
-
-impl ActionText<'_> {
-    /// The action; none if the text is not one.
-    pub fn action(self) -> Option<Action> {
-        serde_json::from_str(self.0).ok()
-    }
-}
-
-impl Serialize for ActionText<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.action().filter(|_| serializer.is_human_readable()) {
-            Some(action) => action.serialize(serializer),
-            None => serializer.serialize_newtype_struct("ActionText", self.0),
-        }
-    }
-}
+pub use field::{ActionText, Numbers, Obstacle, Outcome};
+pub use line::{Record, WORLD};
+pub use set::KindSet;
 
 /// Defines [`Event`] and what depends on the list of its variants.
 macro_rules! events {
@@ -477,6 +407,99 @@ events! {
         #[serde(borrow)]
         action: ActionText<'a>,
     }
+    /// Command: walk in another gait.
+    Gait = "gait" {
+        /// Its number, from 1.
+        gait: u32,
+        /// Its name.
+        name: &'a str,
+    }
+    /// Command: walk at these speeds until further notice.
+    LegSpeed = "leg_speed" {
+        /// Forward speed, m/s.
+        vx_m_per_s: f64,
+        /// Speed to the left, m/s.
+        vy_m_per_s: f64,
+        /// Turning speed, rad/s.
+        omega_rad_per_s: f64,
+    }
+    /// Command: lift the feet this high.
+    StepHeight = "step_height" {
+        /// m
+        height_m: f64,
+    }
+    /// Command: move where a leg treads.
+    LegCorrection = "leg_correction" {
+        /// Name of the leg.
+        leg: &'a str,
+        /// Forward, m.
+        dx_m: f64,
+        /// To the left, m.
+        dy_m: f64,
+        /// How much higher its foot is lifted, m.
+        dz_m: f64,
+    }
+    /// The angle of a joint is read.
+    Joint = "joint" {
+        /// Name of leg and joint.
+        joint: &'a str,
+        /// rad
+        angle_rad: f64,
+    }
+    /// The pose of a link in the body's frame is read.
+    Link = "link" {
+        /// Name of leg and link.
+        link: &'a str,
+        /// m
+        x_m: f64,
+        /// m
+        y_m: f64,
+        /// m
+        z_m: f64,
+        /// rad
+        roll_rad: f64,
+        /// rad
+        pitch_rad: f64,
+        /// rad
+        yaw_rad: f64,
+    }
+    /// The height of the body is read.
+    BodyHeight = "body_height" {
+        /// m
+        height_m: f64,
+    }
+    /// How a legged robot holds itself at the end of a slot, where that has changed.
+    Posture = "posture" {
+        /// How high the body's frame is above the plane of the floor, m.
+        lift_m: f64,
+        /// Angles of all joints, leg by leg, rad.
+        #[serde(borrow)]
+        joints_rad: Numbers<'a>,
+    }
+    /// A foot comes down.
+    Footfall = "footfall" {
+        /// Name of the leg.
+        leg: &'a str,
+        /// Where it treads, m.
+        x_m: f64,
+        /// m
+        y_m: f64,
+        /// m
+        z_m: f64,
+    }
+    /// A part of a legged robot begins to touch something with which it must not.
+    Touch = "touch" {
+        /// Name of leg and link, or `body`.
+        part: &'a str,
+        /// What it touches.
+        with: Obstacle,
+        /// Point of contact, m.
+        x_m: f64,
+        /// m
+        y_m: f64,
+        /// m
+        z_m: f64,
+    }
     /// The program writes a line to its standard error. A note.
     Stderr = "stderr" {
         /// The line without its end.
@@ -518,82 +541,6 @@ impl Kind {
     pub fn is_note(self) -> bool {
         matches!(self, Self::Stderr | Self::Fault | Self::Reason | Self::Hint | Self::Call)
     }
-
-    /// The set that holds this kind alone.
-    pub fn set(self) -> KindSet {
-        KindSet(1 << self as u8)
-    }
-}
-
-// A `KindSet` has a bit for each kind, and the kind's number must be one byte in postcard's varint form.
-const _: () = assert!(Kind::ALL.len() <= 64);
-
-/// A set of kinds of events.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct KindSet(u64);
-
-impl KindSet {
-    /// No kind.
-    pub const NONE: Self = Self(0);
-    /// Every kind.
-    pub const ALL: Self = Self(u64::MAX);
-
-    /// The set of these kinds.
-    pub fn of(kinds: &[Kind]) -> Self {
-        kinds.iter().fold(Self::NONE, |set, kind| set.union(kind.set()))
-    }
-
-    /// What is in either set.
-    pub fn union(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-
-    /// This set without `kind`.
-    pub fn without(self, kind: Kind) -> Self {
-        Self(self.0 & !kind.set().0)
-    }
-
-    /// True when the sets share a kind.
-    pub fn intersects(self, other: Self) -> bool {
-        self.0 & other.0 != 0
-    }
-
-    /// True when `kind` is in the set.
-    pub fn contains(self, kind: Kind) -> bool {
-        self.intersects(kind.set())
-    }
-}
-
-/// Stands in place of a robot for what belongs to the world: its journal comes before those of all robots.
-pub const WORLD: RobotId = RobotId(0);
-
-/// An event with its virtual time and its robot. Serialises to a line of the trace.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Record<'a> {
-    /// Virtual time of the robot.
-    pub time: Time,
-    /// Whose event; [`WORLD`] for that of no robot.
-    pub robot: RobotId,
-    /// Number of the event among its robot's, from 0; none for a note.
-    pub sequence: Option<u64>,
-    /// What happened.
-    pub event: Event<'a>,
-}
-
-impl Serialize for Record<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("t_s", &self.time.seconds())?;
-        if self.robot != WORLD {
-            map.serialize_entry("robot", &self.robot.0)?;
-        }
-        if let Some(sequence) = self.sequence {
-            map.serialize_entry("seq", &sequence)?;
-        }
-        map.serialize_entry("event", self.event.kind().name())?;
-        self.event.serialize_fields(&mut map)?;
-        map.end()
-    }
 }
 
 #[cfg(test)]
@@ -620,14 +567,5 @@ mod tests {
         for (number, kind) in Kind::ALL.iter().enumerate() {
             assert_eq!(*kind as usize, number);
         }
-    }
-
-    #[test]
-    fn sets_know_their_kinds() {
-        let set = KindSet::of(&[Kind::Pose, Kind::Contact]);
-        assert!(set.contains(Kind::Pose) && set.contains(Kind::Contact) && !set.contains(Kind::Call));
-        assert!(!set.without(Kind::Pose).contains(Kind::Pose));
-        assert!(!set.intersects(Kind::Hint.set()));
-        assert!(Kind::ALL.iter().all(|kind| KindSet::ALL.contains(*kind)));
     }
 }

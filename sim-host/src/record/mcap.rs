@@ -334,6 +334,7 @@ impl Sink for Mcap {
             Some(Content::Reading) => "/readings",
             Some(Content::Command) => "/commands",
             Some(Content::Contact) => "/contacts",
+            Some(Content::Walk) => "/walk",
             Some(Content::Radio) => "/radio",
             Some(Content::Intervention) => "/interventions",
             _ => return Ok(()),
@@ -565,6 +566,7 @@ mod tests {
                 "/robot/1/radio",
                 "/robot/1/readings",
                 "/robot/1/scan",
+                "/robot/1/walk",
                 "/scene",
                 "/tf",
             ]

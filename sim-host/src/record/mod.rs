@@ -19,7 +19,7 @@ pub mod trace;
 pub mod trail;
 
 pub use digest::Digest;
-pub use event::{ActionText, Event, Kind, Obstacle, Outcome, Record};
+pub use event::{ActionText, Event, Kind, Numbers, Obstacle, Outcome, Record};
 pub use journal::Journal;
 pub use log::Log;
 pub use mcap::Mcap;

@@ -143,7 +143,7 @@ pub(super) mod tests {
     use sim_core::RobotId;
 
     use super::*;
-    use crate::record::event::{ActionText, Event, Obstacle, Outcome};
+    use crate::record::event::{ActionText, Event, Numbers, Obstacle, Outcome};
     use crate::record::{Journal, Recorder};
 
     /// Memory that tests can look at while the trace writes to it.
@@ -176,6 +176,9 @@ pub(super) mod tests {
             inputs: vec![Input::new(Path::new("a.sim"), b"robi eve.robi")],
         }
     }
+
+    /// Angles of two joints.
+    const JOINTS: [[u8; 8]; 2] = [0.5_f64.to_le_bytes(), (-0.25_f64).to_le_bytes()];
 
     /// One event of each kind.
     pub(in crate::record) fn every_event() -> Vec<Event<'static>> {
@@ -230,6 +233,24 @@ pub(super) mod tests {
             Event::RadioLost { from: 2, message: 8, arrived_s: 0.002, cause: "packet" },
             Event::RadioReceived { from: 2, message: 7, data: &[65] },
             Event::Intervention { action: ActionText(r#"{"do":"press","robot":1,"key":"KEY1"}"#) },
+            Event::Gait { gait: 2, name: "trot" },
+            Event::LegSpeed { vx_m_per_s: 0.2, vy_m_per_s: -0.1, omega_rad_per_s: 0.5 },
+            Event::StepHeight { height_m: 0.05 },
+            Event::LegCorrection { leg: "LEFT", dx_m: 0.02, dy_m: 0.0, dz_m: 0.01 },
+            Event::Joint { joint: "LEFT.knee", angle_rad: 0.5 },
+            Event::Link {
+                link: "LEFT.shank",
+                x_m: 0.1,
+                y_m: 0.2,
+                z_m: -0.4,
+                roll_rad: 0.0,
+                pitch_rad: -0.5,
+                yaw_rad: 0.0,
+            },
+            Event::BodyHeight { height_m: -0.01 },
+            Event::Posture { lift_m: -0.01, joints_rad: Numbers::new(&JOINTS) },
+            Event::Footfall { leg: "LEFT", x_m: 1.5, y_m: 0.25, z_m: 0.0 },
+            Event::Touch { part: "LEFT.shank", with: Obstacle::Terrain, x_m: 1.5, y_m: 0.25, z_m: 0.1 },
             Event::Stderr { text: "thread main panicked" },
             Event::Fault { what: "SIGSEGV", location: "maze.c:88", last_call: "KEYGet" },
             Event::Reason { text: "fault" },

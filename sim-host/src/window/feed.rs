@@ -74,6 +74,25 @@ impl Feed {
                 keep("commanded speed", v_m_per_s, "m/s");
                 keep("commanded turning speed", omega_rad_per_s, "rad/s");
             }
+            Event::LegSpeed { vx_m_per_s, vy_m_per_s, omega_rad_per_s } => {
+                keep("commanded speed", vx_m_per_s, "m/s");
+                keep("commanded speed to the left", vy_m_per_s, "m/s");
+                keep("commanded turning speed", omega_rad_per_s, "rad/s");
+            }
+            Event::Gait { gait, .. } => keep("commanded gait", gait.into(), ""),
+            Event::StepHeight { height_m } => keep("commanded step height", height_m, "m"),
+            Event::LegCorrection { leg, dx_m, dy_m, dz_m } => {
+                keep(&format!("{leg} correction x"), dx_m, "m");
+                keep(&format!("{leg} correction y"), dy_m, "m");
+                keep(&format!("{leg} correction z"), dz_m, "m");
+            }
+            Event::Joint { joint, angle_rad } => keep(joint, angle_rad, "rad"),
+            Event::Link { link, x_m, y_m, z_m, .. } => {
+                keep(&format!("{link} x"), x_m, "m");
+                keep(&format!("{link} y"), y_m, "m");
+                keep(&format!("{link} z"), z_m, "m");
+            }
+            Event::BodyHeight { height_m } => keep("body height", height_m, "m"),
             Event::Odometry { x_m, y_m, phi_rad } => {
                 keep("odometry x", x_m, "m");
                 keep("odometry y", y_m, "m");
@@ -95,7 +114,7 @@ impl Feed {
 }
 
 /// Kinds of which pages are told by the last value alone.
-const READINGS: [Kind; 12] = [
+const READINGS: [Kind; 19] = [
     Kind::Distance,
     Kind::Angle,
     Kind::Reading,
@@ -108,10 +127,18 @@ const READINGS: [Kind; 12] = [
     Kind::OdometrySpeed,
     Kind::Scan,
     Kind::Frame,
+    Kind::LegSpeed,
+    Kind::Gait,
+    Kind::StepHeight,
+    Kind::LegCorrection,
+    Kind::Joint,
+    Kind::Link,
+    Kind::BodyHeight,
 ];
 
 /// Kinds that the scene and the display show.
-const SHOWN: [Kind; 5] = [Kind::Pose, Kind::Object, Kind::LcdText, Kind::LcdClear, Kind::LcdGraphics];
+const SHOWN: [Kind; 7] =
+    [Kind::Pose, Kind::Object, Kind::LcdText, Kind::LcdClear, Kind::LcdGraphics, Kind::Posture, Kind::Footfall];
 
 /// True for kinds that pages are told one by one.
 pub fn is_told(kind: Kind) -> bool {
@@ -189,6 +216,7 @@ impl Fields<'_> {
         match (with["robot"].as_u64(), with["object"].as_u64()) {
             (Some(robot), _) => format!("r{robot}"),
             (_, Some(object)) => format!("object {object}"),
+            _ if with == "terrain" => "the ground".to_owned(),
             _ => "a wall".to_owned(),
         }
     }
@@ -206,6 +234,10 @@ fn words(kind: &str, fields: &Fields<'_>) -> String {
             None => format!("its program ends: {}", text("outcome")),
         },
         "contact" => format!("touches {} at {}", fields.obstacle(), fields.place()),
+        "touch" => {
+            let place = format!("{} {:.3} m above the floor", fields.place(), number("z_m"));
+            format!("touches {} with its {} at {place}", fields.obstacle(), text("part"))
+        }
         "drive_straight" => {
             format!("is to drive {:.3} m straight at {:.3} m/s", number("distance_m"), number("v_m_per_s"))
         }
@@ -326,6 +358,9 @@ mod tests {
         let contact = |with| Event::Contact { at_s: 1.0, with, x_m: 0.5, y_m: 1.25 };
         assert_eq!(words(contact(Obstacle::Wall)), "touches a wall at (0.500 m, 1.250 m)");
         assert_eq!(words(contact(Obstacle::Robot(3))), "touches r3 at (0.500 m, 1.250 m)");
+        let touch = Event::Touch { part: "LEFT.shank", with: Obstacle::Terrain, x_m: 0.5, y_m: 1.25, z_m: 0.1 };
+        let place = "(0.500 m, 1.250 m) 0.100 m above the floor";
+        assert_eq!(words(touch), format!("touches the ground with its LEFT.shank at {place}"));
         let sent = Event::RadioSent { message: 4, to: None, begins_s: None, data: &[1, 2] };
         assert_eq!(words(sent), "sends message 4 to all, 2 bytes");
         let press = ActionText(r#"{"do":"press","robot":1,"key":"KEY1"}"#);

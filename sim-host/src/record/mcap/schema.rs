@@ -23,6 +23,8 @@ pub enum Content {
     Command,
     /// What bodies touch.
     Contact,
+    /// How legs stand, and where they tread.
+    Walk,
     /// Messages by radio.
     Radio,
     /// What is done to the world from outside.
@@ -32,7 +34,7 @@ pub enum Content {
 impl Content {
     /// All of them.
     #[cfg(test)]
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Scene,
         Self::Transforms,
         Self::Scan,
@@ -41,6 +43,7 @@ impl Content {
         Self::Reading,
         Self::Command,
         Self::Contact,
+        Self::Walk,
         Self::Radio,
         Self::Intervention,
     ];
@@ -56,6 +59,7 @@ impl Content {
             Self::Reading => "eyesim.Reading",
             Self::Command => "eyesim.Command",
             Self::Contact => "eyesim.Contact",
+            Self::Walk => "eyesim.Walk",
             Self::Radio => "eyesim.Radio",
             Self::Intervention => "eyesim.Intervention",
         }
@@ -66,13 +70,15 @@ impl Content {
         use Kind::*;
         Some(match kind {
             Pose | Object | Call => return None,
-            Distance | Angle | Reading | Odometry | OdometrySpeed | Key | SerialReceived | Scan | Signal | Frame => {
-                Self::Reading
-            }
+            Distance | Angle | Reading | Odometry | OdometrySpeed | Key | SerialReceived | Scan | Signal | Frame
+            | Joint | Link | BodyHeight => Self::Reading,
             DriveSpeed | DriveStraight | DriveTurn | DriveCurve | SetOdometry | ControlStarted | ControlStopped
             | Motor | Servo | Output | LcdText | LcdClear | LcdGraphics | LcdMenu | Tone | Beep | Sample
-            | SerialSent | TimerAttached | TimerDetached => Self::Command,
-            Contact => Self::Contact,
+            | SerialSent | TimerAttached | TimerDetached | Gait | LegSpeed | StepHeight | LegCorrection => {
+                Self::Command
+            }
+            Contact | Touch => Self::Contact,
+            Posture | Footfall => Self::Walk,
             RadioSent | RadioArrived | RadioLost | RadioReceived => Self::Radio,
             Placed | ObjectPlaced | Intervention => Self::Intervention,
             ProgramStarted | ProgramEnded | Stdout | Stderr | Fault | Reason | Hint => Self::Log,
@@ -110,7 +116,7 @@ impl Content {
 /// The type of a field of events: its unit says that it is a number, which is null where there was nothing to measure.
 fn field_schema(field: &str) -> Value {
     const UNITS: [&str; 6] = ["_m", "_s", "_rad", "_hz", "_gain", "signal"];
-    const INTEGERS: [&str; 20] = [
+    const INTEGERS: [&str; 21] = [
         "percent",
         "position",
         "value",
@@ -131,9 +137,11 @@ fn field_schema(field: &str) -> Value {
         "bit_errors",
         "turns",
         "exit_code",
+        "gait",
     ];
     match field {
         "data" => array(json!({ "type": "integer", "minimum": 0, "maximum": 255 })),
+        "joints_rad" => array(number()),
         "to" => json!({ "type": ["integer", "null"] }),
         "with" => json!({ "type": ["string", "object"] }),
         "action" => json!({ "type": "object" }),

@@ -1,0 +1,63 @@
+//! Sets of kinds of events.
+
+use super::Kind;
+
+// A `KindSet` has a bit for each kind, and the kind's number must be one byte in postcard's varint form.
+const _: () = assert!(Kind::ALL.len() <= 64);
+
+/// A set of kinds of events.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct KindSet(u64);
+
+impl KindSet {
+    /// No kind.
+    pub const NONE: Self = Self(0);
+    /// Every kind.
+    pub const ALL: Self = Self(u64::MAX);
+
+    /// The set of these kinds.
+    pub fn of(kinds: &[Kind]) -> Self {
+        kinds.iter().fold(Self::NONE, |set, kind| set.union(kind.set()))
+    }
+
+    /// What is in either set.
+    pub fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// This set without `kind`.
+    pub fn without(self, kind: Kind) -> Self {
+        Self(self.0 & !kind.set().0)
+    }
+
+    /// True when the sets share a kind.
+    pub fn intersects(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    /// True when `kind` is in the set.
+    pub fn contains(self, kind: Kind) -> bool {
+        self.intersects(kind.set())
+    }
+}
+
+impl Kind {
+    /// The set that holds this kind alone.
+    pub fn set(self) -> KindSet {
+        KindSet(1 << self as u8)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sets_know_their_kinds() {
+        let set = KindSet::of(&[Kind::Pose, Kind::Contact]);
+        assert!(set.contains(Kind::Pose) && set.contains(Kind::Contact) && !set.contains(Kind::Call));
+        assert!(!set.without(Kind::Pose).contains(Kind::Pose));
+        assert!(!set.intersects(Kind::Hint.set()));
+        assert!(Kind::ALL.iter().all(|kind| KindSet::ALL.contains(*kind)));
+    }
+}
