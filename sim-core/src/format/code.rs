@@ -147,6 +147,7 @@ codes! {
     SimTypeUnknown = "sim-type-unknown": "the name of a type that is not loaded",
     SimWorldMissing = "sim-world-missing": "a scene without a world",
     SimWorldTwice = "sim-world-twice": "a second world in one scene",
+    SonarBus = "sonar-bus": "more sonars on a bus than it has addresses",
     TerrainClear = "terrain-clear": "boulders of a terrain find no place",
     TerrainColour = "terrain-colour": "the image of a terrain has colours",
     TerrainImage = "terrain-image": "the image of a terrain cannot be read",

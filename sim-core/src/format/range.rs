@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use super::Span;
 use super::code::Code;
 use super::line::{self, Quantity};
-use super::spec::{Axis, BODY, LinkSpec, MountSpec, PathRef, RangeSpec, RobiSpec, Surface, TurnSpec};
+use super::spec::{
+    Axis, BODY, LinkSpec, MAX_SONARS_ON_BUS, MountSpec, PathRef, RangeSpec, RobiSpec, Surface, TurnSpec,
+};
 use super::table::{Reader, Section};
 use crate::build;
 use crate::sensor::{Echo, PAPER_SIGMA, RangeModel, SideLobes, Sonar};
@@ -15,6 +17,8 @@ const MAX_LISTED: usize = 32;
 
 /// Most links of a robot: none needs a tenth of them.
 const MAX_LINKS: usize = 256;
+/// Greatest number of a bus: a robot has more than one microcontroller for its sonars, but hardly a hundred.
+const MAX_BUS: i64 = 100;
 /// Most rays of a sonar's fan.
 const MAX_RAYS: i64 = 4096;
 /// Sonars whose values are known.
@@ -140,7 +144,9 @@ impl Reader<'_> {
         if let Some(lobes) = self.section(&mut section, "side_lobes") {
             sonar.side_lobes = self.side_lobes(lobes);
         }
-        self.range(section, RangeModel::Sonar(sonar))
+        let bus = self.integer(&mut section, "bus", 1, MAX_BUS).map_or(1, |bus| bus as u32);
+        let range = self.range(section, RangeModel::Sonar(sonar))?;
+        Some(RangeSpec { bus: Some(bus), ..range })
     }
 
     fn side_lobes(&mut self, mut section: Section<'_, '_>) -> Option<SideLobes> {
@@ -177,7 +183,7 @@ impl Reader<'_> {
         self.set(&mut section, "sigma", &Quantity::number("standard deviation", 0.0, 1e3), &mut sigma);
         self.set(&mut section, "mean", &Quantity::number("mean", -1e3, 1e3), &mut mean);
         self.unknown_keys(&section);
-        Some(RangeSpec { name: name?, id, mount, model, sigma, mean, span: section.span })
+        Some(RangeSpec { name: name?, id, mount, model, sigma, mean, bus: None, span: section.span })
     }
 }
 
@@ -187,6 +193,7 @@ impl Reader<'_> {
     /// not there sit on the body.
     pub(super) fn settle_devices(&mut self, robi: &mut RobiSpec) {
         self.doubles(robi);
+        self.buses(robi);
         self.turned_by(robi);
         let names = self.link_names(robi);
         let mut links = std::mem::take(&mut robi.links);
@@ -200,6 +207,22 @@ impl Reader<'_> {
         let lidar = robi.lidar.iter_mut().map(|lidar| &mut lidar.mount.on);
         for on in psds.chain(mounts).chain(lidar) {
             self.known_link(on, &names);
+        }
+    }
+
+    /// Reports each bus with more sonars than it has addresses, at the first that finds none.
+    fn buses(&mut self, robi: &RobiSpec) {
+        let mut sonars: BTreeMap<u32, usize> = BTreeMap::new();
+        for range in &robi.ranges {
+            let Some(bus) = range.bus else { continue };
+            let count = sonars.entry(bus).or_default();
+            *count += 1;
+            if *count == MAX_SONARS_ON_BUS + 1 {
+                let message = format!("`{}` is the {count}th sonar on bus {bus}", range.name);
+                let expected = format!("at most {MAX_SONARS_ON_BUS} sonars on a bus");
+                let suggestion = format!("give it and those behind it another one: `bus = {}`", bus + 1);
+                self.sink.error(Code::SonarBus, range.span, message, expected).suggestion = Some(suggestion);
+            }
         }
     }
 

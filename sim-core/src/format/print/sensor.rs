@@ -90,6 +90,7 @@ pub(super) fn sonar_form(range: &RangeSpec) -> Option<SonarForm> {
             gain: lobes.gain,
         }),
         threshold: unless(sonar.threshold, usual.threshold),
+        bus: range.bus.filter(|bus| *bus != 1),
         rays: unless(sonar.rays, usual.rays),
         sigma: unless(range.sigma, PAPER_SIGMA),
         mean: unless(range.mean, 0.0),

@@ -46,6 +46,9 @@ pub struct PsdSpec {
     pub span: Span,
 }
 
+/// Most sonars on one bus: the SRF08 can be given 16 addresses. Source: Gois & Hiller, section 6.
+pub const MAX_SONARS_ON_BUS: usize = 16;
+
 /// A range sensor beside the PSDs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RangeSpec {
@@ -61,6 +64,8 @@ pub struct RangeSpec {
     pub sigma: f64,
     /// Mean of N.
     pub mean: f64,
+    /// The bus that a sonar is on, from 1; `None` for sensors of other kinds, which are on none.
+    pub bus: Option<u32>,
     /// Where it is written.
     pub span: Span,
 }

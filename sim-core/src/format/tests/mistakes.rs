@@ -9,6 +9,11 @@ use super::{Memory, S4};
 const WHEELS: &str = "wheel 54 3600 1100 90\n";
 const DRIVE: &str = "drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
 
+/// A companion with sonars of these names.
+macro_rules! sonars {
+    ($($name:literal)*) => { concat!($("[[sonar]]\nname = \"", $name, "\"\n"),*) };
+}
+
 /// A kind of mistake and a text that has it. Robis get the line in place of one of S4's where a whole robot is needed.
 const MISTAKES: &[(Code, &str, &str)] = &[
     (
@@ -113,6 +118,7 @@ const MISTAKES: &[(Code, &str, &str)] = &[
         "[[sonar]]\nname = \"S\"\nmin_mm = -1\nmax_mm = 1e300\nthreshold = nan\nrays = 0\nhalf_angle_deg = inf\nsigma = -1\n\
          side_lobes = { angle_deg = 100, gain = 2 }\n[surface]\nspecular = 1.5\n",
     ),
+    (Code::SonarBus, "a.toml", sonars!("a" "b" "c" "d" "e" "f" "g" "h" "i" "j" "k" "l" "m" "n" "o" "p" "q" "r")),
     (
         Code::TomlMissing,
         "a.toml",

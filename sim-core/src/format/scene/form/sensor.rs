@@ -306,6 +306,10 @@ pub(crate) struct SonarForm {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1e9))]
     pub(crate) threshold: Option<Number>,
+    /// The bus that it is on, which has room for 16; 1 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 100))]
+    pub(crate) bus: Option<u32>,
     /// Rays of its fan; that of the preset if left out: 64.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 4096))]
