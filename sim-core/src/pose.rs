@@ -210,6 +210,20 @@ impl Pose3 {
         self.rotation.x_axis
     }
 
+    /// Roll, pitch and yaw of the inner frame, rad, as [`from_angles`](Self::from_angles) takes them; pitch within a quarter turn.
+    ///
+    /// A frame whose x axis is upright has no yaw of its own: its yaw is 0 then.
+    pub fn angles(&self) -> [f64; 3] {
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = self.rotation;
+        let level = math::hypot(x.x, x.y);
+        let pitch = math::atan2(x.z, level);
+        // A millionth of what a joint could be set to.
+        if level < 1e-12 {
+            return [math::atan2(-z.y, y.y), pitch, 0.0];
+        }
+        [math::atan2(y.z, z.z), pitch, math::atan2(x.y, x.x)]
+    }
+
     /// Whether the inner frame's x and y axes are exactly level.
     pub fn is_level(&self) -> bool {
         self.rotation.x_axis.z == 0.0 && self.rotation.y_axis.z == 0.0
@@ -324,6 +338,11 @@ mod tests {
             (pose.rotation.z_axis, product.rotation.z_axis),
         ] {
             close(found, expected);
+        }
+        let angles = [[roll, pitch, yaw], [-3.0, -1.5, 3.1], [0.0, 1.0, 0.0], [2.0, std::f64::consts::FRAC_PI_2, 0.0]];
+        for [roll, pitch, yaw] in angles {
+            let found = Pose3::from_angles(DVec3::ZERO, roll, pitch, yaw).angles();
+            close(found.into(), DVec3::new(roll, pitch, yaw));
         }
         let point = DVec3::new(0.1, -0.2, 0.3);
         close(pose.inverse_transform_point(pose.transform_point(point)), point);
