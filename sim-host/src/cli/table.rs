@@ -299,6 +299,8 @@ mod tests {
             odometry: None,
             path_m: 1.6,
             contacts: 0,
+            footfalls: None,
+            touches: None,
             lcd: if id == 1 { lcd } else { vec![String::new(); 7] },
             added_s: None,
             removed_s: None,

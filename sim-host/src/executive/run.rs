@@ -137,6 +137,8 @@ pub struct RobotEnd {
     pub path: f64,
     /// How often it touched something.
     pub contacts: u32,
+    /// How often a foot came down, and how often another part touched something; none of a robot without legs.
+    pub steps: Option<[u64; 2]>,
     /// Its display.
     pub panel: Panel,
 }
@@ -543,6 +545,7 @@ impl Run {
                 odometry: robot.motion.odometry(time),
                 path: robot.motion.path_length(time),
                 contacts: robot.motion.contacts(time),
+                steps: robot.motion.legs().map(|_| [robot.walk.footfalls, robot.walk.touches]),
                 panel: robot.devices.take_panel(),
                 outcome: standing.outcome,
                 reason: standing.reason,

@@ -110,6 +110,10 @@ pub struct RobotReport {
     pub path_m: f64,
     /// How often it began to touch something.
     pub contacts: u64,
+    /// How often a foot came down; none of a robot without legs.
+    pub footfalls: Option<u64>,
+    /// How often another part than a sole began to touch something; none of a robot without legs.
+    pub touches: Option<u64>,
     /// The text lines of the display, from the top.
     pub lcd: Vec<String>,
     /// When it was added, s; none if it was there from the start.
@@ -218,6 +222,8 @@ mod tests {
             odometry: None,
             path_m: 1.6,
             contacts: 2,
+            footfalls: Some(7),
+            touches: None,
             lcd,
             added_s: None,
             removed_s: Some(4.5),

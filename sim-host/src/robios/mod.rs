@@ -28,6 +28,7 @@ pub mod irtv;
 pub mod key;
 pub mod latch;
 pub mod lcd;
+mod leg;
 mod level;
 pub mod lidar;
 pub mod motor;

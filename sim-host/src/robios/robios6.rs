@@ -10,8 +10,8 @@ use sim_core::time::TICK;
 use super::caller::Caller;
 use super::multitasking::Spawn;
 use super::{
-    audio, bump, camera6 as camera, compass, display, hdt, image, ir, irtv, key, latch, lidar, motor, multitasking, os,
-    psd, radio, radio6, serial, servo, vw,
+    audio, bump, camera6 as camera, compass, display, hdt, image, ir, irtv, key, latch, leg, lidar, motor,
+    multitasking, os, psd, radio, radio6, serial, servo, vw,
 };
 
 type Text<'a> = Option<&'a [u8]>;
@@ -378,5 +378,22 @@ impl Robios6 for Caller {
 
     fn OSSemP(&self, semaphore: i32) -> Result<i32, Stop> {
         self.pass_semaphore(semaphore)
+    }
+
+    // Legs.
+    act! {
+        fn LEGCount() -> i32 = |robot, _| leg::count(robot);
+        fn LEGSetGait(gait: i32) -> i32 = |robot, _| leg::set_gait(robot, Call::LEGSetGait, gait);
+        fn LEGSetSpeed(vx: i32, vy: i32, omega: i32) -> i32 =
+            |robot, world| leg::set_speed(robot, world, Call::LEGSetSpeed, [vx, vy, omega]);
+        fn LEGSetStep(height: i32) -> i32 = |robot, _| leg::set_step(robot, Call::LEGSetStep, height);
+        fn LEGGetJoint(leg: i32, joint: i32, degrees: &mut Out<f32>) -> i32 =
+            |robot, _| leg::joint(robot, Call::LEGGetJoint, [leg, joint], degrees);
+        fn LEGGetLink(leg: i32, link: i32, pose: &mut OutFloats) -> i32 =
+            |robot, _| leg::link(robot, Call::LEGGetLink, [leg, link], pose);
+        fn LEGGetHeight(mm: &mut Out<f32>) -> i32 = |robot, _| leg::height(robot, Call::LEGGetHeight, mm);
+        fn LEGGetFoot(leg: i32) -> i32 = |robot, _| leg::foot(robot, Call::LEGGetFoot, leg);
+        fn LEGCorrect(leg: i32, dx: i32, dy: i32, dz: i32) -> i32 =
+            |robot, _| leg::correct(robot, Call::LEGCorrect, leg, [dx, dy, dz]);
     }
 }

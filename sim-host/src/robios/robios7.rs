@@ -8,8 +8,8 @@ use robios_sys::{Callback, Out, OutBytes, OutFloats, OutInts, Robios7, Robios7Ca
 use super::caller::Caller;
 use super::screen::canvas::{Canvas, Ink, rgb};
 use super::{
-    audio, camera7 as camera, display7 as display, image7, irtv, key, lidar, motor7, os, os7, picture, port7, psd7,
-    radio, radio7, serial, servo7, truth, vw7,
+    audio, camera7 as camera, display7 as display, image7, irtv, key, leg, lidar, motor7, os, os7, picture, port7,
+    psd7, radio, radio7, serial, servo7, truth, vw7,
 };
 
 type Text<'a> = Option<&'a [u8]>;
@@ -303,5 +303,22 @@ impl Robios7 for Caller {
             |robot, world| truth::set_object(robot, world, id, [x, y, phi]);
         fn SIMGetRobotCount() -> i32 = |robot, _| truth::robot_count(robot);
         fn SIMGetObjectCount() -> i32 = |robot, _| truth::object_count(robot);
+    }
+
+    // Legs.
+    act! {
+        fn LEGCount() -> i32 = |robot, _| leg::count(robot);
+        fn LEGSetGait(gait: i32) -> i32 = |robot, _| leg::set_gait(robot, Call::LEGSetGait, gait);
+        fn LEGSetSpeed(vx: i32, vy: i32, omega: i32) -> i32 =
+            |robot, world| leg::set_speed(robot, world, Call::LEGSetSpeed, [vx, vy, omega]);
+        fn LEGSetStep(height: i32) -> i32 = |robot, _| leg::set_step(robot, Call::LEGSetStep, height);
+        fn LEGGetJoint(leg: i32, joint: i32, degrees: &mut Out<f32>) -> i32 =
+            |robot, _| leg::joint(robot, Call::LEGGetJoint, [leg, joint], degrees);
+        fn LEGGetLink(leg: i32, link: i32, pose: &mut OutFloats) -> i32 =
+            |robot, _| leg::link(robot, Call::LEGGetLink, [leg, link], pose);
+        fn LEGGetHeight(mm: &mut Out<f32>) -> i32 = |robot, _| leg::height(robot, Call::LEGGetHeight, mm);
+        fn LEGGetFoot(leg: i32) -> i32 = |robot, _| leg::foot(robot, Call::LEGGetFoot, leg);
+        fn LEGCorrect(leg: i32, dx: i32, dy: i32, dz: i32) -> i32 =
+            |robot, _| leg::correct(robot, Call::LEGCorrect, leg, [dx, dy, dz]);
     }
 }

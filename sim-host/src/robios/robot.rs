@@ -5,6 +5,7 @@ use std::sync::Arc;
 use robios_sys::{Robios6Call, SupportCall};
 use sim_core::RobotId;
 use sim_core::contact::Thing;
+use sim_core::drive::legged::{Footfall, Stance};
 use sim_core::drive::{Command, ModelError, Motion};
 use sim_core::format::{Parameter, RobiSpec};
 use sim_core::noise::{Profile, RangeKind};
@@ -24,7 +25,7 @@ use super::truth::Placement;
 use crate::executive::fault::Broken;
 use crate::executive::program::Site;
 use crate::executive::standing::Standing;
-use crate::record::{Event, Journal, Obstacle};
+use crate::record::{Event, Journal, Numbers, Obstacle};
 
 /// One robot, as its calls and the slot loop see it; one lock guards it all.
 pub struct Robot {
@@ -58,6 +59,8 @@ pub struct Robot {
     seed: u64,
     /// The pose that was recorded last.
     recorded_pose: Option<Pose>,
+    /// How it walked and held itself, of a robot with legs.
+    pub walk: WalkRecord,
 }
 
 /// What a robot is made of.
@@ -112,6 +115,17 @@ pub enum Waits {
     Ready,
 }
 
+/// What has been recorded of a robot's legs.
+#[derive(Clone, Debug, Default)]
+pub struct WalkRecord {
+    /// The posture that was recorded last.
+    posture: Option<(f64, Vec<f64>)>,
+    /// How often a foot has come down.
+    pub footfalls: u64,
+    /// How often a part has begun to touch something.
+    pub touches: u64,
+}
+
 /// How a robot's program ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ending {
@@ -156,6 +170,7 @@ impl Robot {
             noise: Profile::default(),
             seed,
             recorded_pose,
+            walk: WalkRecord::default(),
         }
     }
 
@@ -261,6 +276,7 @@ impl Robot {
     pub fn record_arrival(&mut self) {
         self.recorded_pose = None;
         self.record_pose(self.now);
+        self.record_walk(self.now);
     }
 
     /// Records where it is at the end of a slot, if it has moved since the last record.
@@ -272,6 +288,27 @@ impl Robot {
             let event =
                 Event::Pose { x_m: position.x, y_m: position.y, phi_rad: heading.remainder(), turns: heading.turns() };
             self.journal.record(slot_end, &event);
+        }
+    }
+
+    /// Records where the feet of a robot with legs have trod in the slot, and how it holds itself at its end, if that has
+    /// changed since the last record.
+    pub fn record_walk(&mut self, slot_end: Time) {
+        if self.motion.legs().is_none() {
+            return;
+        }
+        for Footfall { time, leg, point } in self.motion.take_footfalls(slot_end) {
+            let name = self.motion.legs().and_then(|legs| legs.legs.get(leg)).map_or("", |leg| &leg.name);
+            self.journal.record(time, &Event::Footfall { leg: name, x_m: point.x, y_m: point.y, z_m: point.z });
+            self.walk.footfalls += 1;
+        }
+        let Stance { lift, joints, .. } = self.motion.stance(slot_end);
+        let posture = Some((lift, joints));
+        if self.walk.posture != posture {
+            let bytes: Vec<[u8; 8]> =
+                posture.iter().flat_map(|(_, joints)| joints).map(|angle| angle.to_le_bytes()).collect();
+            self.journal.record(slot_end, &Event::Posture { lift_m: lift, joints_rad: Numbers::new(&bytes) });
+            self.walk.posture = posture;
         }
     }
 

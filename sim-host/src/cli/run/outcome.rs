@@ -84,6 +84,8 @@ pub(super) fn report(options: &Options, scene: &SceneSpec, ended: &Ended, inputs
         odometry: Some(end.odometry.into()),
         path_m: end.path,
         contacts: u64::from(end.contacts),
+        footfalls: end.steps.map(|[footfalls, _]| footfalls),
+        touches: end.steps.map(|[_, touches]| touches),
         lcd: end.panel.lines(),
         added_s: added(world.robot_presence(spec.id)),
         removed_s: removed(world.robot_presence(spec.id)),

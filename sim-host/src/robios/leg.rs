@@ -1,0 +1,213 @@
+//! Legs: functions of our own, the same in both generations.
+//!
+//! Legs, joints, links and gaits are numbered from 1. What is read is how the legs stand at the call's end, exactly: errors of
+//! joints' encoders are not modelled.
+
+use glam::DVec2;
+use robios_sys::{Out, OutFloats};
+use sim_core::drive::Command;
+use sim_core::drive::legged::{Leg, LegCommand, Legs};
+use sim_core::pose::Twist;
+use sim_core::sensor::link_pose;
+use sim_core::unit;
+use sim_core::world::World;
+
+use super::caller::Call;
+use super::robot::Robot;
+use super::unit7::{metres, radians};
+use crate::record::Event;
+
+/// The answer of what cannot be done.
+const FAILURE: i32 = -1;
+
+/// Names of the joints of a leg, from the body on.
+const JOINTS: [&str; 5] = ["yaw", "roll", "pitch", "knee", "ankle"];
+
+/// `LEGCount`
+pub fn count(robot: &Robot) -> i32 {
+    robot.motion.legs().map_or(0, |legs| legs.legs.len() as i32)
+}
+
+/// `LEGSetGait`
+pub fn set_gait(robot: &mut Robot, call: impl Into<Call>, number: i32) -> i32 {
+    let call = call.into();
+    let name = |legs: &Legs, index: usize| legs.gaits.get(index).map(|gait| gait.name.clone());
+    let found = robot.motion.legs().zip(place(number)).and_then(|(legs, index)| Some((index, name(legs, index)?)));
+    let Some((index, name)) = found else { return has_no(robot, call, "gait", number, gaits) };
+    let accepted = robot.motion.command_legs(robot.now, LegCommand::Gait(index));
+    if accepted.is_ok() {
+        robot.record(Event::Gait { gait: index as u32 + 1, name: &name });
+    }
+    robot.answered(call, FAILURE, accepted)
+}
+
+/// `LEGSetSpeed`
+pub fn set_speed(robot: &mut Robot, world: &World, call: impl Into<Call>, [vx, vy, omega]: [i32; 3]) -> i32 {
+    let call = call.into();
+    if robot.motion.legs().is_none() {
+        return has_none(robot, call);
+    }
+    let twist = Twist { vx: metres(vx), vy: metres(vy), omega: radians(omega) };
+    let accepted = robot.command(world, Command::Twist(twist));
+    if accepted.is_ok() {
+        let Twist { vx, vy, omega } = twist;
+        robot.record(Event::LegSpeed { vx_m_per_s: vx, vy_m_per_s: vy, omega_rad_per_s: omega });
+    }
+    robot.answered(call, FAILURE, accepted)
+}
+
+/// `LEGSetStep`
+pub fn set_step(robot: &mut Robot, call: impl Into<Call>, height_mm: i32) -> i32 {
+    let (call, height) = (call.into(), metres(height_mm));
+    if robot.motion.legs().is_none() {
+        return has_none(robot, call);
+    }
+    let accepted = robot.motion.command_legs(robot.now, LegCommand::StepHeight(height));
+    if accepted.is_ok() {
+        robot.record(Event::StepHeight { height_m: height });
+    }
+    robot.answered(call, FAILURE, accepted)
+}
+
+/// `LEGGetJoint`
+pub fn joint(robot: &mut Robot, call: impl Into<Call>, [number, joint]: [i32; 2], degrees: &mut Out<f32>) -> i32 {
+    let call = call.into();
+    let Some(found) = Found::leg(robot, number) else { return has_no(robot, call, "leg", number, legs) };
+    let Some(index) = place(joint).filter(|index| *index < found.leg.joint_count()) else {
+        let known = JOINTS[..found.leg.joint_count()].iter();
+        return has_no(robot, call, "joint", joint, |_| list(known.copied()));
+    };
+    if degrees.is_null() {
+        return robot.refused(call, FAILURE, |_| "it takes a place for the angle".to_owned());
+    }
+    let angle = robot.motion.stance(robot.now).joints[found.first_joint + index];
+    robot.record(Event::Joint { joint: &format!("{}.{}", found.leg.name, JOINTS[index]), angle_rad: angle });
+    degrees.set(unit::degrees_from_radians(angle) as f32);
+    0
+}
+
+/// `LEGGetLink`
+pub fn link(robot: &mut Robot, call: impl Into<Call>, [number, link]: [i32; 2], pose: &mut OutFloats) -> i32 {
+    let call = call.into();
+    let Some(found) = Found::leg(robot, number) else { return has_no(robot, call, "leg", number, legs) };
+    let Some((part, index)) = place(link).and_then(|index| found.leg.parts().nth(index)) else {
+        let known: Vec<_> = found.leg.parts().map(|(part, _)| part).collect();
+        return has_no(robot, call, "link", link, |_| list(known.into_iter()));
+    };
+    if pose.is_null() {
+        return robot.refused(call, FAILURE, |_| "it takes room for 6 numbers".to_owned());
+    }
+    let joints = robot.motion.stance(robot.now).joints;
+    let body_from_link = link_pose(&found.leg.links(0, found.first_joint), &joints, index);
+    let (place, [roll, pitch, yaw]) = (body_from_link.position, body_from_link.angles());
+    let name = format!("{}.{part}", found.leg.name);
+    robot.record(Event::Link {
+        link: &name,
+        x_m: place.x,
+        y_m: place.y,
+        z_m: place.z,
+        roll_rad: roll,
+        pitch_rad: pitch,
+        yaw_rad: yaw,
+    });
+    let lengths = place.to_array().map(unit::mm_from_metres);
+    let angles = [roll, pitch, yaw].map(unit::degrees_from_radians);
+    let numbers: Vec<f32> = lengths.into_iter().chain(angles).map(|number| number as f32).collect();
+    pose.set(&numbers);
+    0
+}
+
+/// `LEGGetHeight`
+pub fn height(robot: &mut Robot, call: impl Into<Call>, mm: &mut Out<f32>) -> i32 {
+    let call = call.into();
+    if robot.motion.legs().is_none() {
+        return has_none(robot, call);
+    }
+    if mm.is_null() {
+        return robot.refused(call, FAILURE, |_| "it takes a place for the height".to_owned());
+    }
+    let height = robot.motion.stance(robot.now).lift;
+    robot.record(Event::BodyHeight { height_m: height });
+    mm.set(unit::mm_from_metres(height) as f32);
+    0
+}
+
+/// `LEGGetFoot`
+pub fn foot(robot: &mut Robot, call: impl Into<Call>, number: i32) -> i32 {
+    let call = call.into();
+    let Some(Found { leg, index, .. }) = Found::leg(robot, number) else {
+        return has_no(robot, call, "leg", number, legs);
+    };
+    let is_down = robot.motion.stance(robot.now).feet[index].is_down;
+    robot.record(Event::Reading { device: &format!("{} foot", leg.name), value: i64::from(is_down) });
+    i32::from(is_down)
+}
+
+/// `LEGCorrect`
+pub fn correct(robot: &mut Robot, call: impl Into<Call>, number: i32, [dx_mm, dy_mm, dz_mm]: [i32; 3]) -> i32 {
+    let call = call.into();
+    let Some(Found { leg, index, .. }) = Found::leg(robot, number) else {
+        return has_no(robot, call, "leg", number, legs);
+    };
+    let [dx, dy, dz] = [dx_mm, dy_mm, dz_mm].map(metres);
+    let command = LegCommand::Correct { leg: index, shift: DVec2::new(dx, dy), lift: dz };
+    let accepted = robot.motion.command_legs(robot.now, command);
+    if accepted.is_ok() {
+        robot.record(Event::LegCorrection { leg: &leg.name, dx_m: dx, dy_m: dy, dz_m: dz });
+    }
+    robot.answered(call, FAILURE, accepted)
+}
+
+/// A leg that a program has named.
+struct Found {
+    leg: Leg,
+    index: usize,
+    /// Place of its first joint among those of all legs.
+    first_joint: usize,
+}
+
+impl Found {
+    fn leg(robot: &Robot, number: i32) -> Option<Self> {
+        let (legs, index) = (&robot.motion.legs()?.legs, place(number)?);
+        let leg = legs.get(index)?.clone();
+        let first_joint = legs[..index].iter().map(Leg::joint_count).sum();
+        Some(Self { leg, index, first_joint })
+    }
+}
+
+/// The place in a list of what has this number.
+fn place(number: i32) -> Option<usize> {
+    usize::try_from(number).ok()?.checked_sub(1)
+}
+
+/// The answer of a call on a robot without legs.
+fn has_none(robot: &mut Robot, call: Call) -> i32 {
+    robot.refused(call, FAILURE, |robot| {
+        format!("`{}` has no legs; in a companion they are tables `[[leg]]`", robot.spec.file)
+    })
+}
+
+/// The answer of a call that asks for something that the robot does not have; `known` is what it has.
+fn has_no(robot: &mut Robot, call: Call, what: &str, number: i32, known: impl FnOnce(&Legs) -> String) -> i32 {
+    if robot.motion.legs().is_none() {
+        return has_none(robot, call);
+    }
+    robot.refused(call, FAILURE, |robot| {
+        let known = robot.motion.legs().map(known).unwrap_or_default();
+        format!("there is no {what} {number}, there are: {known}")
+    })
+}
+
+fn legs(legs: &Legs) -> String {
+    list(legs.legs.iter().map(|leg| leg.name.as_str()))
+}
+
+fn gaits(legs: &Legs) -> String {
+    list(legs.gaits.iter().map(|gait| gait.name.as_str()))
+}
+
+/// Names with their numbers.
+fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let named: Vec<String> = (1..).zip(names).map(|(number, name): (i32, _)| format!("{number} ({name})")).collect();
+    named.join(", ")
+}
