@@ -9,6 +9,7 @@ mod presence;
 mod settle;
 mod sight;
 mod space;
+mod touch;
 mod track;
 
 use std::sync::Arc;

@@ -8,13 +8,16 @@ use glam::DVec2;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::spec::{
-    CostsRef, DEFAULT_WALL_HEIGHT, ModelSpec, ObjectType, PathRef, RobiSpec, RunSpec, SceneSpec, SerialLine, SimSpec,
-    Solid, TypeRef, WallSpec, WorldKind, WorldSpec,
+    CostsRef, DEFAULT_WALL_HEIGHT, ModelSpec, ObjectType, PathRef, RobiSpec, RobotSpec, RunSpec, SceneSpec, SerialLine,
+    SimSpec, Solid, TypeRef, WallSpec, WorldKind, WorldSpec,
 };
 use super::{
     MeshReader, NoiseRef, Span, clearance, line, path, place, read_companion, read_costs, read_esobj, read_maze,
     read_noise, read_robi, read_scene, read_sim, read_world, unknown_sensors,
 };
+
+/// Ground that differs from the floor by no more than this, in metres, is level for wheels. Source: our choice.
+const LEVEL: f64 = 1e-3;
 
 /// The file system as the readers see it; paths have slashes.
 pub trait Files {
@@ -502,13 +505,19 @@ impl Loader<'_> {
 }
 
 impl Loader<'_> {
-    /// Says once that robots drive where the ground is not flat.
+    /// Says once that a robot on wheels starts where the ground is not level at the height of the floor.
     fn wheels_on_terrain(&mut self, scene: &SceneSpec) {
-        let terrain = scene.world.terrain.as_ref().filter(|terrain| terrain.field.is_some());
-        let (Some(terrain), Some(robot)) = (terrain, scene.robots.first()) else { return };
-        let message = format!("robot {} has wheels: it drives on the plane z = 0, whatever the terrain", robot.id.0);
+        let Some(terrain) = &scene.world.terrain else { return };
+        let Some(field) = &terrain.field else { return };
+        let stands_apart = |robot: &&RobotSpec| {
+            let (low, high) = field.range_in(robot.start.position, 0.5 * robot.robi.diameter);
+            low.abs().max(high.abs()) > LEVEL
+        };
+        let Some(robot) = scene.robots.iter().find(stands_apart) else { return };
+        let message =
+            format!("robot {} has wheels: it stands and drives on the plane z = 0, not on the terrain", robot.id.0);
         let mut sink = Sink::new(&scene.world.file);
-        sink.warn(Code::TerrainWheels, terrain.span, message, "robots with legs on a terrain");
+        sink.warn(Code::TerrainWheels, terrain.span, message, "level ground at height 0 under robots with wheels");
         self.diagnostics.extend(sink.finish());
     }
 }

@@ -6,6 +6,7 @@
 
 mod bounds;
 mod bvh;
+mod capsule;
 pub(crate) mod distance;
 mod grid;
 mod ground;
@@ -21,6 +22,7 @@ mod walls;
 
 pub use bounds::Bounds;
 pub use bvh::{MeshHit, MeshIndex};
+pub use capsule::Capsule;
 pub use ground::Ground;
 pub use height_field::{FieldError, HeightField, MAX_CELLS};
 pub use material::{Material, Texture};

@@ -213,14 +213,14 @@ impl World {
     }
 
     /// The shape of a robot's body, and where it is; what it looks like from which side does not matter.
-    fn robot_figure(&self, robot: RobotId, at: Time) -> (Pose, Arc<Figure>) {
+    pub(super) fn robot_figure(&self, robot: RobotId, at: Time) -> (Pose, Arc<Figure>) {
         let body = self.body(robot, at);
         let pose = Pose { position: body.centre, ..Pose::default() };
         let figure = self.stage.space.robots.get(robot.index()).map(Arc::clone);
         (pose, figure.unwrap_or_else(|| Arc::new(Figure::upright(body.radius))))
     }
 
-    fn object_figure(&self, object: ObjectId) -> Arc<Figure> {
+    pub(super) fn object_figure(&self, object: ObjectId) -> Arc<Figure> {
         let figure = self.stage.space.objects.get(object.index()).map(Arc::clone);
         figure.unwrap_or_else(|| Figure::endless(self.objects().properties(object), Surface::default()))
     }

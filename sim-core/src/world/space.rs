@@ -16,7 +16,7 @@ use crate::{
 /// Where a list ends, walls are rough and bodies are rough and as high as it takes.
 #[derive(Clone, Debug)]
 pub struct Space {
-    /// The floor, z = 0, without end; `None` where one of the fixed bodies is the ground.
+    /// The floor, z = 0, without end; `None` where the first of the fixed bodies is the ground.
     pub floor: Option<Surface>,
     /// Surfaces of the walls, in the order of their numbers.
     pub walls: Vec<Surface>,

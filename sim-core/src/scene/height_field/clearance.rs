@@ -77,20 +77,24 @@ impl HeightField {
         if a.is_nan() || b.is_nan() { f64::NAN } else { least }
     }
 
-    /// Greatest height of the ground in a disc, in metres, or up to that of the corners of the cells at its border: never too low.
-    pub fn highest_in(&self, centre: DVec2, radius: f64) -> f64 {
-        let mut highest = self.height(centre.x, centre.y);
+    /// Least and greatest height of the ground in a disc, in metres, or of the corners of the cells at its border: never too
+    /// narrow.
+    pub fn range_in(&self, centre: DVec2, radius: f64) -> (f64, f64) {
+        let middle = self.height(centre.x, centre.y);
+        let (mut least, mut greatest) = (middle, middle);
         let [columns, rows] = self.cells(&Bounds::of_disc(centre, radius));
         for row in rows {
             for column in columns.clone() {
                 let low = self.corner(column, row).truncate();
                 let high = self.corner(column + 1, row + 1).truncate();
                 if centre.clamp(low, high).distance_squared(centre) <= radius * radius {
-                    highest = self.cell(column, row).into_iter().fold(highest, f64::max);
+                    let corners = self.cell(column, row);
+                    least = corners.into_iter().fold(least, f64::min);
+                    greatest = corners.into_iter().fold(greatest, f64::max);
                 }
             }
         }
-        highest
+        (least, greatest)
     }
 }
 
@@ -179,19 +183,21 @@ mod tests {
     }
 
     #[test]
-    fn the_highest_place_of_a_disc_is_never_too_low() {
+    fn heights_of_a_disc_are_never_too_narrow() {
         let field = rough(5);
         let Bounds { min, max } = field.bounds();
         for step in 0..50 {
             let share = f64::from(step) / 50.0;
             let centre = min + share * (max - min);
-            let highest = field.highest_in(centre, 0.3);
+            let (least, greatest) = field.range_in(centre, 0.3);
             for turn in 0..200 {
                 let (sin, cos) = crate::math::sin_cos(f64::from(turn));
                 let place = centre + 0.3 * f64::from(turn) / 200.0 * DVec2::new(cos, sin);
-                assert!(field.height(place.x, place.y) <= highest);
+                let height = field.height(place.x, place.y);
+                assert!(least <= height && height <= greatest);
             }
         }
-        assert_eq!(field.highest_in(DVec2::splat(-50.0), 0.1), field.corner(0, 0).z);
+        let corner = field.corner(0, 0).z;
+        assert_eq!(field.range_in(DVec2::splat(-50.0), 0.1), (corner, corner));
     }
 }
