@@ -32,6 +32,7 @@ use settle::{Settling, Truth};
 pub use sight::{Seen, Sighting};
 use space::Stage;
 pub use space::{Block, Space};
+pub use touch::{CLEARANCE, Closeness, LegTouch};
 use track::Track;
 
 /// What a ray meets first.

@@ -312,13 +312,16 @@ fn segments(world: &WorldSpec) -> (Vec<Segment>, Vec<f64>) {
 
 /// The legs of a robot type, if it walks.
 pub fn legs(robi: &RobiSpec) -> Option<Arc<Legs>> {
-    let LegsSpec { step_height, gaits, legs } = robi.legs.as_ref().filter(|legs| !legs.legs.is_empty())?;
+    let LegsSpec { step_height, radius, gaits, legs } = robi.legs.as_ref().filter(|legs| !legs.legs.is_empty())?;
     let legs: Vec<Leg> = legs.iter().map(leg).collect();
     let usual =
         || GaitSpec { name: "walk".to_owned(), period: DEFAULT_PERIOD, duty: DEFAULT_DUTY, ..GaitSpec::default() };
     let usual = gaits.is_empty().then(usual);
     let gaits = gaits.iter().chain(&usual).map(|spec| gait(spec, legs.len())).collect();
-    Some(Arc::new(Legs { legs, gaits, step_height: *step_height }))
+    // A body without a shape of its own sits on its hips.
+    let hips = legs.iter().map(|leg| leg.hip.z).fold(f64::INFINITY, f64::min);
+    let belly = robi.colliders.iter().map(Collider::bottom).reduce(f64::min).unwrap_or(hips);
+    Some(Arc::new(Legs { legs, gaits, step_height: *step_height, radius: *radius, belly }))
 }
 
 /// A leg of a robot type.

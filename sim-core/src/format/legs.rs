@@ -49,6 +49,7 @@ impl Reader<'_> {
 
     fn gaits(&mut self, mut section: Section<'_, '_>, legs: &mut LegsSpec) {
         self.set(&mut section, "step_height_mm", &Quantity::length("height of a step"), &mut legs.step_height);
+        self.set(&mut section, "radius_mm", &Quantity::length("radius of thighs and shanks"), &mut legs.radius);
         for gait in self.sections(&mut section, "gait").into_iter().take(MOST) {
             legs.gaits.extend(self.gait(gait));
         }

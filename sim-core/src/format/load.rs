@@ -15,6 +15,7 @@ use super::{
     MeshReader, NoiseRef, Span, clearance, line, path, place, read_companion, read_costs, read_esobj, read_maze,
     read_noise, read_robi, read_scene, read_sim, read_world, unknown_sensors,
 };
+use crate::drive::DriveKind;
 
 /// Ground that differs from the floor by no more than this, in metres, is level for wheels. Source: our choice.
 const LEVEL: f64 = 1e-3;
@@ -510,6 +511,9 @@ impl Loader<'_> {
         let Some(terrain) = &scene.world.terrain else { return };
         let Some(field) = &terrain.field else { return };
         let stands_apart = |robot: &&RobotSpec| {
+            if robot.robi.drive.kind == DriveKind::Legged {
+                return false;
+            }
             let (low, high) = field.range_in(robot.start.position, 0.5 * robot.robi.diameter);
             low.abs().max(high.abs()) > LEVEL
         };

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::HeightField;
 
@@ -17,6 +17,33 @@ pub enum Ground {
 }
 
 impl Ground {
+    /// Distance of a straight piece from the ground, see [`HeightField::clearance`]; over the floor exact at any distance.
+    pub fn clearance(&self, ends: [DVec3; 2], within: f64) -> f64 {
+        match self {
+            Self::Flat => self.least_gap(ends).0,
+            Self::Field(field) => field.clearance(ends, within),
+        }
+    }
+
+    /// Least height of a point of a straight piece above the ground, m, and that point.
+    pub fn least_gap(&self, ends: [DVec3; 2]) -> (f64, DVec3) {
+        match self {
+            Self::Flat => {
+                let lower = if ends[1].z < ends[0].z { ends[1] } else { ends[0] };
+                (lower.z, lower)
+            }
+            Self::Field(field) => field.least_gap(ends),
+        }
+    }
+
+    /// Least and greatest height in a disc, m: see [`HeightField::range_in`].
+    pub fn range_in(&self, centre: DVec2, radius: f64) -> (f64, f64) {
+        match self {
+            Self::Flat => (0.0, 0.0),
+            Self::Field(field) => field.range_in(centre, radius),
+        }
+    }
+
     /// Height of the ground at a place of the world, m.
     pub fn height(&self, place: DVec2) -> f64 {
         match self {

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::{Seen, World};
 use crate::{
     RobotId,
+    drive::{Motion, legged::Touching},
     object::Figure,
     pose::Pose,
     scene::{Bounds, Capsule},
@@ -15,64 +16,128 @@ use crate::{
 /// stretches of some metres all but 10^-12 m is gone.
 const ROUNDS: u32 = 70;
 
+/// Clearances are told up to this, m. Our choice.
+pub const CLEARANCE: f64 = 0.5;
+
+/// A part of a legged robot that touches something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LegTouch {
+    /// The part.
+    pub part: Touching,
+    /// What it touches; the terrain is [`Seen::Floor`].
+    pub thing: Seen,
+    /// Where, in the world, m: a point of what is touched, on the ground below the part's axis.
+    pub point: DVec3,
+}
+
+/// How near a legged robot is to what it should not touch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Closeness {
+    /// What its parts touch, in the order of parts and things.
+    pub touches: Vec<LegTouch>,
+    /// Least distance of thighs, shanks and body from the ground, m; negative where one is in it, and at most [`CLEARANCE`].
+    pub clearance: f64,
+}
+
 impl World {
-    /// What a capsule, part of robot `by`, touches at `at`, in the order of [`Seen`] and each once: walls up to their heights, fixed
-    /// bodies, the bodies of other robots, movable objects, by their public trajectories. The ground is not among them.
+    /// What thighs, shanks and body of a legged robot touch at `at`; `None` for a robot without legs.
+    ///
+    /// The ground counts for thighs, for the body, and for shanks down to three radii of the limb above their lower ends: there,
+    /// a leg may lean by up to 70 degrees, and feet may touch the ground. Feet themselves do not count. All else counts for the
+    /// whole of thighs and shanks; what the body meets beside the ground are contacts. Our choice.
+    ///
+    /// For the ground the body is a disc at the height of its underside, and cells that the disc's edge crosses count as a
+    /// whole; a limb is exact, but see [`HeightField::clearance`](crate::scene::HeightField::clearance) for the ground beyond
+    /// a terrain's border.
+    pub fn closeness(&self, motion: &mut Motion, at: Time) -> Option<Closeness> {
+        motion.legs()?;
+        let by = motion.id();
+        let world_from_robot = motion.pose(at);
+        let stance = motion.stance(at);
+        let radius = motion.radius();
+        let (legs, ground) = (motion.legs()?, motion.ground()?);
+        let mut touches = Vec::new();
+        let mut clearance = CLEARANCE;
+        let underside = world_from_robot.position.extend(stance.lift + legs.belly);
+        let (_, highest) = ground.range_in(underside.truncate(), radius);
+        clearance = clearance.min(underside.z - highest);
+        if underside.z <= highest {
+            touches.push(LegTouch { part: Touching::Body, thing: Seen::Floor, point: underside.with_z(highest) });
+        }
+        for limb in legs.limbs(&stance, &world_from_robot) {
+            let Capsule { ends: [upper, lower], radius } = limb.capsule;
+            let way = lower - upper;
+            let counted = 1.0 - (limb.bare / way.length()).min(1.0);
+            let piece = [upper, upper + counted * way];
+            let distance = ground.clearance(piece, CLEARANCE + radius) - radius;
+            clearance = clearance.min(distance);
+            if distance <= 0.0 {
+                let (_, point) = ground.least_gap(piece);
+                let point = point.with_z(ground.height(point.truncate()));
+                touches.push(LegTouch { part: limb.part, thing: Seen::Floor, point });
+            }
+            let things = self.touched(by, &limb.capsule, at);
+            touches.extend(things.into_iter().map(|(thing, point)| LegTouch { part: limb.part, thing, point }));
+        }
+        touches.sort_by_key(|touch| (touch.part, touch.thing));
+        Some(Closeness { touches, clearance })
+    }
+
+    /// What a capsule, part of robot `by`, touches at `at`, and a point of each where it does; in the order of [`Seen`] and each
+    /// once: walls up to their heights, fixed bodies, the bodies of other robots, movable objects, by their public
+    /// trajectories. The ground is not among them.
     ///
     /// Exact to 10^-9 m for walls, boxes, cylinders, spheres and capsules; bodies that are meshes count where the capsule's
     /// axis goes through their surface.
-    pub fn touched(&self, by: RobotId, capsule: &Capsule, at: Time) -> Vec<Seen> {
+    pub fn touched(&self, by: RobotId, capsule: &Capsule, at: Time) -> Vec<(Seen, DVec3)> {
         let Capsule { ends: [from, to], radius } = *capsule;
         let near = Bounds::of_points([from.truncate(), to.truncate()]).grown(radius);
         let mut things = Vec::new();
+        let mut note = |thing: Seen, point: Option<DVec3>| things.extend(point.map(|point| (thing, point)));
         self.walls.for_each_in(near, |wall, segment| {
             let height = self.walls.height(wall);
             let nearest = |point: DVec3| segment.nearest_point(point.truncate()).extend(point.z.clamp(0.0, height));
-            if self.stage.is_wall(wall) && is_within(capsule, nearest) {
-                things.push(Seen::Wall(wall));
+            if self.stage.is_wall(wall) {
+                note(Seen::Wall(wall), touch_convex(capsule, nearest));
             }
         });
         self.stage.blocks.for_each_in(near, |RobotId(number)| {
             let block = &self.stage.space.blocks[number as usize - 1];
-            if figure_touches(&block.figure, &block.world_from_block, capsule) {
-                things.push(Seen::Wall(block.wall));
-            }
+            note(Seen::Wall(block.wall), touch_figure(&block.figure, &block.world_from_block, capsule));
         });
         self.stage.fixed.for_each_in(near, |RobotId(number)| {
             // Without a floor the first of them is the ground.
             let is_ground = number == 1 && self.stage.space.floor.is_none();
-            let (pose, figure) = &self.stage.space.fixed[number as usize - 1];
-            if !is_ground && figure_touches(figure, pose, capsule) {
-                things.push(Seen::Fixed(number - 1));
+            if !is_ground {
+                let (pose, figure) = &self.stage.space.fixed[number as usize - 1];
+                note(Seen::Fixed(number - 1), touch_figure(figure, pose, capsule));
             }
         });
         self.for_each_near(near, at, |robot| {
-            let (pose, figure) = self.robot_figure(robot, at);
-            if robot != by && figure_touches(&figure, &pose, capsule) {
-                things.push(Seen::Robot(robot));
+            if robot != by {
+                let (pose, figure) = self.robot_figure(robot, at);
+                note(Seen::Robot(robot), touch_figure(&figure, &pose, capsule));
             }
         });
         if let Some(objects) = &self.objects {
             objects.for_each_in(near, at, |object| {
-                if figure_touches(&self.object_figure(object), &objects.pose(object, at), capsule) {
-                    things.push(Seen::Object(object));
-                }
+                let touch = touch_figure(&self.object_figure(object), &objects.pose(object, at), capsule);
+                note(Seen::Object(object), touch);
             });
         }
-        things.sort_unstable();
-        things.dedup();
+        things.sort_by_key(|(thing, _)| *thing);
+        things.dedup_by_key(|(thing, _)| *thing);
         things
     }
 }
 
-/// Whether a body of this shape at `world_from_body` comes as near to the capsule's axis as its radius.
-fn figure_touches(figure: &Figure, world_from_body: &Pose, capsule: &Capsule) -> bool {
-    let mut touches = false;
+/// Where a body of this shape at `world_from_body` comes as near to the capsule's axis as its radius, if it does.
+fn touch_figure(figure: &Figure, world_from_body: &Pose, capsule: &Capsule) -> Option<DVec3> {
     // The parts of a figure are always visited in the same order.
     let mut count = 0;
     figure.for_each_nearest(world_from_body, capsule.ends[0], |_| count += 1);
-    for part in 0..count {
-        touches |= is_within(capsule, |point| {
+    let touch_part = |part: usize| {
+        touch_convex(capsule, |point| {
             let (mut number, mut found) = (0, point);
             figure.for_each_nearest(world_from_body, point, |nearest| {
                 if number == part {
@@ -81,19 +146,19 @@ fn figure_touches(figure: &Figure, world_from_body: &Pose, capsule: &Capsule) ->
                 number += 1;
             });
             found
-        });
-    }
-    let way = capsule.ends[1] - capsule.ends[0];
-    touches
-        || figure.has_mesh()
-            && way.try_normalize().is_some_and(|direction| {
-                figure.cast_meshes(world_from_body, capsule.ends[0], direction, way.length()).is_some()
-            })
+        })
+    };
+    (0..count).find_map(touch_part).or_else(|| {
+        let way = capsule.ends[1] - capsule.ends[0];
+        let direction = way.try_normalize().filter(|_| figure.has_mesh())?;
+        let met = figure.cast_meshes(world_from_body, capsule.ends[0], direction, way.length())?;
+        Some(capsule.ends[0] + met.distance * direction)
+    })
 }
 
-/// Whether a convex body comes as near to the capsule's axis as its radius; `nearest` is the body's point that is nearest to
-/// another one. The distance of a convex body is convex along a stretch, so thirds of it can be left out.
-fn is_within(capsule: &Capsule, nearest: impl Fn(DVec3) -> DVec3) -> bool {
+/// Where a convex body comes as near to the capsule's axis as its radius, if it does; `nearest` is the body's point that is
+/// nearest to another one. The distance of a convex body is convex along a stretch, so thirds of it can be left out.
+fn touch_convex(capsule: &Capsule, nearest: impl Fn(DVec3) -> DVec3) -> Option<DVec3> {
     let Capsule { ends: [from, to], radius } = *capsule;
     let length = from.distance(to);
     let distance = |share: f64| {
@@ -104,10 +169,13 @@ fn is_within(capsule: &Capsule, nearest: impl Fn(DVec3) -> DVec3) -> bool {
     for _ in 0..ROUNDS {
         let [first, second] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
         let [before, after] = [first, second].map(distance);
-        let least = before.min(after);
+        let (least, share) = if before < after { (before, first) } else { (after, second) };
+        if least <= radius {
+            return Some(nearest(from.lerp(to, share)));
+        }
         // From one place to another the distance changes no more than the place does.
-        if least <= radius || least - (high - low) * length > radius {
-            return least <= radius;
+        if least - (high - low) * length > radius {
+            return None;
         }
         if before < after {
             high = second;
@@ -115,7 +183,7 @@ fn is_within(capsule: &Capsule, nearest: impl Fn(DVec3) -> DVec3) -> bool {
             low = first;
         }
     }
-    false
+    None
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 mod gait;
 mod glide;
 mod leg;
+mod limb;
 mod walk;
 
 use std::sync::Arc;
@@ -17,6 +18,7 @@ use super::motion::Motion;
 use crate::{math, pose::Twist, scene::Ground, sensor::Link, time::Time};
 pub use gait::Gait;
 pub use leg::{Foot, Joints, Leg, Sole};
+pub use limb::{Limb, Touching};
 pub(in crate::drive) use walk::{Course, Walk};
 
 /// The legs of a robot and the gaits that they know.
@@ -28,6 +30,10 @@ pub struct Legs {
     pub gaits: Vec<Gait>,
     /// How high a foot is lifted over the higher of the places that it steps from and to, m, until something else is commanded.
     pub step_height: f64,
+    /// Radius of thighs and shanks, m.
+    pub radius: f64,
+    /// Height of the underside of the body in the robot's frame, m.
+    pub belly: f64,
 }
 
 /// What a robot's program tells its legs.
@@ -174,6 +180,11 @@ impl Motion {
     /// The robot's legs, if it has any.
     pub fn legs(&self) -> Option<&Legs> {
         self.walk.as_ref().map(|walk| walk.legs())
+    }
+
+    /// What the robot's legs walk on; `None` without legs.
+    pub fn ground(&self) -> Option<&Ground> {
+        self.walk.as_ref().map(|walk| walk.ground())
     }
 
     /// The gait in force at `at`, counted from 0; 0 without legs.

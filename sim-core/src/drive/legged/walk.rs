@@ -152,6 +152,10 @@ impl Walk {
         &self.legs
     }
 
+    pub fn ground(&self) -> &Ground {
+        &self.ground
+    }
+
     pub fn orders_at(&self, at: Time) -> &LegOrders {
         orders_at(&self.orders, at)
     }

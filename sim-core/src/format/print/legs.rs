@@ -3,11 +3,14 @@
 use super::number::{mm, shortest};
 use super::scene::unless;
 use crate::format::scene::form::{FootForm, GaitForm, LegForm, LegsForm};
-use crate::format::spec::{DEFAULT_DUTY, DEFAULT_PERIOD, DEFAULT_STEP_HEIGHT, GaitSpec, LegSpec, LegsSpec};
+use crate::format::spec::{
+    DEFAULT_DUTY, DEFAULT_LIMB_RADIUS, DEFAULT_PERIOD, DEFAULT_STEP_HEIGHT, GaitSpec, LegSpec, LegsSpec,
+};
 
 pub(super) fn legs_form(legs: &LegsSpec) -> LegsForm {
     LegsForm {
         step_height_mm: unless(legs.step_height, DEFAULT_STEP_HEIGHT).map(mm),
+        radius_mm: unless(legs.radius, DEFAULT_LIMB_RADIUS).map(mm),
         gait: legs.gaits.iter().map(gait_form).collect(),
     }
 }

@@ -13,12 +13,16 @@ pub const DEFAULT_DUTY: f64 = 0.8;
 pub const DEFAULT_PERIOD: f64 = 1.0;
 /// Height of a step of legs that do not say, in metres. Source: our choice.
 pub const DEFAULT_STEP_HEIGHT: f64 = 0.03;
+/// Radius of thighs and shanks of legs that do not say, in metres. Source: our choice.
+pub const DEFAULT_LIMB_RADIUS: f64 = 0.02;
 
 /// The legs of a robot type and what they can do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LegsSpec {
     /// How high a foot is lifted, in metres.
     pub step_height: f64,
+    /// Radius of thighs and shanks, in metres.
+    pub radius: f64,
     /// Its gaits; none: the default one.
     pub gaits: Vec<GaitSpec>,
     /// Its legs.
@@ -27,7 +31,7 @@ pub struct LegsSpec {
 
 impl Default for LegsSpec {
     fn default() -> Self {
-        Self { step_height: DEFAULT_STEP_HEIGHT, gaits: Vec::new(), legs: Vec::new() }
+        Self { step_height: DEFAULT_STEP_HEIGHT, radius: DEFAULT_LIMB_RADIUS, gaits: Vec::new(), legs: Vec::new() }
     }
 }
 

@@ -78,6 +78,16 @@ impl Collider {
         }
     }
 
+    /// Height of its lowest point in the frame of its body, in metres.
+    pub fn bottom(&self) -> f64 {
+        match *self {
+            Collider::Box { centre, .. }
+            | Collider::Sphere { centre, .. }
+            | Collider::Capsule { centre, .. }
+            | Collider::Cylinder { centre, .. } => 2.0 * centre.z - self.top(),
+        }
+    }
+
     /// Radius of the smallest disc about the origin of the floor plane that holds all of it, seen from above, in metres.
     pub fn reach(&self) -> f64 {
         match *self {

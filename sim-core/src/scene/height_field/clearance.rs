@@ -13,7 +13,7 @@ impl HeightField {
     /// Exact up to `within`; where it is farther, any number from there on. Beyond the rectangle the height above the ground
     /// counts instead of the distance. NaN where a coordinate is NaN.
     pub fn clearance(&self, ends: [DVec3; 2], within: f64) -> f64 {
-        let gap = self.least_gap(ends);
+        let (gap, _) = self.least_gap(ends);
         if gap.is_nan() || gap <= 0.0 {
             return gap;
         }
@@ -39,10 +39,13 @@ impl HeightField {
         least
     }
 
-    /// Least height of a point of the piece above the ground, in metres; negative where it is below.
+    /// Least height of a point of the piece above the ground, in metres, negative where it is below; and that point.
     ///
-    /// Both are linear between the lines of the grid and the diagonals, so only those count.
-    fn least_gap(&self, [a, b]: [DVec3; 2]) -> f64 {
+    /// Both are linear between the lines of the grid and the diagonals, so only those count. NaN where a coordinate is NaN.
+    pub fn least_gap(&self, [a, b]: [DVec3; 2]) -> (f64, DVec3) {
+        if a.is_nan() || b.is_nan() {
+            return (f64::NAN, a);
+        }
         let along = b - a;
         let gap = |share: f64| {
             let place = a + share * along;
@@ -57,9 +60,16 @@ impl HeightField {
         cross(&self.ys, a.y, along.y);
         shares.sort_by(f64::total_cmp);
         shares.dedup();
-        let mut least = f64::INFINITY;
+        let mut least = (f64::INFINITY, 0.0);
+        let mut try_share = |share: f64| {
+            let gap = gap(share);
+            if gap < least.0 {
+                least = (gap, share);
+            }
+        };
         for pair in shares.windows(2) {
-            least = least.min(gap(pair[0])).min(gap(pair[1]));
+            try_share(pair[0]);
+            try_share(pair[1]);
             let middle = (a + 0.5 * (pair[0] + pair[1]) * along).truncate();
             let [columns, rows] = self.cells(&Bounds { min: middle, max: middle });
             for (column, row) in columns.flat_map(|column| rows.clone().map(move |row| (column, row))) {
@@ -69,12 +79,11 @@ impl HeightField {
                 let side = |share: f64| diagonal.perp_dot((a + share * along).truncate() - low);
                 let (before, after) = (side(pair[0]), side(pair[1]));
                 if before * after < 0.0 {
-                    least = least.min(gap(pair[0] + (pair[1] - pair[0]) * before / (before - after)));
+                    try_share(pair[0] + (pair[1] - pair[0]) * before / (before - after));
                 }
             }
         }
-        // NaN is no end of a range.
-        if a.is_nan() || b.is_nan() { f64::NAN } else { least }
+        (least.0, a + least.1 * along)
     }
 
     /// Least and greatest height of the ground in a disc, in metres, or of the corners of the cells at its border: never too

@@ -12,6 +12,9 @@ pub(crate) struct LegsForm {
     /// How high a foot is lifted over the higher of the places that it steps from and to, in mm; 30 if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) step_height_mm: Option<Number>,
+    /// Radius of thighs and shanks in mm: what of them may touch; 20 if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) radius_mm: Option<Number>,
     /// Gaits, the first is the one that it starts with; if left out, one foot after the other.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub(crate) gait: Vec<GaitForm>,
@@ -20,7 +23,7 @@ pub(crate) struct LegsForm {
 impl LegsForm {
     /// Says nothing that is not so without it.
     pub(crate) fn is_usual(&self) -> bool {
-        self.step_height_mm.is_none() && self.gait.is_empty()
+        self.step_height_mm.is_none() && self.radius_mm.is_none() && self.gait.is_empty()
     }
 }
 

@@ -1,0 +1,61 @@
+//! The parts of legs as capsules.
+
+use glam::DVec3;
+
+use super::{Legs, Stance};
+use crate::{
+    pose::{Pose, Pose3},
+    scene::Capsule,
+    sensor::link_pose,
+};
+
+/// So many radii of a limb above its lower end the ground may be as near as it likes: see [`Limb::bare`].
+const BARE_RADII: f64 = 3.0;
+
+/// A part of a legged robot that should touch nothing; legs are counted from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Touching {
+    /// The body: an upright cylinder of the robot's diameter above its underside.
+    Body,
+    /// The thigh of a leg.
+    Thigh(usize),
+    /// The shank of a leg.
+    Shank(usize),
+}
+
+/// A thigh or a shank.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limb {
+    /// Which.
+    pub part: Touching,
+    /// Its shape in the world, from the upper to the lower end: hip and knee, or knee and ankle or tip.
+    pub capsule: Capsule,
+    /// Length at its lower end that is near the ground because a foot stands there, m; 0 for a thigh.
+    pub bare: f64,
+}
+
+impl Legs {
+    /// Thighs and shanks, leg by leg, of a robot at `world_from_robot` that holds itself like this.
+    pub fn limbs(&self, stance: &Stance, world_from_robot: &Pose) -> Vec<Limb> {
+        let links = self.links(0, 0);
+        let world_from_body = Pose3::from_planar(world_from_robot, stance.lift);
+        let mut first = 0;
+        let mut limbs = Vec::with_capacity(2 * self.legs.len());
+        for (number, leg) in self.legs.iter().enumerate() {
+            let places: Vec<usize> = leg.parts().map(|(_, place)| first + place).collect();
+            let frame = |part: usize| world_from_body.then(&link_pose(&links, &stance.joints, places[part]));
+            let (thigh, shank) = (frame(0), frame(1));
+            let capsule = |upper, lower| Capsule { ends: [upper, lower], radius: self.radius };
+            let lower = shank.transform_point(DVec3::new(0.0, 0.0, -leg.shank));
+            limbs.push(Limb {
+                part: Touching::Thigh(number),
+                capsule: capsule(thigh.position, shank.position),
+                bare: 0.0,
+            });
+            let bare = BARE_RADII * self.radius;
+            limbs.push(Limb { part: Touching::Shank(number), capsule: capsule(shank.position, lower), bare });
+            first += leg.link_count();
+        }
+        limbs
+    }
+}
