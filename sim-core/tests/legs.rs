@@ -50,6 +50,8 @@ fn biped() -> Legs {
         legs: vec![leg("LEFT", 0.0, 0.1, foot), leg("RIGHT", 0.0, -0.1, foot)],
         gaits: vec![Gait { name: "walk".to_owned(), period: Time(1_100_000), duty: 0.6, offsets: vec![0.0, 0.5] }],
         step_height: 0.03,
+        radius: 0.03,
+        belly: 0.9,
     }
 }
 
@@ -72,6 +74,8 @@ fn four_legs() -> Legs {
             gait("trot", 1_000_000, 0.6, [0.0, 0.5, 0.5, 0.0]),
         ],
         step_height: 0.05,
+        radius: 0.03,
+        belly: 0.8,
     }
 }
 

@@ -98,7 +98,7 @@ pub fn carry_out(change: Change, at: Time, run: &Run, world: &mut World) -> Effe
             let (program, prepared) = program.unzip();
             world.add_robot(&mut robot.motion, Some(Arc::new(build::robot_figure(&spec.robi))));
             world.radio_mut().set_errors(id, heard);
-            robot.record_arrival();
+            robot.record_arrival(world);
             let effect = Effect { came: Some((id, program.is_some())), ..Effect::default() };
             run.admit(Member::new(robot, program));
             if let Some(workshop) = workshop.as_mut() {

@@ -436,7 +436,7 @@ impl Conductor {
                 continue;
             }
             robot.record_pose(slot_end);
-            robot.record_walk(slot_end);
+            robot.record_walk(world, slot_end);
             if robot.motion.is_active() {
                 self.moving.push(robot.id);
             }

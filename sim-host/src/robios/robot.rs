@@ -5,13 +5,13 @@ use std::sync::Arc;
 use robios_sys::{Robios6Call, SupportCall};
 use sim_core::RobotId;
 use sim_core::contact::Thing;
-use sim_core::drive::legged::{Footfall, Stance};
-use sim_core::drive::{Command, ModelError, Motion};
+use sim_core::drive::legged::{Footfall, Stance, Touching};
+use sim_core::drive::{Command, HISTORY, ModelError, Motion};
 use sim_core::format::{Parameter, RobiSpec};
 use sim_core::noise::{Profile, RangeKind};
 use sim_core::pose::Pose;
 use sim_core::time::Time;
-use sim_core::world::{Contact, World};
+use sim_core::world::{Contact, LegTouch, Seen, World};
 
 use super::Devices;
 use super::caller::Call;
@@ -115,11 +115,17 @@ pub enum Waits {
     Ready,
 }
 
+/// How often is looked at what legs touch. Source: our choice.
+const TOUCH_GRID: Time = Time::from_millis(10);
+
 /// What has been recorded of a robot's legs.
 #[derive(Clone, Debug, Default)]
 pub struct WalkRecord {
     /// The posture that was recorded last.
     posture: Option<(f64, Vec<f64>)>,
+    /// What its parts touched when that was looked at last, and when that was.
+    touching: Vec<(Touching, Seen)>,
+    looked_at: Time,
     /// How often a foot has come down.
     pub footfalls: u64,
     /// How often a part has begun to touch something.
@@ -273,10 +279,10 @@ impl Robot {
     }
 
     /// Records where it is when it comes into a running world; of a robot that is there from the start the scene says it.
-    pub fn record_arrival(&mut self) {
+    pub fn record_arrival(&mut self, world: &World) {
         self.recorded_pose = None;
         self.record_pose(self.now);
-        self.record_walk(self.now);
+        self.record_walk(world, self.now);
     }
 
     /// Records where it is at the end of a slot, if it has moved since the last record.
@@ -293,7 +299,7 @@ impl Robot {
 
     /// Records where the feet of a robot with legs have trod in the slot, and how it holds itself at its end, if that has
     /// changed since the last record.
-    pub fn record_walk(&mut self, slot_end: Time) {
+    pub fn record_walk(&mut self, world: &World, slot_end: Time) {
         if self.motion.legs().is_none() {
             return;
         }
@@ -302,6 +308,7 @@ impl Robot {
             self.journal.record(time, &Event::Footfall { leg: name, x_m: point.x, y_m: point.y, z_m: point.z });
             self.walk.footfalls += 1;
         }
+        self.record_touches(world, slot_end);
         let Stance { lift, joints, .. } = self.motion.stance(slot_end);
         let posture = Some((lift, joints));
         if self.walk.posture != posture {
@@ -310,6 +317,44 @@ impl Robot {
             self.journal.record(slot_end, &Event::Posture { lift_m: lift, joints_rad: Numbers::new(&bytes) });
             self.walk.posture = posture;
         }
+    }
+
+    /// Records what thighs, shanks and body have begun to touch since that was looked at last, each [`TOUCH_GRID`]; of slots
+    /// longer than what the world remembers only the end is looked at.
+    fn record_touches(&mut self, world: &World, slot_end: Time) {
+        let first = self.walk.looked_at.max(slot_end - HISTORY);
+        let mut at = Time((first.0.div_euclid(TOUCH_GRID.0) + 1) * TOUCH_GRID.0);
+        while at <= slot_end {
+            let touches = world.closeness(&mut self.motion, at).map(|near| near.touches).unwrap_or_default();
+            for LegTouch { part, thing, point } in &touches {
+                if !self.walk.touching.contains(&(*part, *thing)) {
+                    let part = self.part_name(*part);
+                    let with = match thing {
+                        Seen::Wall(_) | Seen::Fixed(_) => Obstacle::Wall,
+                        Seen::Floor => Obstacle::Terrain,
+                        Seen::Robot(id) => Obstacle::Robot(id.0),
+                        Seen::Object(id) => Obstacle::Object(id.0),
+                    };
+                    let event = Event::Touch { part: &part, with, x_m: point.x, y_m: point.y, z_m: point.z };
+                    self.journal.record(at, &event);
+                    self.walk.touches += 1;
+                }
+            }
+            self.walk.touching = touches.iter().map(|touch| (touch.part, touch.thing)).collect();
+            self.walk.looked_at = at;
+            at += TOUCH_GRID;
+        }
+    }
+
+    /// The name of a part in events: that of its link, or `body`.
+    fn part_name(&self, part: Touching) -> String {
+        let (leg, link) = match part {
+            Touching::Body => return "body".to_owned(),
+            Touching::Thigh(leg) => (leg, "thigh"),
+            Touching::Shank(leg) => (leg, "shank"),
+        };
+        let name = self.motion.legs().and_then(|legs| legs.legs.get(leg)).map_or("", |leg| &leg.name);
+        format!("{name}.{link}")
     }
 
     /// Records a contact that began in the present slot.

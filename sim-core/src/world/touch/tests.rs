@@ -3,9 +3,11 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use super::*;
+use crate::drive::legged::{Gait, Leg, Legs};
+use crate::drive::{DriveKind, Model};
 use crate::noise::{Purpose, Stream};
 use crate::object::{Shape, Solid};
-use crate::scene::{Segment, Surface, WallId, Walls};
+use crate::scene::{self, Ground, Segment, Steps, Surface, WallId, Walls};
 use crate::world::Space;
 
 fn walls() -> Arc<Walls> {
@@ -32,7 +34,17 @@ fn world() -> World {
 }
 
 fn touched(ends: [[f64; 3]; 2], radius: f64) -> Vec<Seen> {
-    world().touched(RobotId(1), &Capsule { ends: ends.map(DVec3::from), radius }, Time::ZERO)
+    things(&world(), &Capsule { ends: ends.map(DVec3::from), radius })
+}
+
+/// What a capsule touches; the points lie on it and on the capsule.
+fn things(world: &World, capsule: &Capsule) -> Vec<Seen> {
+    let touched = world.touched(RobotId(1), capsule, Time::ZERO);
+    for (thing, point) in &touched {
+        let distance = crate::scene::distance::segment_to_segment(capsule.ends, [*point; 2]);
+        assert!(distance <= capsule.radius + 1e-12, "{thing:?} is touched at {point}, {distance} m off");
+    }
+    touched.into_iter().map(|(thing, _)| thing).collect()
 }
 
 #[test]
@@ -71,7 +83,7 @@ fn bodies_are_touched_as_brute_force_finds() {
             }
             least
         };
-        let things = world.touched(RobotId(1), &capsule, Time::ZERO);
+        let things = things(&world, &capsule);
         for number in 0..2 {
             let (distance, is_touched) = (distance(number), things.contains(&Seen::Fixed(number)));
             if distance <= capsule.radius {
@@ -92,10 +104,89 @@ fn the_ground_is_not_among_what_is_touched() {
     let pose = Pose::new(-2.0, -2.0, 0.3);
     let space = |floor| Space { floor, fixed: vec![(pose, Arc::clone(&slab))], ..Space::default() };
     let capsule = Capsule { ends: [DVec3::new(-1.9, -2.0, 0.3); 2], radius: 0.05 };
-    let things = |floor| {
+    let of = |floor| {
         let world = World::new(walls(), Time::from_millis(10), []).with_space(space(floor));
-        world.touched(RobotId(1), &capsule, Time::ZERO)
+        things(&world, &capsule)
     };
-    assert_eq!(things(Some(Surface::SMOOTH)), [Seen::Fixed(0)]);
-    assert_eq!(things(None), []);
+    assert_eq!(of(Some(Surface::SMOOTH)), [Seen::Fixed(0)]);
+    assert_eq!(of(None), []);
+}
+
+fn model(kind: DriveKind) -> Model {
+    Model {
+        kind,
+        wheel_diameter: 0.05,
+        max_wheel_rate: 60.0,
+        ticks_per_turn: 1000.0,
+        track: 0.1,
+        wheelbase: 0.1,
+        axis_offset: 0.0,
+        max_speed: 1.0,
+        max_turn: 1.0,
+        body_radius: 0.3,
+        wheel_lag: 0.0,
+        max_steering: 0.7,
+        mass: 10.0,
+        traction: 0.6,
+    }
+}
+
+/// A robot of two legs without feet, 0.44 m each part, whose hips are 0.8 m high; it looks along x.
+fn walker(position: DVec2, ground: Ground) -> Motion {
+    let leg = |name: &str, y: f64| Leg {
+        name: name.to_owned(),
+        hip: DVec3::new(0.0, y, 0.8),
+        thigh: 0.44,
+        shank: 0.44,
+        foot: None,
+        wheel: None,
+    };
+    let gait = Gait { name: "walk".to_owned(), period: Time(1_000_000), duty: 0.7, offsets: vec![0.0, 0.5] };
+    let legs = vec![leg("LEFT", 0.2), leg("RIGHT", -0.2)];
+    let legs = Legs { legs, gaits: vec![gait], step_height: 0.05, radius: 0.03, belly: 0.7 };
+    let pose = Pose::new(position.x, position.y, 0.0);
+    Motion::new(RobotId(1), Arc::new(model(DriveKind::Legged)), walls(), pose)
+        .with_legs(Arc::new(legs), Arc::new(ground))
+}
+
+fn closeness(position: [f64; 2], ground: Ground) -> Closeness {
+    let mut motion = walker(position.into(), ground);
+    world().closeness(&mut motion, Time::ZERO).expect("legs")
+}
+
+fn block(from: [f64; 2], to: [f64; 2], height: f64) -> Ground {
+    let (origin, size) = (DVec2::new(-10.0, -20.0), DVec2::splat(40.0));
+    let block = scene::Block { bounds: Bounds { min: from.into(), max: to.into() }, height };
+    let steps = Steps { origin, size, base: 0.0, stairs: vec![], blocks: vec![block] };
+    Ground::Field(Arc::new(steps.field().expect("a field")))
+}
+
+#[test]
+fn legs_that_stand_on_the_floor_touch_nothing() {
+    let standing = closeness([8.0, -8.0], Ground::Flat);
+    assert_eq!(standing.touches, []);
+    // The shanks count down to 90 mm above their tips, and are 30 mm thick; they stand nearly upright.
+    assert!((0.05..=0.06).contains(&standing.clearance), "{standing:?}");
+    let mut gliding = Motion::new(RobotId(1), Arc::new(model(DriveKind::Differential)), walls(), Pose::default());
+    assert_eq!(world().closeness(&mut gliding, Time::ZERO), None);
+}
+
+#[test]
+fn parts_touch_the_ground_and_what_stands_on_it() {
+    let parts = |position, ground| -> Vec<(Touching, Seen)> {
+        closeness(position, ground).touches.iter().map(|touch| (touch.part, touch.thing)).collect()
+    };
+    // The knees lie ahead of the hips, by less than 0.2 m. A block 0.3 m high stands between knees and shanks of the left leg.
+    let beside = |from: f64, to: f64, height| block([8.0 + from, -7.85], [8.0 + to, -7.75], height);
+    assert_eq!(parts([8.0, -8.0], beside(0.25, 0.4, 0.6)), []);
+    assert_eq!(parts([8.0, -8.0], beside(0.11, 0.4, 0.3)), [(Touching::Shank(0), Seen::Floor)]);
+    let high = [(Touching::Thigh(0), Seen::Floor), (Touching::Shank(0), Seen::Floor)];
+    assert_eq!(parts([8.0, -8.0], beside(0.11, 0.4, 0.6)), high);
+    // A block under the body only, higher than its underside.
+    let under = block([7.95, -8.05], [8.05, -7.95], 0.71);
+    assert_eq!(parts([8.0, -8.0], under), [(Touching::Body, Seen::Floor)]);
+    let low = closeness([8.0, -8.0], block([7.95, -8.05], [8.05, -7.95], 0.66));
+    assert!(low.touches.is_empty() && (low.clearance - 0.04).abs() < 1e-9, "{low:?}");
+    // The left leg stands in a wall that is 0.3 m high.
+    assert_eq!(parts([1.0, 0.8], Ground::Flat), [(Touching::Shank(0), Seen::Wall(WallId(0)))]);
 }
