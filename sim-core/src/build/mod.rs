@@ -339,7 +339,13 @@ pub fn leg(spec: &LegSpec) -> Leg {
 fn gait(spec: &GaitSpec, legs: usize) -> Gait {
     let one_by_one = (0..legs).map(|leg| leg as f64 / legs as f64);
     let offsets = if spec.offsets.is_empty() { one_by_one.collect() } else { spec.offsets.clone() };
-    Gait { name: spec.name.clone(), period: Time::from_seconds_ceil(spec.period), duty: spec.duty, offsets }
+    Gait {
+        name: spec.name.clone(),
+        period: Time::from_seconds_ceil(spec.period),
+        duty: spec.duty,
+        offsets,
+        is_natural: spec.is_natural,
+    }
 }
 
 /// The drive and the body of a robot type. One that walks has the limits of its legs where they are the lower ones.

@@ -209,8 +209,8 @@ impl Model {
     /// Greatest of the wheels' rates, as a multiple of the limit.
     pub(super) fn wheel_excess(&self, wheels: &Wheels) -> f64 {
         if self.kind == DriveKind::Legged {
-            // Legs have the limits of the twist alone.
-            return 0.0;
+            // A foot beside the body goes by both, so the shares of both limits add up.
+            return math::hypot(wheels[0], wheels[1]) / self.max_speed + wheels[2].abs() / self.max_turn;
         }
         wheels.iter().fold(0.0, |most: f64, rate| most.max(rate.abs())) / self.max_wheel_rate
     }

@@ -13,6 +13,8 @@ use crate::unit;
 
 /// Most legs of a robot, and most gaits.
 const MOST: usize = 16;
+/// What the joints follow between footholds: the path of the foot alone, or people's joint angles.
+const CURVES: [&str; 2] = ["plain", "natural"];
 const DUTY: Quantity = Quantity::number("duty factor", 0.05, 0.98);
 const OFFSET: Quantity = Quantity::number("offset", 0.0, 1.0);
 
@@ -66,8 +68,9 @@ impl Reader<'_> {
         for item in self.array(&mut section, "offsets", "an array of numbers, one a leg").unwrap_or_default() {
             offsets.extend(self.as_number("offsets", item, &OFFSET));
         }
+        let is_natural = self.choice(&mut section, "curve", &CURVES) == Some(1);
         self.unknown_keys(&section);
-        Some(GaitSpec { name: name?.text, period, duty, offsets, span: section.span })
+        Some(GaitSpec { name: name?.text, period, duty, offsets, is_natural, span: section.span })
     }
 
     fn leg(&mut self, mut section: Section<'_, '_>) -> Option<LegSpec> {

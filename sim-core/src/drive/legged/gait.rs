@@ -1,5 +1,6 @@
 //! In which order and how long the feet are in the air.
 
+use super::curve::{HEEL_OFF, TOE_OFF};
 use crate::time::Time;
 
 /// Instants in one period at which something about the feet is decided.
@@ -16,6 +17,8 @@ pub struct Gait {
     pub duty: f64,
     /// When in the period each leg lifts off, as a share of it, 0 to 1; taken to the nearest 48th.
     pub offsets: Vec<f64>,
+    /// Legs with feet move as people's do: see [`natural_angles`](super::natural_angles).
+    pub is_natural: bool,
 }
 
 impl Gait {
@@ -23,6 +26,11 @@ impl Gait {
     pub(super) fn slot(&self, leg: usize) -> i64 {
         let offset = self.offsets.get(leg).copied().unwrap_or(0.0);
         ((offset * GRID as f64).round() as i64).rem_euclid(GRID)
+    }
+
+    /// How many instants of the grid before its lift-off a foot begins to roll over its toe in a natural gait.
+    pub(super) fn rolling(&self) -> i64 {
+        ((TOE_OFF - HEEL_OFF) / TOE_OFF * self.duty * GRID as f64).round() as i64
     }
 
     /// How long a foot is in the air in a cycle of length `period`.
@@ -111,7 +119,13 @@ mod tests {
     use super::*;
 
     fn gait() -> Gait {
-        Gait { name: "walk".to_owned(), period: Time(1_000_001), duty: 0.6, offsets: vec![0.5, 0.0, 0.25] }
+        Gait {
+            name: "walk".to_owned(),
+            period: Time(1_000_001),
+            duty: 0.6,
+            offsets: vec![0.5, 0.0, 0.25],
+            is_natural: false,
+        }
     }
 
     #[test]

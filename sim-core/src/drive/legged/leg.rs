@@ -6,9 +6,12 @@ use glam::{DVec2, DVec3};
 
 use crate::{math, pose::Pose3, sensor::Link};
 
-/// How far a leg stretches, as a share of thigh and shank in one line: the knee stays bent by 3.6 degrees, or a
+/// How far a leg stretches, as a share of thigh and shank in one line: the knee stays bent by 7.2 degrees, or a
 /// millimetre of height would turn it by any angle. Our choice.
-const STRETCH: f64 = 0.9995;
+const STRETCH: f64 = 0.998;
+
+/// How low the hip goes in a walk, as a share of its height while the robot stands. Our choice.
+pub(super) const LOWEST_HIP: f64 = 5.0 / 6.0;
 
 /// Greatest flexion of a knee, rad: 150 degrees. Our choice.
 const MAX_KNEE: f64 = 150.0 / 180.0 * PI;
@@ -254,8 +257,8 @@ mod tests {
         let (offset, sole) = (DVec2::new(0.3, -0.2), Sole { ahead: 0.15, pitch: -0.5 });
         let height = leg.greatest_height(offset, sole).expect("within reach");
         let knee = leg.joints(offset.extend(-height), 0.0, sole).knee;
-        // Hip to ankle is 0.9995 * 0.9 m: the law of cosines.
-        let cosine = ((0.9995f64 * 0.9).powi(2) - 0.16 - 0.25) / 0.4;
+        // Hip to ankle is 0.998 * 0.9 m: the law of cosines.
+        let cosine = ((0.998f64 * 0.9).powi(2) - 0.16 - 0.25) / 0.4;
         assert!((math::cos(knee) - cosine).abs() < 1e-12, "{knee}");
         assert_eq!(leg.greatest_height(DVec2::new(1.2, 0.0), sole), None);
         assert_eq!(leg.greatest_height(DVec2::new(0.0, 1.2), sole), None);

@@ -4,6 +4,7 @@
 //! feet, its joints and the height of its body are functions of that motion and of virtual time, so they too are exact for
 //! every slot length. See docs/legged.md.
 
+mod curve;
 mod gait;
 mod glide;
 mod leg;
@@ -15,11 +16,16 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 
 use super::motion::Motion;
-use crate::{math, pose::Twist, scene::Ground, sensor::Link, time::Time};
+use crate::{math, scene::Ground, sensor::Link, time::Time};
+use curve::Natural;
+pub use curve::natural_angles;
 pub use gait::Gait;
 pub use leg::{Foot, Joints, Leg, Sole};
 pub use limb::{Limb, Touching};
 pub(in crate::drive) use walk::{Course, Walk};
+
+/// How fast a natural gait goes at most, as a multiple of the source's speed. Our choice.
+const FASTEST: f64 = 1.2;
 
 /// The legs of a robot and the gaits that they know.
 #[derive(Clone, Debug, PartialEq)]
@@ -143,15 +149,24 @@ impl Legs {
     pub fn excursion(&self) -> f64 {
         let of_leg = |leg: &Leg| {
             let ankle = leg.foot.map_or(0.0, |foot| foot.height);
-            let depth = 5.0 / 6.0 * leg.hip.z - ankle;
+            let depth = leg::LOWEST_HIP * leg.hip.z - ankle;
             (leg.reach() * leg.reach() - depth * depth).max(0.0).sqrt()
         };
         self.legs.iter().filter(|leg| leg.wheel.is_none()).map(of_leg).fold(f64::INFINITY, f64::min)
     }
 
+    /// The speed at which a natural gait is that of its source, m/s; `None` for another gait or legs without feet.
+    pub fn natural_speed(&self, gait: &Gait) -> Option<f64> {
+        let natural = Natural::new(self.legs.first()?).filter(|_| gait.is_natural)?;
+        Some(natural.stride / gait.period.seconds())
+    }
+
     /// The greatest speed at which no foot is left behind in a gait, m/s: a foot goes from one end of four fifths of its
-    /// excursion to the other while it stands. Our choice.
+    /// excursion to the other while it stands; a natural gait goes by a fifth faster than its source. Our choice.
     pub fn greatest_speed(&self, gait: &Gait) -> f64 {
+        if let Some(speed) = self.natural_speed(gait) {
+            return FASTEST * speed;
+        }
         2.0 * 0.8 * self.excursion() / (gait.duty * gait.period.seconds())
     }
 
@@ -161,12 +176,6 @@ impl Legs {
         // A foot does not turn by more than 45 degrees to either side either.
         let by_angle = std::f64::consts::FRAC_PI_2 / (gait.duty * gait.period.seconds());
         by_angle.min(self.greatest_speed(gait) / radius)
-    }
-
-    /// `twist` slowed down as a whole to what the legs can do in a gait.
-    pub fn clamp_twist(&self, twist: Twist, gait: &Gait) -> Twist {
-        let excess = twist.speed() / self.greatest_speed(gait) + twist.omega.abs() / self.greatest_turn(gait);
-        if excess > 1.0 { twist.scaled(1.0 / excess) } else { twist }
     }
 }
 

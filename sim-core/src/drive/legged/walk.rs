@@ -11,9 +11,10 @@ use glam::{DVec2, DVec3};
 
 use super::{
     FootState, Footfall, LegCommand, LegCommandError, Legs, Stance,
-    gait::{Clock, GRID},
+    curve::{HEEL_OFF, Natural, TOE_OFF, natural_pitch},
+    gait::{Clock, GRID, Gait},
     glide::{Glide, share, smooth},
-    leg::{Leg, Sole},
+    leg::{Foot, LOWEST_HIP, Leg, Sole},
 };
 use crate::{
     drive::{HISTORY, Motion, piece::Piece},
@@ -31,6 +32,12 @@ const SAME_GOAL: f64 = 1e-3;
 const KEPT: f64 = 0.25;
 /// A foot that the body has turned away from by more than this is taken up before its turn, rad: 60 degrees. Our choice.
 const MOST_TWISTED: f64 = std::f64::consts::FRAC_PI_3;
+/// A foot in the air turns from its goal by this many excursions at most, times the share of its way that is left. Our choice.
+const MOST_TURNED: f64 = 1.6;
+/// The greatest share of the natural curves. Our choice.
+const MOST_LEVEL: f64 = 1.2;
+/// A change of that share by less is none. Our choice.
+const SAME_LEVEL: f64 = 0.02;
 /// Places that are tried for a foot between its goal and the body.
 const TRIED_PLACES: i32 = 16;
 /// Places between two footholds at which the ground is asked for its height.
@@ -80,6 +87,8 @@ pub(in crate::drive) struct LegOrders {
 pub(in crate::drive) struct Walk {
     legs: Arc<Legs>,
     ground: Arc<Ground>,
+    /// By leg what natural walking makes of it.
+    natural: Vec<Option<Natural>>,
     /// In ascending order, the first from the start of all times.
     orders: VecDeque<(Time, LegOrders)>,
     /// Counts the commands.
@@ -102,9 +111,19 @@ struct Foothold {
 /// One step of a foot: off the ground, through the air, and then standing until the next.
 #[derive(Clone, Debug)]
 struct Step {
+    /// From when on it rolls over its toe; `lift_off` for one that does not.
+    heel_off: Time,
+    /// How long rolling off takes, if it is not cut short.
+    roll: Time,
     lift_off: Time,
     touch_down: Time,
+    /// How long it is to stand then.
+    stand: Time,
     from: Foothold,
+    /// Angle of the foot at `heel_off`.
+    from_pitch: f64,
+    /// The share of the natural angles of a foot that it follows.
+    level: f64,
     /// Where it goes, and what it clears on its way: each from an instant on, the first from lift-off.
     goals: Vec<(Time, Foothold, f64)>,
     /// The robot was put there.
@@ -125,6 +144,7 @@ struct Steps {
 struct Around<'a> {
     legs: &'a Legs,
     ground: &'a Ground,
+    natural: &'a [Option<Natural>],
     orders: &'a VecDeque<(Time, LegOrders)>,
 }
 
@@ -142,10 +162,20 @@ impl Walk {
             step_height: legs.step_height,
             corrections: vec![(DVec2::ZERO, 0.0); legs.legs.len()],
         };
+        let natural = legs.legs.iter().map(Natural::new).collect();
         let never = Time(i64::MIN);
         let firm =
             Steps { until: never, clocks: Vec::new(), is_walking: false, feet: vec![VecDeque::new(); legs.legs.len()] };
-        Self { legs, ground, orders: VecDeque::from([(never, orders)]), revision: 0, firm, ahead: None, taken: never }
+        Self {
+            legs,
+            ground,
+            natural,
+            orders: VecDeque::from([(never, orders)]),
+            revision: 0,
+            firm,
+            ahead: None,
+            taken: never,
+        }
     }
 
     pub fn legs(&self) -> &Legs {
@@ -196,7 +226,7 @@ impl Walk {
     pub fn stance(&mut self, motion: &mut Motion, at: Time, world_from_robot: &Pose) -> Stance {
         self.extend(motion, at);
         let steps = if at <= self.firm.until { &self.firm } else { self.ahead_steps() };
-        steps.stance(&self.legs, &self.ground, at, world_from_robot)
+        steps.stance(&self.legs, &self.natural, &self.ground, at, world_from_robot)
     }
 
     pub fn take_footfalls(&mut self, motion: &mut Motion, until: Time) -> Vec<Footfall> {
@@ -242,7 +272,8 @@ impl Walk {
         };
         if steps.until < at {
             let courses = motion.courses(steps.until, at);
-            let around = Around { legs: &self.legs, ground: &self.ground, orders: &self.orders };
+            let Self { legs, ground, natural, orders, .. } = self;
+            let around = Around { legs, ground, natural, orders };
             steps.extend(&around, &courses, at);
         }
         if is_firm {
@@ -311,7 +342,21 @@ impl Steps {
             let place = pose.transform_point(leg.hip.truncate());
             let from = Foothold { point: place.extend(around.ground.height(place)), heading: pose.heading.remainder() };
             let goals = vec![(at, from, 0.0)];
-            steps.push_back(Step { lift_off: at, touch_down: at, from, goals, is_placed: true });
+            let (roll, stand) = (Time::ZERO, Time::ZERO);
+            let (heel_off, lift_off, touch_down) = (at, at, at);
+            let (from_pitch, level, is_placed) = (0.0, 0.0, true);
+            steps.push_back(Step {
+                heel_off,
+                roll,
+                lift_off,
+                touch_down,
+                stand,
+                from,
+                from_pitch,
+                level,
+                goals,
+                is_placed,
+            });
         }
         self.is_walking = false;
     }
@@ -333,48 +378,124 @@ impl Steps {
         let Some(clock) = self.clock().copied() else { return };
         let is_moving = !present.twist.is_zero();
         let mut is_settled = !is_moving;
-        for (number, leg) in around.legs.legs.iter().enumerate().filter(|(_, leg)| leg.wheel.is_none()) {
-            let slot = around.legs.gaits[clock.gait].slot(number);
-            let last = self.feet[number].back().expect("a foot stands somewhere");
-            if last.touch_down > present.at {
-                is_settled = false;
-                let kept = KEPT * (last.touch_down - last.lift_off).seconds();
-                if (last.touch_down - present.at).seconds() > kept {
-                    let goal = self.goal(around, present, number, &clock, last.touch_down);
-                    let apex = apex(around, present.at, number, &last.from, &goal);
-                    self.feet[number].back_mut().expect("it is in the air").turn_to(present.at, goal, apex);
-                }
-                continue;
-            }
-            let from = last.standing();
-            let is_displaced = is_away(&from, leg, &present.pose, AT_PLACE);
-            is_settled &= !is_displaced;
-            let is_lifted = if (index - slot).rem_euclid(GRID) == 0 {
-                is_moving || is_displaced
-            } else {
-                let soon = (clock.instant(index + 2) - present.at).seconds();
-                is_moving && is_left_behind(around.legs, leg, &from, present, soon)
-            };
-            if is_lifted {
-                let swing = around.legs.gaits[clock.gait].swing(clock.period_at(index));
-                let touch_down = present.at + swing;
-                let goal = self.goal(around, present, number, &clock, touch_down);
-                let goals = vec![(present.at, goal, apex(around, present.at, number, &from, &goal))];
-                let step = Step { lift_off: present.at, touch_down, from, goals, is_placed: false };
-                self.feet[number].push_back(step);
-                is_settled = false;
+        for number in 0..around.legs.legs.len() {
+            if around.legs.legs[number].wheel.is_none() {
+                is_settled &= self.tick_foot(around, present, &clock, index, number);
             }
         }
+        self.follow_speed(around, present);
         if is_settled && self.clocks.iter().all(|(_, level)| level.goal() == 0.0 && level.is_still(present.at)) {
             self.is_walking = false;
         }
+    }
+
+    /// The same for one foot; true if it stands at its place.
+    fn tick_foot(&mut self, around: &Around, present: &Present, clock: &Clock, index: i64, number: usize) -> bool {
+        let at = present.at;
+        let leg = &around.legs.legs[number];
+        let gait = &around.legs.gaits[clock.gait];
+        let is_moving = !present.twist.is_zero();
+        let soon = (clock.instant(index + 2) - at).seconds();
+        let last = self.feet[number].back().expect("a foot stands somewhere");
+        if at <= last.lift_off && last.heel_off < at {
+            // It rolls off, and its goal is not yet needed; cut short where the leg would not reach.
+            let is_cut = at < last.lift_off && self.is_left_behind(around, number, present, soon);
+            let touch_down = if is_cut { at + (last.touch_down - last.lift_off) } else { last.touch_down };
+            let goal = self.goal(around, present, number, clock, touch_down);
+            let apex = apex(around, at, number, &last.from, &goal);
+            let step = self.feet[number].back_mut().expect("it rolls");
+            if is_cut {
+                (step.lift_off, step.touch_down) = (at, touch_down);
+            }
+            step.goals = vec![(step.lift_off, goal, apex)];
+            return false;
+        }
+        if at < last.touch_down {
+            let (left, whole) = ((last.touch_down - at).seconds(), (last.touch_down - last.lift_off).seconds());
+            if left > KEPT * whole {
+                let goal = self.goal(around, present, number, clock, last.touch_down);
+                let goal = last.turnable(goal, MOST_TURNED * around.legs.excursion() * left / whole, around.ground);
+                let apex = apex(around, at, number, &last.from, &goal);
+                self.feet[number].back_mut().expect("it is in the air").turn_to(at, goal, apex);
+            }
+            return false;
+        }
+        let from = last.standing();
+        let is_displaced = is_away(&from, leg, &present.pose, AT_PLACE);
+        let slot = gait.slot(number);
+        let until_slot = (slot - index).rem_euclid(GRID);
+        let level = self.level(around, present, gait, number);
+        let from_pitch = last.pitch(at, leg);
+        let step = |heel_off, lift_off: Time, period| {
+            let touch_down = lift_off + gait.swing(period);
+            let (roll, stand) = (lift_off - heel_off, Time((gait.duty * gait.period.0 as f64) as i64));
+            let goals = vec![(lift_off, from, from.point.z)];
+            Step { heel_off, roll, lift_off, touch_down, stand, from, from_pitch, level, goals, is_placed: false }
+        };
+        let is_lifted = if until_slot == 0 {
+            is_moving || is_displaced
+        } else {
+            is_moving && self.is_left_behind(around, number, present, soon)
+        };
+        if is_lifted {
+            let mut step = step(at, at, clock.period_at(index));
+            let goal = self.goal(around, present, number, clock, step.touch_down);
+            step.goals = vec![(at, goal, apex(around, at, number, &from, &goal))];
+            self.feet[number].push_back(step);
+        } else if level > 0.0 && until_slot == gait.rolling() && from_pitch == 0.0 {
+            let slot = index + until_slot;
+            let step = step(at, clock.instant(slot), clock.period_at(slot));
+            self.feet[number].push_back(step);
+            return false;
+        }
+        !is_lifted && !is_displaced
+    }
+
+    /// The share of the natural curves that a leg follows: its forward speed over that of the source.
+    fn level(&self, around: &Around, present: &Present, gait: &Gait, number: usize) -> f64 {
+        let Some(natural) = around.natural[number].as_ref().filter(|_| gait.is_natural) else { return 0.0 };
+        let Twist { vx, omega, .. } = present.twist;
+        let speed = vx - omega * around.legs.legs[number].hip.y;
+        (speed * gait.period.seconds() / natural.stride).clamp(0.0, MOST_LEVEL)
+    }
+
+    /// The body goes up and down as much as it is fast.
+    fn follow_speed(&mut self, around: &Around, present: &Present) {
+        let Some((clock, level)) = self.clocks.last() else { return };
+        let gait = &around.legs.gaits[clock.gait];
+        let count = around.legs.legs.len();
+        let goal = (0..count).map(|leg| self.level(around, present, gait, leg)).sum::<f64>() / count as f64;
+        let span = Time(gait.period.0 / 2);
+        if (goal - level.goal()).abs() > SAME_LEVEL || goal == 0.0 && level.goal() != 0.0 {
+            self.clocks.last_mut().expect("it walks").1.aim(present.at, span, goal);
+        }
+    }
+
+    /// Whether a foot on the ground comes to the end of its leg's reach, or of its turn, within `soon` seconds.
+    fn is_left_behind(&self, around: &Around, number: usize, present: &Present, soon: f64) -> bool {
+        let leg = &around.legs.legs[number];
+        let foot = step_at(&self.feet[number], present.at).foot(present.at, leg, None);
+        let lowest = self.base(present.at, around.legs) + LOWEST_HIP * leg.hip.z;
+        let state = |pose: &Pose| {
+            let (to_point, yaw) = hip_to_point(leg, &foot, pose, 0.0);
+            let (sin, cos) = math::sin_cos(-yaw);
+            let offset = DVec2::new(cos, sin).rotate(to_point.truncate());
+            (foot.point.z + leg.greatest_height(offset, foot.sole).unwrap_or(f64::NEG_INFINITY), yaw.abs())
+        };
+        let (now, yaw_now) = state(&present.pose);
+        let (then, yaw_then) = state(&present.pose.moved(present.twist.scaled(soon)));
+        then < lowest && then <= now || yaw_then > MOST_TWISTED && yaw_then > yaw_now
     }
 
     /// Where a foot shall come down: under the body in the middle of its time on the ground, if the body goes on as now.
     fn goal(&self, around: &Around, present: &Present, number: usize, clock: &Clock, touch_down: Time) -> Foothold {
         let leg = &around.legs.legs[number];
         let (shift, _) = orders_at(around.orders, present.at).corrections[number];
-        let slot = around.legs.gaits[clock.gait].slot(number);
+        let gait = &around.legs.gaits[clock.gait];
+        let slot = gait.slot(number);
+        // A natural gait does not stand in the middle under the hip.
+        let ahead = around.natural[number].as_ref().map_or(0.0, |natural| natural.ahead);
+        let shift = shift + DVec2::new(ahead * self.level(around, present, gait, number), 0.0);
         let seconds = (touch_down - present.at).seconds();
         let stands = (clock.next_slot(touch_down, slot) - touch_down).seconds();
         let then = |seconds| present.pose.moved(present.twist.scaled(seconds));
@@ -407,6 +528,22 @@ impl Steps {
         if count > 0.0 { sum / count } else { 0.0 }
     }
 
+    /// What natural walking adds to the height of the body at `at`.
+    fn bob(&self, legs: &Legs, natural: &[Option<Natural>], at: Time) -> f64 {
+        let Some((leg, Some(natural))) = legs.legs.first().zip(natural.first()) else { return 0.0 };
+        let of_clock = |(clock, level): &(Clock, Glide)| {
+            let level = level.at(at);
+            if clock.opened > at || level == 0.0 {
+                return 0.0;
+            }
+            let gait = &legs.gaits[clock.gait];
+            // Since the heel of the first leg has struck.
+            let phase = clock.cycles(at) - gait.slot(0) as f64 / GRID as f64 + gait.duty;
+            level * (natural.height(phase) - leg.hip.z)
+        };
+        self.clocks.iter().map(of_clock).sum()
+    }
+
     fn footfalls(&self, since: Time, until: Time) -> Vec<Footfall> {
         let mut footfalls = Vec::new();
         for (leg, steps) in self.feet.iter().enumerate() {
@@ -421,7 +558,7 @@ impl Steps {
     /// Forgets how it was before `past`.
     fn forget(&mut self, past: Time) {
         for steps in &mut self.feet {
-            while steps.len() > REMEMBERED || steps.len() > 1 && steps[1].lift_off <= past {
+            while steps.len() > REMEMBERED || steps.len() > 1 && steps[1].heel_off <= past {
                 steps.pop_front();
             }
         }
@@ -434,25 +571,27 @@ impl Steps {
         });
     }
 
-    fn stance(&self, legs: &Legs, ground: &Ground, at: Time, pose: &Pose) -> Stance {
+    fn stance(&self, legs: &Legs, natural: &[Option<Natural>], ground: &Ground, at: Time, pose: &Pose) -> Stance {
         let rolling = |leg: &Leg| {
             let place = pose.transform_point(leg.hip.truncate());
             let point = place.extend(ground.height(place));
             FootState { point, sole: Sole::default(), heading: pose.heading.remainder(), is_down: true }
         };
-        let foot = |(leg, steps): (&Leg, &VecDeque<Step>)| match leg.wheel {
+        let foot = |((leg, steps), natural): ((&Leg, &VecDeque<Step>), &Option<Natural>)| match leg.wheel {
             Some(_) => rolling(leg),
-            None => step_at(steps, at).foot(at),
+            None => step_at(steps, at).foot(at, leg, natural.as_ref()),
         };
-        let feet: Vec<FootState> = legs.legs.iter().zip(&self.feet).map(foot).collect();
-        let mut lift = self.base(at, legs);
-        for (leg, foot) in legs.legs.iter().zip(&feet) {
+        let feet: Vec<FootState> = legs.legs.iter().zip(&self.feet).zip(natural).map(foot).collect();
+        let mut lift = self.base(at, legs) + self.bob(legs, natural, at);
+        let free = lift;
+        for ((leg, foot), steps) in legs.legs.iter().zip(&feet).zip(&self.feet) {
             let (to_point, yaw) = hip_to_point(leg, foot, pose, 0.0);
             let (sin, cos) = math::sin_cos(-yaw);
             let offset = DVec2::new(cos, sin).rotate(to_point.truncate());
-            if let Some(height) = leg.greatest_height(offset, foot.sole) {
-                lift = lift.min(foot.point.z + height - leg.hip.z);
-            }
+            let most = foot.point.z + leg.greatest_height(offset, foot.sole).unwrap_or(0.0) - leg.hip.z;
+            // A foot in the air follows the body, not the body the foot.
+            let weight = if foot.is_down { 1.0 } else { step_at(steps, at).nearness(at) };
+            lift = lift.min(free + (most - free).min(0.0) * weight);
         }
         let joints_of = |(leg, foot): (&Leg, &FootState)| {
             let (to_point, yaw) = hip_to_point(leg, foot, pose, lift);
@@ -498,12 +637,64 @@ impl Step {
         self.from.point.z + (goal.point.z - self.from.point.z) * part
     }
 
-    fn foot(&self, at: Time) -> FootState {
-        let standing = |foothold: Foothold| FootState {
-            point: foothold.point,
-            sole: Sole::default(),
-            heading: foothold.heading,
-            is_down: true,
+    /// How near it is to the ground in time: 1 at lift-off and touch-down, 0 in the middle.
+    fn nearness(&self, at: Time) -> f64 {
+        let part = share(at, self.lift_off, self.touch_down - self.lift_off);
+        1.0 - smooth(4.0 * part) + smooth(4.0 * part - 3.0)
+    }
+
+    /// Where a foot can be turned to that goes to its last goal, by `most` metres at most.
+    fn turnable(&self, goal: Foothold, most: f64, ground: &Ground) -> Foothold {
+        let last = self.standing();
+        let turn = (goal.point - last.point).truncate();
+        if turn.length() <= most {
+            return goal;
+        }
+        let place = last.point.truncate() + turn.clamp_length_max(most);
+        let tallest = (last.point.z - goal.point.z).abs();
+        let height = ground.height(place).clamp(last.point.z - tallest, last.point.z + tallest);
+        Foothold { point: place.extend(height), heading: goal.heading }
+    }
+
+    /// Angle of the foot at `at`, toes up, rad.
+    fn pitch(&self, at: Time, leg: &Leg) -> f64 {
+        if leg.foot.is_none() || self.level == 0.0 && self.from_pitch == 0.0 {
+            return 0.0;
+        }
+        if at >= self.touch_down {
+            let stood = share(at, self.touch_down, self.stand);
+            return if stood * TOE_OFF < HEEL_OFF { self.level * natural_pitch(stood * TOE_OFF) } else { 0.0 };
+        }
+        if at < self.lift_off {
+            return self.rolled(at);
+        }
+        let natural = |part: f64| self.level * natural_pitch(TOE_OFF + (1.0 - TOE_OFF) * part);
+        let part = share(at, self.lift_off, self.touch_down - self.lift_off);
+        natural(part) + (self.pitch_at_lift_off() - natural(0.0)) * (1.0 - smooth(2.0 * part))
+    }
+
+    /// Angle of a foot that rolls off, rad.
+    fn rolled(&self, at: Time) -> f64 {
+        let part = share(at, self.heel_off, self.roll);
+        self.level * natural_pitch(HEEL_OFF + (TOE_OFF - HEEL_OFF) * part)
+    }
+
+    fn pitch_at_lift_off(&self) -> f64 {
+        if self.heel_off < self.lift_off { self.rolled(self.lift_off) } else { self.from_pitch }
+    }
+
+    fn foot(&self, at: Time, leg: &Leg, natural: Option<&Natural>) -> FootState {
+        let pitch = self.pitch(at, leg);
+        let shape = leg.foot.unwrap_or(Foot { heel: 0.0, toe: 0.0, height: 0.0 });
+        // On heel, toe or the whole sole.
+        let end = |pitch: f64| match pitch {
+            up if up > 0.0 => -shape.heel,
+            down if down < 0.0 => shape.toe,
+            _ => 0.0,
+        };
+        let standing = |foothold: Foothold| {
+            let sole = Sole { ahead: end(pitch), pitch };
+            FootState { point: foothold.ahead(sole.ahead), sole, heading: foothold.heading, is_down: true }
         };
         if at >= self.touch_down {
             return standing(self.standing());
@@ -513,23 +704,40 @@ impl Step {
         }
         let (goal, apex) = self.goal_at(at);
         let part = share(at, self.lift_off, self.touch_down - self.lift_off);
-        let ahead = smooth(part);
-        let place = self.from.point.truncate().lerp(goal.point.truncate(), ahead);
-        let end = if part < 0.5 { self.from.point.z } else { goal.point.z };
-        let height = end + (apex - end) * smooth(2.5 * part.min(1.0 - part));
+        // It leaves the ground with its toe and comes down on its heel.
+        let leaving = if self.pitch_at_lift_off() > 0.0 { -shape.heel } else { shape.toe };
+        let ahead = leaving - (leaving + shape.heel) * smooth(part);
+        let (start, target) = (self.from.ahead(leaving), goal.ahead(-shape.heel));
+        let way = natural.map_or(DVec2::ZERO, |natural| natural.way(part));
+        let gone = smooth(part) + (way.x - smooth(part)) * self.level.min(1.0);
+        let place = start.truncate().lerp(target.truncate(), gone);
+        let end = if part < 0.5 { start.z } else { target.z };
+        let height = end + (apex - end) * smooth(2.5 * part.min(1.0 - part)) + self.level * way.y;
+        // Neither heel nor toe goes below the line between the footholds.
+        let sin = math::sin(pitch);
+        let deepest = ((-shape.heel - ahead) * sin).min((shape.toe - ahead) * sin);
+        let height = height.max(start.z + (target.z - start.z) * smooth(part) - deepest);
         let turn = Heading::default().turned(goal.heading - self.from.heading).remainder();
         FootState {
             point: place.extend(height),
-            sole: Sole::default(),
-            heading: self.from.heading + turn * ahead,
+            sole: Sole { ahead, pitch },
+            heading: self.from.heading + turn * smooth(part),
             is_down: false,
         }
     }
 }
 
+impl Foothold {
+    /// The point of the ground on which the place `ahead` of the ankle on a level sole stands.
+    fn ahead(&self, ahead: f64) -> DVec3 {
+        let (sin, cos) = math::sin_cos(self.heading);
+        self.point + DVec3::new(cos, sin, 0.0) * ahead
+    }
+}
+
 /// The step in force at `at`.
 fn step_at(steps: &VecDeque<Step>, at: Time) -> &Step {
-    let known = steps.iter().rev().find(|step| step.lift_off <= at).or(steps.front());
+    let known = steps.iter().rev().find(|step| step.heel_off <= at).or(steps.front());
     known.expect("a foot stands somewhere")
 }
 
@@ -563,15 +771,6 @@ fn is_away(foothold: &Foothold, leg: &Leg, pose: &Pose, tolerance: f64) -> bool 
 /// Angle from the body to the foot.
 fn twisted(foothold: &Foothold, pose: &Pose) -> f64 {
     Heading::default().turned(foothold.heading - pose.heading.remainder()).remainder()
-}
-
-/// Whether a foot comes to the end of its leg's reach within `soon` seconds.
-fn is_left_behind(legs: &Legs, leg: &Leg, foothold: &Foothold, present: &Present, soon: f64) -> bool {
-    let then = present.pose.moved(present.twist.scaled(soon));
-    let away = |pose: &Pose| (foothold.point.truncate() - pose.transform_point(leg.hip.truncate())).length();
-    let (now, then_away) = (away(&present.pose), away(&then));
-    let (twist_now, twist_then) = (twisted(foothold, &present.pose).abs(), twisted(foothold, &then).abs());
-    then_away > legs.excursion() && then_away > now || twist_then > MOST_TWISTED && twist_then > twist_now
 }
 
 /// From the hip of a body at `lift` to the point of a foot, in the robot's axes, and the foot's angle to the body.

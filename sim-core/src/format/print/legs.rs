@@ -2,7 +2,7 @@
 
 use super::number::{mm, shortest};
 use super::scene::unless;
-use crate::format::scene::form::{FootForm, GaitForm, LegForm, LegsForm};
+use crate::format::scene::form::{CurveForm, FootForm, GaitForm, LegForm, LegsForm};
 use crate::format::spec::{
     DEFAULT_DUTY, DEFAULT_LIMB_RADIUS, DEFAULT_PERIOD, DEFAULT_STEP_HEIGHT, GaitSpec, LegSpec, LegsSpec,
 };
@@ -21,6 +21,7 @@ fn gait_form(gait: &GaitSpec) -> GaitForm {
         period_ms: unless(gait.period, DEFAULT_PERIOD).map(|period| shortest(period * 1e3, |ms| ms / 1e3 == period)),
         duty: unless(gait.duty, DEFAULT_DUTY),
         offsets: gait.offsets.clone(),
+        curve: gait.is_natural.then_some(CurveForm::Natural),
     }
 }
 

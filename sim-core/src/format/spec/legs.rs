@@ -46,6 +46,8 @@ pub struct GaitSpec {
     pub duty: f64,
     /// Share of it after which each leg lifts off; empty: one after the other.
     pub offsets: Vec<f64>,
+    /// Legs with feet move as people's do.
+    pub is_natural: bool,
     /// Where it is written.
     pub span: Span,
 }

@@ -141,7 +141,13 @@ fn walker(position: DVec2, ground: Ground) -> Motion {
         foot: None,
         wheel: None,
     };
-    let gait = Gait { name: "walk".to_owned(), period: Time(1_000_000), duty: 0.7, offsets: vec![0.0, 0.5] };
+    let gait = Gait {
+        name: "walk".to_owned(),
+        period: Time(1_000_000),
+        duty: 0.7,
+        offsets: vec![0.0, 0.5],
+        is_natural: false,
+    };
     let legs = vec![leg("LEFT", 0.2), leg("RIGHT", -0.2)];
     let legs = Legs { legs, gaits: vec![gait], step_height: 0.05, radius: 0.03, belly: 0.7 };
     let pose = Pose::new(position.x, position.y, 0.0);

@@ -44,6 +44,20 @@ pub(crate) struct GaitForm {
     /// Share of the period after which each leg lifts off; if left out, one after the other at equal distances.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub(crate) offsets: Vec<Number>,
+    /// What the joints follow: the path of the foot alone (plain), if left out, or joint angles of people.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) curve: Option<CurveForm>,
+}
+
+/// What the joints of a gait follow.
+#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum CurveForm {
+    /// The path of the foot alone.
+    #[allow(dead_code, reason = "the schema says what may be written; what is left out is not printed")]
+    Plain,
+    /// Joint angles of people, for two legs with feet.
+    Natural,
 }
 
 /// A leg: yaw and roll in the hip, thigh, knee, shank, and a foot with its ankle, a wheel or a bare tip.

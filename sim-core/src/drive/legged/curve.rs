@@ -1,0 +1,207 @@
+//! Natural walking: joint angles of people over the gait cycle, and what follows from them for a leg of any lengths.
+
+use std::f64::consts::PI;
+
+use glam::DVec2;
+
+use super::{
+    glide::smooth,
+    leg::{Foot, Leg},
+};
+use crate::math;
+
+/// Samples of one cycle.
+const SAMPLES: usize = 50;
+/// Share of the cycle after which the toe leaves the ground.
+pub(super) const TOE_OFF: f64 = 0.6;
+/// From when on the foot is flat after the heel has struck, and from when on it rolls over the toe, as shares of the cycle:
+/// within a degree and a half of the source in between. Our choice.
+const FLAT: f64 = 0.12;
+pub(super) const HEEL_OFF: f64 = 0.26;
+/// The heel rises as in the source from here on.
+const RISEN: f64 = 0.42;
+/// From this share of the cycle on the hip sinks to where the other leg, almost straight, takes it over. Our choice.
+const SINKING: f64 = 0.4;
+/// Intervals at which the way of a foot through the air is known.
+const INTERVALS: usize = 40;
+
+/// Angles in degrees from heel strike on, every 2 % of the gait cycle: thigh from the vertical, forwards positive; flexion of
+/// the knee; toes up from the right angle to the shank. Children who walk as fast as they like.
+///
+/// Source: Schwartz, Rozumalski and Trost 2008, "The effect of walking speed on the gait of typically developing children", J.
+/// Biomechanics 41, 1639-1650, electronic addendum, free speed, means: hip flexion less pelvic tilt, knee flexion,
+/// dorsiflexion. The ends of the cycle, which differ by up to 0.3 degrees there, are averaged.
+const THIGH: [f64; SAMPLES] = [
+    23.6, 23.7, 23.7, 23.5, 23.0, 21.9, 20.3, 18.4, 16.2, 13.9, 11.5, 9.1, 6.7, 4.3, 2.0, -0.3, -2.5, -4.7, -6.8, -8.9,
+    -10.8, -12.6, -14.2, -15.5, -16.6, -17.3, -17.6, -17.4, -16.3, -14.4, -11.7, -8.3, -4.4, -0.5, 3.4, 7.0, 10.3,
+    13.4, 16.1, 18.4, 20.4, 22.0, 23.2, 24.0, 24.4, 24.4, 24.1, 23.8, 23.5, 23.4,
+];
+const KNEE: [f64; SAMPLES] = [
+    5.5, 7.9, 10.9, 14.1, 16.9, 18.6, 19.3, 19.2, 18.6, 17.6, 16.5, 15.2, 13.9, 12.6, 11.3, 10.1, 9.0, 8.0, 7.2, 6.6,
+    6.2, 6.3, 6.8, 7.9, 9.5, 11.6, 14.5, 18.1, 22.6, 27.9, 33.9, 40.2, 46.3, 51.7, 55.7, 58.2, 59.1, 58.7, 56.9, 53.9,
+    49.8, 44.7, 38.8, 32.4, 25.5, 18.7, 12.5, 7.6, 4.6, 4.0,
+];
+const ANKLE: [f64; SAMPLES] = [
+    -2.2, -3.9, -5.6, -5.6, -4.1, -2.1, -0.2, 1.5, 2.9, 4.1, 5.2, 6.1, 6.8, 7.4, 8.0, 8.6, 9.1, 9.7, 10.2, 10.7, 11.1,
+    11.5, 11.8, 11.8, 11.5, 10.4, 8.4, 4.9, -0.2, -6.9, -13.8, -18.5, -19.8, -18.0, -14.7, -11.2, -7.9, -4.9, -2.4,
+    -0.3, 1.1, 2.1, 2.5, 2.4, 1.8, 1.0, 0.1, -0.6, -1.1, -1.4,
+];
+
+/// Angles of thigh (from the vertical, forwards positive), knee (flexion) and ankle (toes up), rad, at `phase`: the share of the
+/// gait cycle since the heel has struck.
+///
+/// Between the samples of the source, 2 % apart, a cubic with a continuous slope.
+pub fn natural_angles(phase: f64) -> [f64; 3] {
+    [&THIGH, &KNEE, &ANKLE].map(|degrees| periodic(degrees, phase) / 180.0 * PI)
+}
+
+/// Angle of the foot above the level, toes up, rad, at `phase`: that of the source, but exactly 0 while the foot is flat.
+pub(super) fn natural_pitch(phase: f64) -> f64 {
+    let phase = phase - phase.floor();
+    let weight =
+        if phase < HEEL_OFF { 1.0 - smooth(phase / FLAT) } else { smooth((phase - HEEL_OFF) / (RISEN - HEEL_OFF)) };
+    if weight == 0.0 {
+        return 0.0;
+    }
+    let [thigh, knee, ankle] = natural_angles(phase);
+    (thigh - knee + ankle) * weight
+}
+
+/// What the curves make of a leg of given lengths.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Natural {
+    /// Length of a stride, m.
+    pub stride: f64,
+    /// From the hip ahead to where the foot stands in the middle of its time on the ground, m.
+    pub ahead: f64,
+    /// Height of the hip at each sample of half a cycle, m.
+    heights: [f64; SAMPLES / 2],
+    /// In the air, from toe-off to heel strike: how far it has come as a share of its way, and how high, m.
+    way: [DVec2; INTERVALS + 1],
+}
+
+impl Natural {
+    /// `None` for a leg without a foot.
+    pub fn new(leg: &Leg) -> Option<Self> {
+        let foot = leg.foot?;
+        let lowest = |index: usize| {
+            let phase = index as f64 / SAMPLES as f64;
+            -met(leg, foot, phase, -foot.heel).y.min(met(leg, foot, phase, foot.toe).y)
+        };
+        let heights: [f64; SAMPLES / 2] = std::array::from_fn(|index| {
+            let sunk = smooth((index as f64 / SAMPLES as f64 - SINKING) / (0.5 - SINKING));
+            lowest(index) + (lowest(0) - lowest(index)) * sunk
+        });
+        let first = met(leg, foot, 0.0, -foot.heel).x + foot.heel;
+        let last = met(leg, foot, TOE_OFF, foot.toe).x - foot.toe;
+        let stride = (first - last) / TOE_OFF;
+        let mut natural = Self { stride, ahead: 0.5 * (first + last), heights, way: [DVec2::ZERO; INTERVALS + 1] };
+        let at = |index: usize| {
+            let share = index as f64 / INTERVALS as f64;
+            let phase = TOE_OFF + (1.0 - TOE_OFF) * share;
+            let ahead = foot.toe - (foot.heel + foot.toe) * smooth(share);
+            met(leg, foot, phase, ahead) + DVec2::new(stride * phase, natural.height(phase))
+        };
+        let (start, end) = (at(0), at(INTERVALS));
+        let way = std::array::from_fn(|index| {
+            let share = index as f64 / INTERVALS as f64;
+            let point = at(index) - start;
+            DVec2::new(point.x / (end.x - start.x), point.y - (end.y - start.y) * share)
+        });
+        natural.way = way;
+        Some(natural)
+    }
+
+    /// Height of the hip above the ground at `phase` of one leg, m: the other leg is half a cycle apart.
+    pub fn height(&self, phase: f64) -> f64 {
+        periodic(&self.heights, 2.0 * phase)
+    }
+
+    /// How far a foot has come, as a share of its way, and how high it is, m, at this share of its time in the air.
+    pub fn way(&self, share: f64) -> DVec2 {
+        let place = share.clamp(0.0, 1.0) * INTERVALS as f64;
+        let index = (place as usize).min(INTERVALS - 1);
+        let at = |index: usize| self.way[index.min(INTERVALS)];
+        cubic([at(index.saturating_sub(1)), at(index), at(index + 1), at(index + 2)], place - index as f64)
+    }
+}
+
+/// Where the place `ahead` on the sole is from the hip in the plane of the leg, ahead and up, m, at `phase`.
+fn met(leg: &Leg, foot: Foot, phase: f64, ahead: f64) -> DVec2 {
+    let [thigh, knee, _] = natural_angles(phase);
+    let ((sin_thigh, cos_thigh), (sin_shank, cos_shank)) = (math::sin_cos(thigh), math::sin_cos(thigh - knee));
+    let (sin, cos) = math::sin_cos(natural_pitch(phase));
+    let ankle =
+        DVec2::new(leg.thigh * sin_thigh + leg.shank * sin_shank, -leg.thigh * cos_thigh - leg.shank * cos_shank);
+    ankle + DVec2::new(ahead * cos + foot.height * sin, ahead * sin - foot.height * cos)
+}
+
+/// Value of samples that repeat, `cycles` after the first.
+fn periodic<const N: usize>(samples: &[f64; N], cycles: f64) -> f64 {
+    let place = (cycles - cycles.floor()) * N as f64;
+    let index = (place as usize).min(N - 1);
+    let at = |offset: usize| DVec2::new(samples[(index + N + offset - 1) % N], 0.0);
+    cubic([at(0), at(1), at(2), at(3)], place - index as f64).x
+}
+
+/// Between the second and the third of four values, with the slopes of the chords beside them (Catmull and Rom).
+fn cubic([a, b, c, d]: [DVec2; 4], share: f64) -> DVec2 {
+    b + (c - a + (2.0 * a - 5.0 * b + 4.0 * c - d + (3.0 * (b - c) + d - a) * share) * share) * (0.5 * share)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    pub(crate) fn leg() -> Leg {
+        Leg {
+            name: "LEFT".to_owned(),
+            hip: DVec3::new(0.0, 0.09, 0.9),
+            thigh: 0.429,
+            shank: 0.430,
+            foot: Some(Foot { heel: 0.055, toe: 0.16, height: 0.068 }),
+            wheel: None,
+        }
+    }
+
+    #[test]
+    fn curves_meet_their_samples_and_have_no_corners() {
+        let degrees = |phase| natural_angles(phase).map(|angle| angle * 180.0 / PI);
+        let close = |found: [f64; 3], expected: [f64; 3]| {
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {expected:?}");
+        };
+        close(degrees(0.0), [23.6, 5.5, -2.2]);
+        close(degrees(1.72), [10.3, 59.1, -7.9]);
+        close(degrees(-0.02), [23.4, 4.0, -1.4]);
+        for index in 0..5000 {
+            let phase = f64::from(index) / 5000.0;
+            let (before, at, after) = (degrees(phase - 1e-6), degrees(phase), degrees(phase + 1e-6));
+            for joint in 0..3 {
+                let bend = (after[joint] - 2.0 * at[joint] + before[joint]).abs();
+                assert!(bend < 1e-6, "joint {joint} bends by {bend} at {phase}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_stride_is_that_of_people() {
+        let natural = Natural::new(&leg()).expect("it has a foot");
+        // The hip is 0.52 of a person's height above the floor, a stride about 0.8 of it.
+        assert!((1.3..1.5).contains(&natural.stride), "{}", natural.stride);
+        let heights: Vec<f64> = (0..500).map(|index| natural.height(f64::from(index) / 500.0)).collect();
+        let (low, high) =
+            heights.iter().fold((f64::MAX, 0.0f64), |(low, high), height| (low.min(*height), high.max(*height)));
+        assert!(low > 0.87 && high < 0.93 && high - low > 0.02, "{low} to {high}");
+        assert!((natural.height(0.1) - natural.height(0.6)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_way_through_the_air_begins_and_ends_on_the_ground() {
+        let natural = Natural::new(&leg()).expect("it has a foot");
+        assert!(natural.way(0.0).length() < 1e-12 && (natural.way(1.0) - DVec2::X).length() < 1e-12);
+        let highest = (0..100).map(|index| natural.way(f64::from(index) / 100.0).y).fold(0.0, f64::max);
+        assert!((0.02..0.3).contains(&highest), "{highest}");
+    }
+}
