@@ -253,13 +253,14 @@ fn rectangle(centre: DVec2, half: DVec2) -> Vec<DVec2> {
     [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(x, y)| centre + half * DVec2::new(x, y)).to_vec()
 }
 
-/// Wheels with their axles, and the castors of a differential drive.
+/// Wheels with their axles, and the castors of a differential drive; nothing of a robot that walks.
 fn draw_wheels(sketch: &mut Sketch, robi: &RobiSpec, hull: &Hull) {
+    let places = wheel_places(robi);
+    let (Some(first), Some(last)) = (places.first(), places.last()) else { return };
     let radius = 0.5 * robi.wheel.diameter;
     let width = (WHEEL_WIDTH * robi.wheel.diameter).min(0.6 * robi.wheel.track);
     let (hub, chassis) = (sketch.paint(HUB), sketch.paint(CHASSIS));
     let tyre = sketch.paint(TYRE);
-    let places = wheel_places(robi);
     for place in &places {
         let tread = match robi.drive.kind {
             DriveKind::Omni => sketch.image(rollers(place.x > robi.axis_offset, place.y > 0.0)),
@@ -283,7 +284,7 @@ fn draw_wheels(sketch: &mut Sketch, robi: &RobiSpec, hull: &Hull) {
         sketch.cuboid(&at, DVec3::new(0.3 * radius, left.distance(right), 0.3 * radius), chassis);
     }
     // What bears a hull that lies above the axles.
-    let axles = places[0].midpoint(places[places.len() - 1]);
+    let axles = first.midpoint(*last);
     let (low, high) = (0.85 * radius, hull.middle());
     if hull.bottom > low {
         let size = DVec3::new(0.6 * hull.half.x, 0.5 * robi.wheel.track.min(2.0 * hull.half.y), high - low);
