@@ -143,7 +143,7 @@ mod tests {
         assert_eq!(doc.differences("wu", &page()).expect("places"), Vec::<String>::new());
         doc.text = doc.text.replace("| 1 |", "| 2 |");
         let differences = doc.differences("wu", &page()).expect("places");
-        assert_eq!(differences, ["`p.md`, line 9: it says\n  | 2 |\nbut we find\n  | 1 |"]);
+        assert_eq!(differences, ["`p.md`, line 10: it says\n  | 2 |\nbut we find\n  | 1 |"]);
     }
 
     #[test]

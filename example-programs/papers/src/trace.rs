@@ -47,7 +47,7 @@ pub enum Event {
         joints_rad: Vec<f64>,
     },
     Footfall {
-        leg: u32,
+        leg: String,
         x_m: f64,
         y_m: f64,
         z_m: f64,
@@ -80,10 +80,13 @@ pub enum Event {
         x_m: f64,
         y_m: f64,
     },
-    /// A leg or the body touches something; all fields as the trace has them.
+    /// `with` as in a contact, or `"terrain"`.
     Touch {
-        #[serde(flatten)]
-        fields: serde_json::Map<String, serde_json::Value>,
+        part: String,
+        with: serde_json::Value,
+        x_m: f64,
+        y_m: f64,
+        z_m: f64,
     },
     Stdout {
         text: String,

@@ -1,0 +1,385 @@
+//! One walk of the biped through the dining room: what its sensor read, what its program made of that, and where it was.
+
+use std::sync::Arc;
+
+use anyhow::{Context as _, bail, ensure};
+use glam::{DVec2, DVec3};
+use sim_core::RobotId;
+use sim_core::build;
+use sim_core::format::{RobiSpec, SceneSpec, load_scene};
+use sim_core::pose::{Pose, Pose3};
+use sim_core::sensor::{Link, Posture, RangeSensor, incidence, link_pose};
+use sim_core::time::Time;
+use sim_core::world::{Seen, World};
+use sim_host::files::{DiskFiles, slashed};
+
+use crate::run::root;
+use crate::trace::{Event, Trace};
+
+/// The scene, in the checkout.
+pub const SCENE: &str = "sims/walker.scene.toml";
+/// The robot's number.
+const ROBOT: u32 = 1;
+/// How far the truth is looked for, m: across the room.
+const FAR: f64 = 20.0;
+
+/// Where on the robot the sensor sits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// On the tibia of the right leg.
+    Tibia,
+    /// On its thigh.
+    Thigh,
+    /// On the body, level.
+    Body,
+}
+
+/// What the sensor is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The distance along the ray, up to 2 m, without noise and at any incidence.
+    Ideal,
+    /// Of section 5.
+    Laser,
+    /// Of section 5.
+    Ultrasonic,
+    /// Of section 5.
+    Reflectance,
+}
+
+impl Place {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Tibia, Self::Thigh, Self::Body];
+
+    /// As the program's arguments have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Tibia => "tibia",
+            Self::Thigh => "thigh",
+            Self::Body => "body",
+        }
+    }
+}
+
+impl Kind {
+    /// All of them, in the order of the paper's figures.
+    pub const ALL: [Self; 4] = [Self::Ideal, Self::Laser, Self::Ultrasonic, Self::Reflectance];
+
+    /// As the program's arguments have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ideal => "ideal",
+            Self::Laser => "laser",
+            Self::Ultrasonic => "ultrasonic",
+            Self::Reflectance => "reflectance",
+        }
+    }
+
+    /// What it reads where it detects nothing, m.
+    pub fn max(self) -> f64 {
+        match self {
+            Self::Ideal | Self::Laser => 2.0,
+            Self::Ultrasonic | Self::Reflectance => 1.0,
+        }
+    }
+}
+
+/// A reading of the program's, as it printed it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// When it was measured, s.
+    pub at: f64,
+    /// What the sensor read, m.
+    pub distance: f64,
+    /// The point that the program made of it, ahead of the start and above the floor, m.
+    pub point: Option<DVec2>,
+    /// What the sensor's ray met in truth at that time.
+    pub truth: Met,
+}
+
+/// What a ray meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Met {
+    /// How far away, m; infinite for nothing.
+    pub distance: f64,
+    /// Angle between the ray and the normal of what is met, rad.
+    pub incidence: f64,
+    /// Where, ahead of the start and above the floor, m.
+    pub point: DVec2,
+    /// What it is.
+    pub thing: Thing,
+}
+
+/// What stands in the dining room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Thing {
+    /// The floor.
+    Floor,
+    /// The small obstacle.
+    Obstacle,
+    /// Walls and furniture.
+    Other,
+    /// Nothing within sight.
+    Nothing,
+}
+
+/// How the robot stood at an instant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moment {
+    /// When, s.
+    pub at: f64,
+    /// Pose of its frame on the ground.
+    pub pose: Pose,
+    /// Height of its frame above the floor, m.
+    pub lift: f64,
+    /// Angles of its joints, rad.
+    pub joints: Vec<f64>,
+}
+
+/// A finished walk.
+#[derive(Clone, Debug)]
+pub struct Walk {
+    /// The program's readings, in order.
+    pub samples: Vec<Sample>,
+    /// Where the robot was at each end of a slot, in order.
+    pub moments: Vec<Moment>,
+    /// When the foot of the leg with the sensor came down, s.
+    pub footfalls: Vec<f64>,
+    /// Times at which body or legs touched something.
+    pub touches: Vec<f64>,
+    /// What the program said in the end.
+    pub verdict: String,
+    /// From the body's centre to the face of the obstacle at the end, m.
+    pub gap: f64,
+    /// Digest of the run.
+    pub digest: String,
+}
+
+/// The room and the robot as they are.
+pub struct Truth {
+    world: World,
+    /// The robot's type.
+    pub robi: Arc<RobiSpec>,
+    links: Vec<Link>,
+    sensors: Vec<RangeSensor>,
+    start: Pose,
+    /// Where the obstacle's face is, ahead of the start, m.
+    pub obstacle_at: f64,
+    /// Its size: along the way, across it, and up, m.
+    pub obstacle_size: DVec3,
+}
+
+impl Truth {
+    /// Reads the scene.
+    ///
+    /// # Errors
+    /// A scene that cannot be read, or has no robot or no obstacle.
+    pub fn read() -> anyhow::Result<Self> {
+        let mut files = DiskFiles::with_home(root());
+        let name = files.name(&root().join(SCENE));
+        let loaded = load_scene(&name, &files);
+        ensure!(!loaded.has_errors(), "`{SCENE}` has mistakes: {:?}", loaded.diagnostics);
+        Self::of(&loaded.scene).with_context(|| format!("`{}`", slashed(SCENE.as_ref())))
+    }
+
+    fn of(scene: &SceneSpec) -> anyhow::Result<Self> {
+        let robot = scene.robots.first().context("it has no robot")?;
+        let obstacle = scene.objects.iter().find(|object| object.kind.name == "Obstacle");
+        let obstacle = obstacle.context("it has no obstacle")?;
+        let size = match obstacle.kind.colliders[..] {
+            [sim_core::format::Collider::Box { size, .. }] => size,
+            _ => bail!("the obstacle is no box"),
+        };
+        let slot = Time::from_millis(50);
+        let world = World::new(build::obstacles(scene), slot, std::iter::empty()).with_space(build::space(scene));
+        Ok(Self {
+            world,
+            robi: Arc::clone(&robot.robi),
+            links: build::links(&robot.robi),
+            sensors: build::range_sensors(&robot.robi),
+            start: robot.start,
+            obstacle_at: obstacle.pose.position.x - 0.5 * size.x - robot.start.position.x,
+            obstacle_size: size,
+        })
+    }
+
+    /// The sensor of this kind at this place: they stand in the robot's file place by place.
+    fn sensor(&self, place: Place, kind: Kind) -> &RangeSensor {
+        &self.sensors[place as usize * Kind::ALL.len() + kind as usize]
+    }
+
+    /// Pose of the sensor in the world.
+    pub fn ray(&self, place: Place, kind: Kind, moment: &Moment) -> Pose3 {
+        let posture =
+            Posture { world_from_robot: moment.pose, links: &self.links, angles: &moment.joints, lift: moment.lift };
+        let sensor = self.sensor(place, kind);
+        posture.world_from(&sensor.mount, sensor.link)
+    }
+
+    /// The joints of a leg from the hip down, and its foot, ahead of the start and above the floor, m.
+    pub fn leg(&self, leg: usize, moment: &Moment) -> Vec<DVec2> {
+        let each = self.links.len() / 2;
+        let first = leg * each;
+        let world_from_robot = Pose3::from_planar(&moment.pose, moment.lift);
+        let world_from = |link: usize| world_from_robot.then(&link_pose(&self.links, &moment.joints, first + link));
+        let mut points: Vec<DVec3> = (each - 3..each).map(|link| world_from(link).position).collect();
+        if let Some(foot) = self.robi.legs.as_ref().and_then(|legs| legs.legs.get(leg)?.foot) {
+            let ankle = world_from(each - 1);
+            let sole = |ahead| ankle.transform_point(DVec3::new(ahead, 0.0, -foot.height));
+            points.extend([sole(-foot.heel), sole(foot.toe), ankle.position]);
+        }
+        points.into_iter().map(|point| self.ahead(point)).collect()
+    }
+
+    /// What the sensor's ray meets.
+    pub fn met(&self, ray: &Pose3) -> Met {
+        let direction = ray.forward();
+        let Some(sighting) = self.world.sight(RobotId(ROBOT), ray.position, direction, FAR, Time::ZERO) else {
+            let (distance, point) = (f64::INFINITY, DVec2::NAN);
+            return Met { distance, incidence: 0.0, point, thing: Thing::Nothing };
+        };
+        let point = self.ahead(ray.position + direction * sighting.distance);
+        // The furniture stands beside the way: within the obstacle's length and height there is nothing but it.
+        let size = self.obstacle_size;
+        let is_obstacle = point.x >= self.obstacle_at - 1e-6
+            && point.x <= self.obstacle_at + size.x + 1e-6
+            && point.y <= size.z + 1e-6
+            && sighting.thing != Seen::Floor;
+        let thing = match sighting.thing {
+            Seen::Floor => Thing::Floor,
+            _ if is_obstacle => Thing::Obstacle,
+            _ => Thing::Other,
+        };
+        Met { distance: sighting.distance, incidence: incidence(direction, sighting.normal), point, thing }
+    }
+
+    /// A point of the world in the upright plane of the walk: ahead of the start, above the floor.
+    pub fn ahead(&self, point: DVec3) -> DVec2 {
+        DVec2::new(point.x - self.start.position.x, point.z)
+    }
+
+    /// Reads the trace of a walk.
+    ///
+    /// # Errors
+    /// A trace without what the program prints, or without postures.
+    pub fn walk(&self, place: Place, kind: Kind, trace: &Trace) -> anyhow::Result<Walk> {
+        let moments = moments(trace, self.start);
+        ensure!(!moments.is_empty(), "the trace has no postures");
+        let mut samples = Vec::new();
+        let mut verdict = String::new();
+        let mut measured = trace.of_robot(ROBOT).filter_map(|entry| match &entry.event {
+            Event::Distance { measured_s, .. } => Some(*measured_s),
+            _ => None,
+        });
+        // The program reads its sensor once before it walks, to see whether it is there.
+        measured.next();
+        for (_, line) in trace.printed(ROBOT) {
+            let Some((distance, point)) = numbers(line) else {
+                verdict = line.to_owned();
+                continue;
+            };
+            let at = measured.next().context("a line without a reading")?;
+            let truth = self.met(&self.ray(place, kind, &at_time(&moments, at)));
+            samples.push(Sample { at, distance, point, truth });
+        }
+        ensure!(!samples.is_empty(), "the program has printed no reading");
+        let foot = self.robi.legs.as_ref().and_then(|legs| Some(legs.legs.last()?.name.text.clone()));
+        let footfalls = trace
+            .of_robot(ROBOT)
+            .filter(|entry| matches!(&entry.event, Event::Footfall { leg, .. } if Some(leg) == foot.as_ref()));
+        let touches =
+            trace.entries.iter().filter(|entry| matches!(entry.event, Event::Contact { .. } | Event::Touch { .. }));
+        let end = moments.last().map_or(0.0, |moment| moment.pose.position.x - self.start.position.x);
+        Ok(Walk {
+            samples,
+            footfalls: footfalls.map(|entry| entry.at).collect(),
+            touches: touches.map(|entry| entry.at).collect(),
+            verdict,
+            gap: self.obstacle_at - end,
+            digest: trace.digest.clone(),
+            moments,
+        })
+    }
+}
+
+impl Walk {
+    /// The robot at an instant within the walk, between two slots in proportion.
+    pub fn at_time(&self, at: f64) -> Moment {
+        at_time(&self.moments, at)
+    }
+
+    /// The last instant at which the body moved, s.
+    pub fn stopped(&self) -> f64 {
+        let still = self.moments.last().map_or(DVec2::ZERO, |moment| moment.pose.position);
+        self.moments.iter().rev().find(|moment| moment.pose.position != still).map_or(0.0, |moment| moment.at)
+    }
+}
+
+/// The numbers of a line of the program's: the distance, and the point if there is one, m.
+fn numbers(line: &str) -> Option<(f64, Option<DVec2>)> {
+    let words: Vec<&str> = line.split(' ').collect();
+    let [time, distance, x, z] = words[..] else { return None };
+    time.parse::<u64>().ok()?;
+    let metres = |word: &str| Some(word.parse::<f64>().ok()? / 1000.0);
+    let point = metres(x).zip(metres(z)).map(|(x, z)| DVec2::new(x, z));
+    Some((metres(distance)?, point))
+}
+
+/// Pose and posture at each time at which one of them is told, of a robot that begins at `start`.
+fn moments(trace: &Trace, start: Pose) -> Vec<Moment> {
+    let mut moments: Vec<Moment> = Vec::new();
+    let (mut pose, mut lift, mut joints) = (start, None, Vec::new());
+    for entry in trace.of_robot(ROBOT) {
+        match &entry.event {
+            Event::Pose { x_m, y_m, phi_rad, .. } => pose = Pose::new(*x_m, *y_m, *phi_rad),
+            Event::Posture { lift_m, joints_rad } => (lift, joints) = (Some(*lift_m), joints_rad.clone()),
+            _ => continue,
+        }
+        let Some(lift) = lift else { continue };
+        let moment = Moment { at: entry.at, pose, lift, joints: joints.clone() };
+        match moments.last_mut() {
+            Some(last) if last.at == entry.at => *last = moment,
+            _ => moments.push(moment),
+        }
+    }
+    moments
+}
+
+/// The robot at an instant, between two moments in proportion.
+fn at_time(moments: &[Moment], at: f64) -> Moment {
+    let next = moments.partition_point(|moment| moment.at <= at).clamp(1, moments.len().max(2) - 1);
+    let (a, b) = (&moments[next - 1], moments.get(next).unwrap_or(&moments[next - 1]));
+    let span = b.at - a.at;
+    let share = if span > 0.0 { ((at - a.at) / span).clamp(0.0, 1.0) } else { 0.0 };
+    let between = |a: f64, b: f64| a + (b - a) * share;
+    let position = a.pose.position.lerp(b.pose.position, share);
+    let heading = between(a.pose.heading.remainder(), b.pose.heading.remainder());
+    Moment {
+        at,
+        pose: Pose::new(position.x, position.y, heading),
+        lift: between(a.lift, b.lift),
+        joints: a.joints.iter().zip(&b.joints).map(|(a, b)| between(*a, *b)).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_of_the_program_are_read() {
+        assert_eq!(numbers("125 2000 - -"), Some((2.0, None)));
+        assert_eq!(numbers("150 812.5 700.1 -3.0"), Some((0.8125, Some(DVec2::new(0.7001, -0.003)))));
+        assert_eq!(numbers("stopped 0.65 m before an obstacle"), None);
+    }
+
+    #[test]
+    fn between_two_moments_the_robot_is_in_proportion() {
+        let moment = |at, x| Moment { at, pose: Pose::new(x, 0.0, 0.0), lift: x, joints: vec![2.0 * x] };
+        let moments = [moment(0.0, 0.0), moment(1.0, 1.0), moment(3.0, 2.0)];
+        for (at, x) in [(-1.0, 0.0), (0.25, 0.25), (1.0, 1.0), (2.0, 1.5), (9.0, 2.0)] {
+            let there = at_time(&moments, at);
+            assert_eq!((there.pose.position.x, there.lift, there.joints[0]), (x, x, 2.0 * x), "{at}");
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! What France et al. 1999 say of sensors on the leg of a walking robot holds in our walks.
+
+use papers::france::{self, Kind, Noise, Place, Thing, Walks};
+use papers::page::Weight;
+use papers::run::Job;
+
+#[test]
+fn what_the_paper_says_holds() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let job = Job::with_eyesim(tests::eyesim_path(), "france", folder.path(), 1).expect("a job");
+    let walks = Walks::run(&job).expect("all walks end by themselves");
+    for claim in france::claims(&walks) {
+        assert!(claim.holds || claim.weight == Weight::Told, "{claim:#?}");
+    }
+
+    let tibia = |kind| walks.of(Place::Tibia, kind, Noise::Without);
+    // Section 5: what the laser reads is the ideal distance where the incidence is at most 45 degrees, else 2 m.
+    let mut lost = 0;
+    for sample in &tibia(Kind::Laser).samples {
+        let is_seen = sample.truth.distance <= 2.0 && sample.truth.incidence <= std::f64::consts::FRAC_PI_4;
+        // Within a tenth of a degree the truth, which is between two slots, may lie on the other side.
+        let is_sure = (sample.truth.incidence - std::f64::consts::FRAC_PI_4).abs() > 2e-3;
+        assert!(sample.point.is_some() == is_seen || !is_sure || sample.truth.distance > 1.99, "{sample:?}");
+        lost += usize::from(sample.truth.thing == Thing::Floor && sample.truth.distance < 1.99 && !is_seen);
+    }
+    assert!(lost > 0, "the laser loses some of the ground");
+    // What the reflectance sensor makes of a slanting ground is too far away, never too near; readings are whole millimetres.
+    for sample in tibia(Kind::Reflectance).samples.iter().filter(|sample| sample.point.is_some()) {
+        assert!(sample.distance > sample.truth.distance - 2e-3, "{sample:?}");
+    }
+    // A sensor that sees the ground far ahead on the thigh sees it from farther away than one on the tibia.
+    let ground = |place| walks.of(place, Kind::Ideal, Noise::Without).points_on(Thing::Floor).count();
+    assert!(ground(Place::Thigh) > ground(Place::Tibia), "{} and {}", ground(Place::Thigh), ground(Place::Tibia));
+    assert_eq!(ground(Place::Body), 0);
+}
