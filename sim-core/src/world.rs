@@ -12,6 +12,7 @@ mod space;
 mod touch;
 mod track;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::DVec2;
@@ -21,7 +22,7 @@ use crate::{
     contact::{Body, TOUCH, Thing},
     drive::{HISTORY, Motion, Passage},
     object::{Properties, State, cast_disc},
-    pose::{PlaceError, Pose, Twist},
+    pose::{PlaceError, Pose, Pose3, Twist},
     radio::{Channel, Loss, Model},
     scene::{Bounds, Hit, Moving, Walls},
     time::Time,
@@ -32,7 +33,7 @@ use settle::{Settling, Truth};
 pub use sight::{Seen, Sighting};
 use space::Stage;
 pub use space::{Block, Space};
-pub use touch::{CLEARANCE, Closeness, LegTouch};
+pub use touch::{Closeness, LegTouch};
 use track::Track;
 
 /// What a ray meets first.
@@ -114,6 +115,16 @@ pub struct World {
     stage: Stage,
     calm: Calm,
     radio: Channel,
+    /// Of robots with legs.
+    held: BTreeMap<RobotId, Held>,
+}
+
+/// How a robot with legs holds itself at the start of the present slot.
+#[derive(Clone, Debug, PartialEq)]
+struct Held {
+    lift: f64,
+    /// Frames of the parts of its legs in its own.
+    parts: Vec<Pose3>,
 }
 
 /// Until when a robot that is alone in the world goes on by its plan of this revision with nothing to settle or make public.
@@ -149,10 +160,12 @@ impl World {
             stage,
             calm: Calm::default(),
             radio: Channel::default(),
+            held: BTreeMap::new(),
         };
         for (index, motion) in motions.into_iter().enumerate() {
             assert_eq!(motion.id().index(), index, "robots are given in the order of their ids");
             world.tracks.push(Track::new(motion, Presence::ALWAYS, (Time::ZERO, slot)));
+            world.hold(motion, Time::ZERO);
         }
         world.refresh_index();
         world
@@ -434,6 +447,7 @@ impl World {
         {
             motion.pass(end);
             self.now = end;
+            self.hold(motion, end);
             return Vec::new();
         }
         active.sort_by_key(|motion| motion.id());
@@ -463,6 +477,7 @@ impl World {
         }
         for motion in active.iter_mut() {
             self.tracks[motion.id().index()].publish(motion, end, end + self.slot);
+            self.hold(motion, end);
         }
         if let [motion] = active
             && self.is_for_one()
@@ -477,8 +492,31 @@ impl World {
     pub fn republish(&mut self, motion: &mut Motion) {
         let (now, end) = (self.now, self.slot_end());
         self.tracks[motion.id().index()].publish(motion, now, end);
+        self.hold(motion, now);
         self.calm = Calm::default();
         self.refresh_index();
+    }
+
+    /// Makes public how a robot with legs holds itself at `now`.
+    fn hold(&mut self, motion: &mut Motion, now: Time) {
+        if motion.legs().is_none() {
+            return;
+        }
+        let stance = motion.stance(now);
+        let parts = motion.legs().map(|legs| legs.parts(&stance)).unwrap_or_default();
+        self.held.insert(motion.id(), Held { lift: stance.lift, parts });
+    }
+
+    /// Pose of a robot's body in space at `at`, on its legs as it holds itself at the start of the present slot.
+    pub fn robot_pose_in_space(&self, robot: RobotId, at: Time) -> Pose3 {
+        Pose3::from_planar(&self.robot_pose(robot, at), self.held.get(&robot).map_or(0.0, |held| held.lift))
+    }
+
+    /// Pose of a part of a robot's legs, in the order of [`Legs::parts`](crate::drive::legged::Legs::parts), in the world at `at`, the
+    /// robot holding itself as at the start of the present slot; `None` where there is no such part.
+    pub fn leg_part_pose(&self, robot: RobotId, part: usize, at: Time) -> Option<Pose3> {
+        let robot_from_part = self.held.get(&robot)?.parts.get(part)?;
+        Some(self.robot_pose_in_space(robot, at).then(robot_from_part))
     }
 
     /// There is one robot and nothing else that moves.

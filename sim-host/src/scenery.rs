@@ -78,11 +78,14 @@ impl LazyScenery {
         if let (false, Some(source)) = (newcomers.is_empty(), &self.source) {
             // Their types are built in, or were read for the scene: there is nothing new to be told.
             let mut reader = MeshReader::new(&*source.files);
-            let part = |newcomer: &Newcomer| match newcomer {
-                Newcomer::Robot(id, robi) => looks.robot(*id, robi, &mut reader),
-                Newcomer::Object(id, kind) => looks.object(*id, kind, &mut reader),
+            let parts_of = |newcomer: &Newcomer| match newcomer {
+                Newcomer::Robot(id, robi) => {
+                    let body = looks.robot(*id, robi, &mut reader);
+                    [vec![body], looks.legs(*id, robi)].concat()
+                }
+                Newcomer::Object(id, kind) => vec![looks.object(*id, kind, &mut reader)],
             };
-            let parts = newcomers.iter().map(part).collect();
+            let parts = newcomers.iter().flat_map(parts_of).collect();
             *scenery = Arc::new((**scenery).clone().with_parts(parts));
         }
         types.append(newcomers);

@@ -12,7 +12,7 @@ use crate::drive::legged::{Gait, Leg, Legs};
 use crate::drive::{DriveKind, Model};
 use crate::format::{
     self, Axis, Collider, DEFAULT_DUTY, DEFAULT_PERIOD, GaitSpec, LegSpec, LegsSpec, LidarSpec, LinkSpec, MountSpec,
-    ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec, WorldSpec,
+    ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec, TerrainShape, WorldSpec,
 };
 use crate::object::{Figure, Part, Properties, Resistance, Shape, Solid};
 use crate::pose::{Pose, Pose3};
@@ -78,8 +78,7 @@ pub fn space(scene: &SceneSpec) -> Space {
             blocks.push(Block::new(WallId(first as u32), &centre_line, wall.thickness, wall.height));
         }
     }
-    // A floor of which the world says nothing is smooth: a rough one would be all that a low sonar hears.
-    let ground = world.surface.unwrap_or(Surface::SMOOTH);
+    let ground = world.surface.unwrap_or(usual_ground(world));
     let terrain = world.terrain.as_ref().and_then(|terrain| terrain.mesh.as_ref());
     let terrain_figure = |mesh: &Arc<Mesh>| Figure { solids: vec![Solid::Mesh(index(mesh))], surface: ground };
     let mut fixed: Vec<_> = terrain.map(|mesh| (Pose::default(), Arc::new(terrain_figure(mesh)))).into_iter().collect();
@@ -106,6 +105,16 @@ pub fn space(scene: &SceneSpec) -> Space {
         fixed,
         robots,
         objects,
+    }
+}
+
+/// What the ground is made of of which a world says nothing. Floors, stairs and meshes are smooth: a rough floor would be all that a
+/// low sonar hears. Hills are rough: of a mirror with facets hardly any echo returns, for no facet need face the sensor. Our
+/// choice.
+fn usual_ground(world: &WorldSpec) -> Surface {
+    match world.terrain.as_ref().map(|terrain| &terrain.shape) {
+        Some(TerrainShape::Image(_) | TerrainShape::Relief(_)) => Surface::ROUGH,
+        Some(TerrainShape::Mesh { .. } | TerrainShape::Steps(_)) | None => Surface::SMOOTH,
     }
 }
 

@@ -40,6 +40,8 @@ pub enum Place {
     Object(ObjectId),
     /// Where the robot stands.
     Robot(RobotId),
+    /// Where a part of the robot's legs is, by its place among them.
+    Leg(RobotId, usize),
 }
 
 /// A part of what can be seen. Parts that look alike share their mesh.
@@ -221,9 +223,8 @@ impl Scenery {
             Place::Object(object) => {
                 world.is_object_there(object, at).then(|| Pose3::from_planar(&world.object_pose(object, at), 0.0))
             }
-            Place::Robot(robot) => {
-                world.is_robot_there(robot, at).then(|| Pose3::from_planar(&world.robot_pose(robot, at), 0.0))
-            }
+            Place::Robot(robot) => world.is_robot_there(robot, at).then(|| world.robot_pose_in_space(robot, at)),
+            Place::Leg(robot, part) => world.leg_part_pose(robot, part, at).filter(|_| world.is_robot_there(robot, at)),
         };
         self.standing(self.parts.iter().map(pose).collect())
     }

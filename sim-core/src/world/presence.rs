@@ -55,6 +55,7 @@ impl World {
         }
         let (now, end) = (self.now, self.slot_end());
         self.tracks.push(Track::new(motion, Presence::since(now), (now, end)));
+        self.hold(motion, now);
         self.calm = Calm::default();
         self.refresh_index();
     }

@@ -16,9 +16,6 @@ use crate::{
 /// stretches of some metres all but 10^-12 m is gone.
 const ROUNDS: u32 = 70;
 
-/// Clearances are told up to this, m. Our choice.
-pub const CLEARANCE: f64 = 0.5;
-
 /// A part of a legged robot that touches something.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LegTouch {
@@ -35,12 +32,13 @@ pub struct LegTouch {
 pub struct Closeness {
     /// What its parts touch, in the order of parts and things.
     pub touches: Vec<LegTouch>,
-    /// Least distance of thighs, shanks and body from the ground, m; negative where one is in it, and at most [`CLEARANCE`].
+    /// Least distance of thighs, shanks and body from the ground, m; negative where one is in it, and at most what was asked for.
     pub clearance: f64,
 }
 
 impl World {
-    /// What thighs, shanks and body of a legged robot touch at `at`; `None` for a robot without legs.
+    /// What thighs, shanks and body of a legged robot touch at `at`, and their clearance from the ground up to `within` metres;
+    /// `None` for a robot without legs. With `within` 0 only what touches is looked for, which is fastest.
     ///
     /// The ground counts for thighs, for the body, and for shanks down to three radii of the limb above their lower ends: there,
     /// a leg may lean by up to 70 degrees, and feet may touch the ground. Feet themselves do not count. All else counts for the
@@ -49,7 +47,7 @@ impl World {
     /// For the ground the body is a disc at the height of its underside, and cells that the disc's edge crosses count as a
     /// whole; a limb is exact, but see [`HeightField::clearance`](crate::scene::HeightField::clearance) for the ground beyond
     /// a terrain's border.
-    pub fn closeness(&self, motion: &mut Motion, at: Time) -> Option<Closeness> {
+    pub fn closeness(&self, motion: &mut Motion, at: Time, within: f64) -> Option<Closeness> {
         motion.legs()?;
         let by = motion.id();
         let world_from_robot = motion.pose(at);
@@ -57,7 +55,7 @@ impl World {
         let radius = motion.radius();
         let (legs, ground) = (motion.legs()?, motion.ground()?);
         let mut touches = Vec::new();
-        let mut clearance = CLEARANCE;
+        let mut clearance = within;
         let underside = world_from_robot.position.extend(stance.lift + legs.belly);
         let (_, highest) = ground.range_in(underside.truncate(), radius);
         clearance = clearance.min(underside.z - highest);
@@ -69,9 +67,10 @@ impl World {
             let way = lower - upper;
             let counted = 1.0 - (limb.bare / way.length()).min(1.0);
             let piece = [upper, upper + counted * way];
-            let distance = ground.clearance(piece, CLEARANCE + radius) - radius;
+            let distance = ground.clearance(piece, within + radius) - radius;
             clearance = clearance.min(distance);
-            if distance <= 0.0 {
+            // Where nothing is within reach, the distance is the reach.
+            if distance < 0.0 {
                 let (_, point) = ground.least_gap(piece);
                 let point = point.with_z(ground.height(point.truncate()));
                 touches.push(LegTouch { part: limb.part, thing: Seen::Floor, point });

@@ -325,7 +325,7 @@ impl Robot {
         let first = self.walk.looked_at.max(slot_end - HISTORY);
         let mut at = Time((first.0.div_euclid(TOUCH_GRID.0) + 1) * TOUCH_GRID.0);
         while at <= slot_end {
-            let touches = world.closeness(&mut self.motion, at).map(|near| near.touches).unwrap_or_default();
+            let touches = world.closeness(&mut self.motion, at, 0.0).map(|near| near.touches).unwrap_or_default();
             for LegTouch { part, thing, point } in &touches {
                 if !self.walk.touching.contains(&(*part, *thing)) {
                     let part = self.part_name(*part);

@@ -89,6 +89,8 @@ impl Subject<'_> {
     fn has(&self, place: Place) -> bool {
         match place {
             Place::Fixed(_) => true,
+            // Pages know of no parts of a body that move on their own.
+            Place::Leg(..) => false,
             Place::Robot(id) => self.robots.iter().any(|robot| robot.id == id),
             Place::Object(id) => self.objects.iter().any(|object| object.id == id),
         }
@@ -117,7 +119,7 @@ pub fn title(spec: &SceneSpec) -> String {
 
 fn place(part: &camera::Part) -> protocol::Place {
     match part.place {
-        Place::Robot(RobotId(robot)) => protocol::Place::Robot { robot },
+        Place::Robot(RobotId(robot)) | Place::Leg(RobotId(robot), _) => protocol::Place::Robot { robot },
         Place::Object(ObjectId(object)) => protocol::Place::Object { object },
         Place::Fixed(pose) => {
             let what = match part.label {

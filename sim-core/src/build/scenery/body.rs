@@ -11,6 +11,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 
 use super::sketch::{Paint, Round, Sketch, circle, direction};
+use crate::build;
 use crate::drive::DriveKind;
 use crate::format::{Axis, CameraSpec, Collider, JointSpec, RobiSpec};
 use crate::math;
@@ -108,11 +109,12 @@ impl Hull {
     fn of_drive(robi: &RobiSpec) -> Self {
         let (diameter, wheel) = (robi.diameter, robi.wheel.diameter);
         let radius = 0.5 * diameter;
+        // A body with legs sits on its hips.
+        let belly = build::legs(robi).map_or(0.0, |legs| legs.belly);
         // Wheels show below the hull, and beside that of a car.
         let (outline, bottom, half, height) = match robi.drive.kind {
-            DriveKind::Differential | DriveKind::Legged => {
-                (circle(radius, HULL_SIDES), 0.7 * wheel, DVec2::splat(radius), ROUND_HEIGHT)
-            }
+            DriveKind::Differential => (circle(radius, HULL_SIDES), 0.7 * wheel, DVec2::splat(radius), ROUND_HEIGHT),
+            DriveKind::Legged => (circle(radius, HULL_SIDES), belly, DVec2::splat(radius), ROUND_HEIGHT),
             DriveKind::Ackermann | DriveKind::Omni => {
                 let between = robi.wheel.track - (WHEEL_WIDTH + 0.1) * wheel;
                 let width = between.clamp(0.35 * diameter, 0.75 * diameter);
@@ -121,7 +123,7 @@ impl Hull {
                 (rectangle(DVec2::ZERO, half), 0.4 * wheel, half, BOX_HEIGHT)
             }
         };
-        let bottom = bottom.min(0.5 * diameter);
+        let bottom = if robi.drive.kind == DriveKind::Legged { bottom } else { bottom.min(0.5 * diameter) };
         let usual = bottom + height * diameter;
         let below_camera = robi.camera.as_ref().map_or(usual, |camera| camera.position.z - 0.06 * diameter);
         let top = usual.min(below_camera).max(bottom + LEAST_HEIGHT * diameter);

@@ -1,6 +1,7 @@
 //! What cameras see of a scene.
 
 mod body;
+mod leg;
 mod object;
 mod sketch;
 #[cfg(test)]
@@ -40,6 +41,8 @@ pub struct Looks {
     of_robots: BTreeMap<usize, Option<Arc<Mesh>>>,
     /// Of the others, by colour.
     bodies: BTreeMap<(usize, usize), Arc<Mesh>>,
+    /// Parts of legs of robot types.
+    legs: BTreeMap<usize, Vec<Arc<Mesh>>>,
 }
 
 impl Looks {
@@ -64,6 +67,17 @@ impl Looks {
         });
         Part { mesh, label: Label::Robot(id), place: Place::Robot(id) }
     }
+
+    /// What cameras see of the legs of a robot of this type: nothing of one on wheels.
+    pub fn legs(&mut self, id: RobotId, robi: &Arc<RobiSpec>) -> Vec<Part> {
+        let meshes = self.legs.entry(Arc::as_ptr(robi).addr()).or_insert_with(|| leg::looks(robi));
+        let part = |(number, mesh): (usize, &Arc<Mesh>)| Part {
+            mesh: Arc::clone(mesh),
+            label: Label::Robot(id),
+            place: Place::Leg(id, number),
+        };
+        meshes.iter().enumerate().map(part).collect()
+    }
 }
 
 /// All that cameras see of a scene: its ground, walls and objects, and its robots.
@@ -84,6 +98,7 @@ pub fn scenery_with(scene: &SceneSpec, looks: &mut Looks, reader: &mut MeshReade
     parts.extend(terrain.map(|mesh| fixed(mesh, Label::Ground)));
     parts.extend(parts_of_objects(scene, looks, reader));
     parts.extend(scene.robots.iter().map(|robot| looks.robot(robot.id, &robot.robi, reader)));
+    parts.extend(scene.robots.iter().flat_map(|robot| looks.legs(robot.id, &robot.robi)));
     Scenery::new(parts, ground, light(&world.looks.light), sky(&world.looks.sky))
 }
 

@@ -35,6 +35,18 @@ pub struct Limb {
 }
 
 impl Legs {
+    /// Frames of thigh, shank and with a foot the foot, leg by leg, in the robot's frame, which is `stance.lift` above the floor.
+    pub fn parts(&self, stance: &Stance) -> Vec<Pose3> {
+        let links = self.links(0, 0);
+        let mut first = 0;
+        let mut poses = Vec::new();
+        for leg in &self.legs {
+            poses.extend(leg.parts().map(|(_, place)| link_pose(&links, &stance.joints, first + place)));
+            first += leg.link_count();
+        }
+        poses
+    }
+
     /// Thighs and shanks, leg by leg, of a robot at `world_from_robot` that holds itself like this.
     pub fn limbs(&self, stance: &Stance, world_from_robot: &Pose) -> Vec<Limb> {
         let links = self.links(0, 0);

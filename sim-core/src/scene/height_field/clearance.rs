@@ -27,8 +27,13 @@ impl HeightField {
         let [columns, rows] = self.cells(&piece.grown(least));
         for row in rows {
             for column in columns.clone() {
+                // Boxes around cell and piece are no farther apart than what is in them.
+                let low = self.corner(column, row).truncate();
+                let high = self.corner(column + 1, row + 1).truncate();
+                let aside = (low - piece.max).max(piece.min - high).max(DVec2::ZERO);
                 let highest = self.cell(column, row).into_iter().fold(f64::NEG_INFINITY, f64::max);
-                if lowest - highest >= least {
+                let above = (lowest - highest).max(0.0);
+                if aside.length_squared() + above * above >= least * least {
                     continue;
                 }
                 for triangle in self.triangles(column, row) {

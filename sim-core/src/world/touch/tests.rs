@@ -157,7 +157,7 @@ fn walker(position: DVec2, ground: Ground) -> Motion {
 
 fn closeness(position: [f64; 2], ground: Ground) -> Closeness {
     let mut motion = walker(position.into(), ground);
-    world().closeness(&mut motion, Time::ZERO).expect("legs")
+    world().closeness(&mut motion, Time::ZERO, 0.5).expect("legs")
 }
 
 fn block(from: [f64; 2], to: [f64; 2], height: f64) -> Ground {
@@ -174,7 +174,7 @@ fn legs_that_stand_on_the_floor_touch_nothing() {
     // The shanks count down to 90 mm above their tips, and are 30 mm thick; they stand nearly upright.
     assert!((0.05..=0.06).contains(&standing.clearance), "{standing:?}");
     let mut gliding = Motion::new(RobotId(1), Arc::new(model(DriveKind::Differential)), walls(), Pose::default());
-    assert_eq!(world().closeness(&mut gliding, Time::ZERO), None);
+    assert_eq!(world().closeness(&mut gliding, Time::ZERO, 0.5), None);
 }
 
 #[test]
