@@ -435,8 +435,9 @@ impl Conductor {
                 self.recorder.collect(&mut robot.journal);
                 continue;
             }
-            robot.record_pose(slot_end);
+            // Who follows poses knows the height of a walking body then.
             robot.record_walk(world, slot_end);
+            robot.record_pose(slot_end);
             if robot.motion.is_active() {
                 self.moving.push(robot.id);
             }

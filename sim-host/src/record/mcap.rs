@@ -61,6 +61,8 @@ pub struct Mcap {
     frames: Arc<Frames>,
     /// Transforms of this slot.
     moved: Vec<Value>,
+    /// Heights of the bodies of robots with legs, m.
+    lifts: BTreeMap<RobotId, f64>,
     /// Numbers of the next robot and the next object that are added.
     next: [u32; 2],
     has_news: bool,
@@ -96,8 +98,18 @@ impl Mcap {
         ];
         let (channels, moved) = (BTreeMap::new(), Vec::new());
         let path = path.to_owned();
-        let mut mcap =
-            Self { writer: Some(writer), path, channels, sequence: 0, scene, frames, moved, next, has_news: true };
+        let mut mcap = Self {
+            writer: Some(writer),
+            path,
+            channels,
+            sequence: 0,
+            scene,
+            frames,
+            moved,
+            lifts: BTreeMap::new(),
+            next,
+            has_news: true,
+        };
         mcap.note("run", [("seed", seed.to_string()), ("slot_us", slot.0.to_string())])?;
         mcap.begin(&robots, &objects)?;
         mcap.flush()?;
@@ -317,8 +329,12 @@ impl Sink for Mcap {
         let Record { time, robot, ref event, .. } = *record;
         match *event {
             Event::Pose { x_m, y_m, phi_rad, .. } | Event::Placed { x_m, y_m, phi_rad, .. } => {
-                self.move_to(time, &scene::robot_frame(robot), &scene::upright(x_m, y_m, phi_rad));
+                let mut at = scene::upright(x_m, y_m, phi_rad);
+                at.position_m[2] = self.lifts.get(&robot).copied().unwrap_or(0.0);
+                self.move_to(time, &scene::robot_frame(robot), &at);
             }
+            // It comes before the pose of its slot.
+            Event::Posture { lift_m, .. } => drop(self.lifts.insert(robot, lift_m)),
             Event::Object { object, x_m, y_m, phi_rad, .. } | Event::ObjectPlaced { object, x_m, y_m, phi_rad, .. } => {
                 self.move_to(time, &scene::object_frame(ObjectId(object)), &scene::upright(x_m, y_m, phi_rad));
             }

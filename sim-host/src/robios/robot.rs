@@ -281,8 +281,8 @@ impl Robot {
     /// Records where it is when it comes into a running world; of a robot that is there from the start the scene says it.
     pub fn record_arrival(&mut self, world: &World) {
         self.recorded_pose = None;
-        self.record_pose(self.now);
         self.record_walk(world, self.now);
+        self.record_pose(self.now);
     }
 
     /// Records where it is at the end of a slot, if it has moved since the last record.
