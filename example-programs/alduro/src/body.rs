@@ -33,8 +33,8 @@ const AROUND: usize = 12;
 const SONAR_HEIGHT: f64 = 1.2;
 /// How far from the middle those sit that look around, m.
 const RING: f64 = 0.8;
-/// They look up by as much, so that they do not hear level ground, rad.
-const RING_PITCH: f64 = 10.0 / 180.0 * PI;
+/// They look up by as much, so that they hear neither level ground nor what a step overcomes, rad.
+const RING_PITCH: f64 = 20.0 / 180.0 * PI;
 /// Where those sit that look down, m ahead of and beside the middle.
 const CORNER: (f64, f64) = (1.5, 0.9);
 

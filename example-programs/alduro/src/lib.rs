@@ -1,6 +1,8 @@
 //! Walks over unstructured terrain on four legs, by a local map from sonar (Gois and Hiller).
 //!
-//! Arguments: the goal in the world, x and y in metres. The operator on board sees it and says in which direction it lies, to whole
+//! Arguments `survey DISTANCE`: drives so many metres straight ahead and measures on the way, for maps that are made later.
+//!
+//! Arguments `X Y`: the goal in the world, in metres. The operator on board sees it and says in which direction it lies, to whole
 //! degrees, and when it is reached: the direction comes from the true pose, for odometry is lost after tens of metres. The map and
 //! all else know odometry, legs and sonars alone.
 
@@ -17,12 +19,15 @@ use mapping::math;
 use nalgebra::{Rotation3, Vector3};
 use planner::{LegState, Planner, Reading};
 use robios_api::robios7::prelude::*;
-use robios_api::robios7::{Leg, LegLink, Legs, TruePose};
+use robios_api::robios7::{Leg, LegLink, Legs, Psd, TruePose};
 
 robios_api::program!(main);
 
 /// How often it measures and plans: 16 sonars, two or three at a time, need about 65 ms for each echo from 6 m.
 const CYCLE: Duration = Duration::from_millis(250);
+/// How often it measures on a survey, and how fast it drives.
+const SCAN: Duration = Duration::from_millis(125);
+const SURVEY_SPEED: Speed = Speed::millimetres_per_second(500.0);
 /// The operator stops so near to the goal, m.
 const ARRIVED: f64 = 0.5;
 /// From knee to tip, m; as in the robi.
@@ -31,15 +36,38 @@ const SHANK: f64 = 1.1;
 const TOLD: u32 = 20;
 
 fn main(robot: &Robot) -> std::result::Result<(), Box<dyn std::error::Error>> {
-    let [goal_x, goal_y] = robot.arguments() else { return Err("usage: alduro GOAL_X GOAL_Y (m)".into()) };
-    let goal: (f64, f64) = (goal_x.parse()?, goal_y.parse()?);
+    let words: Vec<&str> = robot.arguments().iter().map(String::as_str).collect();
+    match words[..] {
+        ["survey", distance] => survey(robot, distance.parse()?),
+        [x, y] => walk(robot, (x.parse()?, y.parse()?)),
+        _ => Err("usage: alduro X Y or alduro survey DISTANCE, in metres".into()),
+    }
+}
+
+/// Measures with all sonars while it drives straight ahead.
+fn survey(robot: &Robot, distance: f64) -> std::result::Result<(), Box<dyn std::error::Error>> {
+    let sonars = sonars(robot)?;
+    let drive = robot.drive();
+    let ticker = robot.ticker(SCAN);
+    drive.straight(distance.metres(), SURVEY_SPEED)?;
+    while !drive.is_done() {
+        for sonar in &sonars {
+            sonar.distance();
+        }
+        ticker.wait();
+    }
+    Ok(())
+}
+
+/// Walks to `goal`, m in the world.
+fn walk(robot: &Robot, goal: (f64, f64)) -> std::result::Result<(), Box<dyn std::error::Error>> {
     let legs = robot.legs()?;
-    let sonars = (1..=SONARS as u8).map(|number| robot.psd(PsdAt::Other(number))).collect::<Result<Vec<_>>>()?;
+    let sonars = sonars(robot)?;
     let mut planner = Planner::new(pose(robot, &legs)?.heading);
     let ticker = robot.ticker(CYCLE);
     for cycle in 0.. {
         let pose = pose(robot, &legs)?;
-        let distance = |sonar: &robios_api::robios7::Psd| sonar.distance().map(|distance| distance.as_metres());
+        let distance = |sonar: &Psd<'_>| sonar.distance().map(|distance| distance.as_metres());
         let readings: Vec<Reading> = sonars
             .iter()
             .enumerate()
@@ -65,6 +93,10 @@ fn main(robot: &Robot) -> std::result::Result<(), Box<dyn std::error::Error>> {
         ticker.wait();
     }
     Ok(())
+}
+
+fn sonars(robot: &Robot) -> Result<Vec<Psd<'_>>> {
+    (1..=SONARS as u8).map(|number| robot.psd(PsdAt::Other(number))).collect()
 }
 
 /// Where odometry and the legs believe the body to be.

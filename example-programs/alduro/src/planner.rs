@@ -1,6 +1,8 @@
 //! The reactive planner (Gois and Hiller, section 5): readings into the local map, from it what each shank perceives, from that corrections of
 //! the steps, and what is too much for a leg goes over to the body.
 
+use std::f64::consts::PI;
+
 use mapping::inverse::SonarModel;
 use mapping::local_map::{LocalMap, Patch};
 use mapping::tsk::{Fusion, Order, Settings};
@@ -18,6 +20,13 @@ const REACH: f64 = 7.0;
 const HEIGHTS: Heights = Heights { low: (0.08, 0.2), high: (0.4, 0.6) };
 /// A point whose membership in `high` is as much stops the operator.
 const BLOCKS: f64 = 0.5;
+/// To both sides of its line of sight a sonar surely hears what is high, rad: half of what lies between two of them, and a little.
+const CLEAR_ANGLE: f64 = 18.0 / 180.0 * PI;
+/// Up to so far it surely does, m; and so far if it hears nothing at all, which may be a mistake.
+const SURE: f64 = 4.5;
+const SILENT: f64 = 2.5;
+/// What is lower than this the sonars that look around do not hear, m.
+const UNHEARD: f64 = 0.3;
 /// l_max of Eq. 4, m from a shank.
 const HIGH_REACH: f64 = 1.6;
 /// l_max of Eq. 5, m from the tip of a leg.
@@ -88,13 +97,15 @@ impl Planner {
     pub fn new(heading: f64) -> Self {
         let settings = Settings {
             order: Order::Zero,
-            fusion: Fusion::Cells { above: 0.03 },
-            reading_sigma: 0.1,
+            fusion: Fusion::Cells { above: 0.01 },
+            reading_sigma: 0.3,
             floor: 0.0,
             forgetting: 0.98,
             ..Settings::default()
         };
-        let map = LocalMap::new(CELL, REACH, SonarModel::srf08(), settings);
+        // Of the skirts of its beam a single reading tells little.
+        let model = SonarModel { least: 0.15, ..SonarModel::srf08() };
+        let map = LocalMap::new(CELL, REACH, model, settings);
         Self { map, operator: Operator::default(), heading, velocity: Vector2::zeros() }
     }
 
@@ -107,8 +118,14 @@ impl Planner {
     pub fn observe(&mut self, readings: &[Reading]) {
         for Reading { sonar, pose, distance } in readings {
             self.map.follow(pose.x, pose.y);
+            let mount = body::mount(*sonar);
+            let sonar = pose.sonar(&mount);
             if let Some(distance) = *distance {
-                self.map.observe(&pose.sonar(&body::mount(*sonar)), distance);
+                self.map.observe(&sonar, distance);
+            }
+            if mount.pitch > 0.0 {
+                let distance = distance.map_or(SILENT, |distance| distance.min(SURE));
+                self.map.clear(&sonar, distance, CLEAR_ANGLE, pose.lift + UNHEARD);
             }
         }
     }

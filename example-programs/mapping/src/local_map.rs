@@ -4,7 +4,8 @@
 //! cells, so that nothing is ever resampled (our choice).
 
 use crate::inverse::{SonarModel, SonarPose};
-use crate::tsk::{Partition, Settings, Tsk};
+use crate::math;
+use crate::tsk::{Activation, Partition, Settings, Tsk};
 
 /// A square of ground whose middle cell is the one that the body is in.
 #[derive(Clone, Debug)]
@@ -56,6 +57,37 @@ impl LocalMap {
         self.tsk.fuse(&self.model, sonar, measured)
     }
 
+    /// Takes it that nothing higher than `height` m stands nearer than `distance` m before a sonar, within `half_angle` rad to
+    /// both sides of where it looks: it would have been heard. Cells that are estimated to be higher are told so, with the gain
+    /// of the beam squared as the weight, for there and back.
+    ///
+    /// That a reading says as well what is empty is an idea of occupancy maps (Moravec and Elfes 1985; Oriolo, Ulivi and
+    /// Venditelli 1999); Gois and Hiller have only the set of what is occupied. For sonars that look about level.
+    ///
+    /// # Panics
+    /// If a number is not finite.
+    pub fn clear(&mut self, sonar: &SonarPose, distance: f64, half_angle: f64, height: f64) {
+        let partition = *self.tsk.partition();
+        let yaw = math::atan2(sonar.axis.y, sonar.axis.x);
+        // The cell of the echo is not before it.
+        let before = distance - partition.cell;
+        for place in partition.places_around(sonar.origin.x, sonar.origin.y, before.max(0.0)) {
+            let Some(slot) = partition.slot(place) else { continue };
+            let (x, y) = partition.centre(place);
+            let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
+            let turn = math::atan2(dy, dx) - yaw;
+            let aside = math::atan2(math::sin(turn), math::cos(turn)).abs();
+            if aside > half_angle || math::hypot(dx, dy) > before {
+                continue;
+            }
+            if self.tsk.height(x, y).is_some_and(|estimate| estimate > height) {
+                let gain = self.model.membership_of_alpha(aside);
+                let activation = Activation { place, slot, weight: 1.0, x, y, height };
+                self.tsk.take_one(&activation, gain * gain);
+            }
+        }
+    }
+
     /// Estimated height at (x, y), m; `None` outside the map.
     pub fn height(&self, x: f64, y: f64) -> Option<f64> {
         self.tsk.height(x, y)
@@ -100,6 +132,28 @@ mod tests {
         assert_eq!(map.height(11.1, -2.9), None, "fell out");
         map.follow(10.1, -3.2);
         assert_eq!(map.height(11.1, -2.9), Some(0.0), "and is forgotten");
+    }
+
+    #[test]
+    fn what_is_before_an_echo_is_cleared_within_the_angle() {
+        let mut map = LocalMap::new(0.5, 5.0, SonarModel::srf08(), Settings::default());
+        let high = SonarPose::new(Vector3::new(3.25, 0.25, 3.0), 0.0, -FRAC_PI_2);
+        let aside = SonarPose::new(Vector3::new(2.25, 3.25, 3.0), 0.0, -FRAC_PI_2);
+        for _ in 0..50 {
+            map.observe(&high, 2.0);
+            map.observe(&aside, 2.0);
+        }
+        let heights = |map: &LocalMap| (map.height(3.25, 0.25).unwrap(), map.height(2.25, 3.25).unwrap());
+        assert!(heights(&map).0 > 0.5 && heights(&map).1 > 0.5);
+        let ahead = SonarPose::new(Vector3::new(0.0, 0.25, 1.2), 0.0, 0.3);
+        for _ in 0..50 {
+            map.clear(&ahead, 3.0, 0.3, 0.3);
+        }
+        assert!(heights(&map).0 > 0.5, "behind the echo");
+        for _ in 0..50 {
+            map.clear(&ahead, 5.0, 0.3, 0.3);
+        }
+        assert!(heights(&map).0 < 0.4 && heights(&map).1 > 0.5, "{:?}", heights(&map));
     }
 
     /// A sonar that looks level says that something stands where its echo is, and nothing before it.

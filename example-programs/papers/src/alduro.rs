@@ -1,5 +1,9 @@
 //! Gois and Hiller: local maps from sonar for the walking machine ALDURO, and the planner that walks by them.
 
+mod ground;
+mod picture;
+mod survey;
+
 use crate::page::Page;
 use crate::run::Job;
 
@@ -7,9 +11,9 @@ use crate::run::Job;
 ///
 /// # Errors
 /// A scene that does not run to its end.
-pub fn run(_job: &Job) -> anyhow::Result<Page> {
+pub fn run(job: &Job) -> anyhow::Result<Page> {
     let source = "J. A. Morgado de Gois, M. Hiller: Implementation of a Sensor System for Obstacle Avoidance at a Four-Legged Robot";
     let mut page = Page::new("Maps of unstructured terrain from sonar", source);
-    page.text("Nothing of this paper is reproduced here yet.");
+    survey::add(job, &mut page)?;
     Ok(page)
 }
