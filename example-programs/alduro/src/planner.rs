@@ -97,7 +97,8 @@ impl Planner {
     pub fn new(heading: f64) -> Self {
         let settings = Settings {
             order: Order::Zero,
-            fusion: Fusion::Cells { above: 0.01 },
+            fusion: Fusion::Cells { above: 0.1 },
+            height_sigma: 2.0,
             reading_sigma: 0.3,
             floor: 0.0,
             forgetting: 0.98,

@@ -3,6 +3,7 @@
 mod ground;
 mod picture;
 mod survey;
+mod walk;
 
 use crate::page::Page;
 use crate::run::Job;
@@ -15,5 +16,6 @@ pub fn run(job: &Job) -> anyhow::Result<Page> {
     let source = "J. A. Morgado de Gois, M. Hiller: Implementation of a Sensor System for Obstacle Avoidance at a Four-Legged Robot";
     let mut page = Page::new("Maps of unstructured terrain from sonar", source);
     survey::add(job, &mut page)?;
+    walk::add(job, &mut page)?;
     Ok(page)
 }

@@ -1,0 +1,243 @@
+//! Section 5: the walk from (1, 5) to (9, 1) over unstructured terrain.
+
+use std::fmt::Write as _;
+
+use anyhow::{Context as _, ensure};
+use glam::DVec2;
+use mapping::astar::shortest_path;
+use mapping::distance::distances;
+use mapping::grid::{Cell, Frame, Grid};
+use mapping::pose::Point;
+use sim_core::scene::{Boulders, Disc, HeightField};
+
+use super::ground::Terrain;
+use super::picture::{Panel, maps};
+use crate::page::{Claim, Figure, Page, Table, Weight};
+use crate::run::{Job, Run, Scene};
+use crate::trace::{Event, Trace};
+
+/// The map's unit, m: the paper gives none. The robot's feet stand 1.8 m x 1.4 m apart, and its map has ten units.
+const UNIT: f64 = 4.0;
+/// Start and goal in units.
+const START: DVec2 = DVec2::new(1.0, 5.0);
+const GOAL: DVec2 = DVec2::new(9.0, 1.0);
+/// Side of the terrain in units.
+const SIDE: f64 = 10.0;
+/// Random terrains that are walked over.
+const TERRAINS: usize = 20;
+/// How many must be, without a touch.
+const MUST: usize = 19;
+/// What is higher than this is an obstacle, m: a step overcomes what is lower.
+const OBSTACLE: f64 = 0.5;
+/// Clearance around the middle of the robot that a path needs, m.
+const CLEARANCE: f64 = 2.0;
+/// The goal is reached when the robot's true place is as near, m.
+const ARRIVED: f64 = 1.0;
+/// Cells in which A* searches, m.
+const CELL: f64 = 0.2;
+/// A walk is given so long, s.
+const UNTIL_S: u32 = 600;
+
+/// A terrain over which a path with the clearance leads.
+struct Way {
+    seed: u64,
+    terrain: Terrain,
+    field: HeightField,
+    /// The shortest, m.
+    path: Vec<(f64, f64)>,
+    length: f64,
+}
+
+/// What became of a walk.
+#[derive(Clone, Debug)]
+struct Walk {
+    path: Vec<(f64, f64)>,
+    length: f64,
+    /// From the goal at the end, m.
+    left: f64,
+    /// Parts that touched the terrain.
+    touches: Vec<String>,
+    contacts: usize,
+    time: f64,
+}
+
+impl Walk {
+    fn has_arrived(&self) -> bool {
+        self.left <= ARRIVED
+    }
+
+    fn is_untouched(&self) -> bool {
+        self.touches.is_empty() && self.contacts == 0
+    }
+}
+
+/// Adds the walks to the page.
+///
+/// # Errors
+/// A scene that does not run to its end.
+pub fn add(job: &Job, page: &mut Page) -> anyhow::Result<()> {
+    let (ways, without) = ways(job.seed())?;
+    let walks = walk(job, &ways, "alduro")?;
+    page.heading("The walk from (1, 5) to (9, 1)");
+    page.text(format!(
+        "The map's unit is {UNIT} m (our choice, the paper gives none). {TERRAINS} random terrains of {0} m x {0} m; {without} others were left out, on which A* on the \
+         true heights found no path that keeps {CLEARANCE} m from the robot's middle to everything above {OBSTACLE} m. All errors are those of `real`. The operator on board \
+         sees the goal: its bearing to whole degrees and its distance come from the true pose; map and planner know odometry, legs and sonars alone. Where the way to the \
+         goal is blocked on the local map, the free direction next to it is taken, on the side on which the obstacle is being passed.",
+        SIDE * UNIT
+    ));
+    page.text(
+        "The perception vectors of Eq. 4 and 5 are sums of vectors p_k whose directions the equations leave out: ours have the unit vectors from the shank to the points. \
+         Eq. 5 takes points at exactly l_max, which have p_k = 0; ours are those within it.",
+    );
+    page.table(table(&ways, &walks));
+    page.figure(figure(&ways, &walks)?);
+    let arrived = walks.iter().filter(|walk| walk.has_arrived()).count();
+    let both = walks.iter().filter(|walk| walk.has_arrived() && walk.is_untouched()).count();
+    page.claims.push(Claim {
+        place: "5".to_owned(),
+        paper: "the robot reaches the target and avoids what is in its way, on many unstructured terrains".to_owned(),
+        ours: format!(
+            "reached on {arrived} of {TERRAINS}, within {ARRIVED} m; without a touch of shanks, thighs or body"
+        ),
+        number: format!("{both} of {TERRAINS}"),
+        holds: both >= MUST,
+        weight: Weight::Must,
+    });
+    Ok(())
+}
+
+/// The first terrains with a path, and how many had none.
+fn ways(seed: u64) -> anyhow::Result<(Vec<Way>, usize)> {
+    let (mut ways, mut without) = (Vec::new(), 0);
+    for index in 0.. {
+        ensure!(without < 20 * TERRAINS, "hardly a terrain has a path");
+        let seed = 1000 * seed + 500 + index;
+        let boulders = Boulders { count: 40, radius: [0.5, 2.0], height: [0.1, 1.6] };
+        let clear = [START, GOAL].map(|place| Disc { centre: place * UNIT, radius: 3.0 });
+        let terrain = Terrain::new(seed, SIDE * UNIT, 0.2, boulders, clear.to_vec());
+        let field = terrain.field()?;
+        match shortest(&field) {
+            Some((path, length)) => ways.push(Way { seed, terrain, field, path, length }),
+            None => without += 1,
+        }
+        if ways.len() == TERRAINS {
+            break;
+        }
+    }
+    Ok((ways, without))
+}
+
+/// The shortest path with clearance and its length, m.
+fn shortest(field: &HeightField) -> Option<(Vec<(f64, f64)>, f64)> {
+    let count = (SIDE * UNIT / CELL).round() as usize;
+    let frame = Frame::new(Point::new(0.0, 0.0), CELL, count, count);
+    let heights = Grid::from_fn(frame, |cell| {
+        let middle = frame.centre(cell);
+        field.height(middle.x, middle.y)
+    });
+    let room = distances(&heights, |height| *height > OBSTACLE);
+    let factor = |cell: Cell| (room[cell] > CLEARANCE).then_some(1.0);
+    let cell = |place: DVec2| frame.cell_at(Point::new(place.x * UNIT, place.y * UNIT));
+    let path = shortest_path(&frame, factor, cell(START)?, cell(GOAL)?)?;
+    let middle = |cell: &Cell| {
+        let middle = frame.centre(*cell);
+        (middle.x, middle.y)
+    };
+    Some((path.cells.iter().map(middle).collect(), path.cost))
+}
+
+/// The text of a scene: a robot of a type walks over a terrain.
+fn scene(terrain: &Terrain, robi: &str) -> String {
+    let (start, goal) = (START * UNIT, GOAL * UNIT);
+    let heading = mapping::math::atan2(goal.y - start.y, goal.x - start.x).to_degrees();
+    let mut text = format!("[scene]\nuntil_s = {UNTIL_S}\n\n{}\n", terrain.world());
+    // Writing to a string cannot fail.
+    let _ = write!(
+        text,
+        "[[robot]]\ntype = \"%sim%/robis/{robi}.robi\"\nprogram = \"%sim%/example-programs/alduro\"\narguments = [\"{}\", \"{}\"]\n\
+         x_mm = {}\ny_mm = {}\nheading_deg = {heading:.3}\n",
+        goal.x,
+        goal.y,
+        start.x * 1e3,
+        start.y * 1e3
+    );
+    text
+}
+
+fn walk(job: &Job, ways: &[Way], robi: &str) -> anyhow::Result<Vec<Walk>> {
+    let run = |(index, way): (usize, &Way)| Run {
+        name: format!("{robi}-{index:02}"),
+        scene: Scene::Text(scene(&way.terrain, robi)),
+        seed: way.seed,
+        words: vec!["--noise=real".to_owned()],
+    };
+    let runs: Vec<Run> = ways.iter().enumerate().map(run).collect();
+    job.run(&runs, |_, trace| outcome(&trace))
+}
+
+fn outcome(trace: &Trace) -> anyhow::Result<Walk> {
+    let mut path = vec![(START.x * UNIT, START.y * UNIT)];
+    let (mut touches, mut contacts, mut time) = (Vec::new(), 0, trace.end);
+    for entry in trace.of_robot(1) {
+        match &entry.event {
+            Event::Pose { x_m, y_m, .. } => path.push((*x_m, *y_m)),
+            Event::Touch { fields } => touches.push(serde_json::Value::Object(fields.clone()).to_string()),
+            Event::Contact { .. } => contacts += 1,
+            Event::ProgramEnded { .. } => time = entry.at,
+            _ => {}
+        }
+    }
+    let last = path.last().copied().context("no poses")?;
+    let left = DVec2::from(last).distance(GOAL * UNIT);
+    let length = path.windows(2).map(|pair| DVec2::from(pair[0]).distance(DVec2::from(pair[1]))).sum();
+    Ok(Walk { path, length, left, touches, contacts, time })
+}
+
+fn table(ways: &[Way], walks: &[Walk]) -> Table {
+    let caption = "Walks from (1, 5) to (9, 1): the robot's path and the shortest that A* finds with the clearance on the true terrain";
+    let head = ["terrain", "A*, m", "robot, m", "robot / A*", "time, s", "from the goal, m", "touches"];
+    let mut table = Table::new("walks", caption, &head);
+    for (way, walk) in ways.iter().zip(walks) {
+        table.row([
+            way.seed.to_string(),
+            format!("{:.1}", way.length),
+            format!("{:.1}", walk.length),
+            format!("{:.2}", walk.length / way.length),
+            format!("{:.0}", walk.time),
+            format!("{:.1}{}", walk.left, if walk.has_arrived() { "" } else { " not reached" }),
+            (walk.touches.len() + walk.contacts).to_string(),
+        ]);
+    }
+    table
+}
+
+/// Figure 4: the four walks with the longest paths.
+fn figure(ways: &[Way], walks: &[Walk]) -> anyhow::Result<Figure> {
+    let mut order: Vec<usize> = (0..ways.len()).collect();
+    order.sort_by(|a, b| walks[*b].length.total_cmp(&walks[*a].length));
+    let panel = |index: usize| {
+        let (way, walk) = (&ways[index], &walks[index]);
+        Panel {
+            title: format!("terrain {}: {:.1} m, A* {:.1} m", way.seed, walk.length, way.length),
+            height: Box::new(|x, y| Some(way.field.height(x, y))),
+            paths: vec![("#ffffff", way.path.clone()), ("#ff2a2a", walk.path.clone())],
+        }
+    };
+    let panels: Vec<Panel<'_>> = order.into_iter().take(4).map(panel).collect();
+    let arrived: Vec<&Walk> = walks.iter().filter(|walk| walk.has_arrived()).collect();
+    let ratios =
+        ways.iter().zip(walks).filter(|(_, walk)| walk.has_arrived()).map(|(way, walk)| walk.length / way.length);
+    let mean = ratios.sum::<f64>() / arrived.len().max(1) as f64;
+    Ok(Figure {
+        name: "figure-4".to_owned(),
+        label: "Figure 4".to_owned(),
+        caption: format!(
+            "Paths of the robot (red) and of A* (white) from (1, 5) to (9, 1) over the terrains on which the robot went farthest; axes in m, {UNIT} m a unit of the \
+             paper's map."
+        ),
+        claim: "The robot finds its way by its local map; mean length against A*, which knows the terrain".to_owned(),
+        number: format!("{mean:.2}"),
+        picture: maps(SIDE * UNIT, 330, (0.0, 1.8), &panels)?,
+    })
+}
