@@ -21,8 +21,6 @@ use crate::trace::{Event, Trace};
 
 /// Side of the terrain, m.
 const SIDE: f64 = 10.0;
-/// Random terrains.
-const TERRAINS: u64 = 20;
 /// Sonars on the beam across the terrain; the sensors of one bus.
 const SONARS: usize = 16;
 /// Height of the beam, m.
@@ -140,14 +138,14 @@ impl Surface {
 ///
 /// # Errors
 /// A scene that does not run to its end.
-pub fn add(job: &Job, page: &mut Page) -> anyhow::Result<()> {
-    let surveys = measure(job, TERRAINS)?;
+pub fn add(job: &Job, page: &mut Page, terrains: usize) -> anyhow::Result<()> {
+    let surveys = measure(job, terrains as u64)?;
     job.tell("fuses the readings");
     let scores = compare(&surveys);
     let readings = surveys.iter().map(|survey| survey.scans.iter().map(Vec::len).sum::<usize>()).sum::<usize>();
     page.heading("Maps from sonar: TSK and occupancy grid");
     page.text(format!(
-        "{TERRAINS} random terrains of {SIDE} m x {SIDE} m, relief of 0.3 m with 12 boulders up to 1 m high. A beam with {SONARS} sonars (SRF08) passes over \
+        "{terrains} random terrains of {SIDE} m x {SIDE} m, relief of 0.3 m with 12 boulders up to 1 m high. A beam with {SONARS} sonars (SRF08) passes over \
          each, {HEIGHT} m high; every second one looks straight down, the others {TILT_DEG} degrees ahead. {readings} echoes in all, with the noise \
          that `real` has for sonars, and true poses. Every method gets the same readings in the same order; heights are compared at \
          {PLACES} x {PLACES} places. Eq. 3 lacks the division by the sum of w, without which it is no weighted average, and Eq. 1 has the domains of beta \
