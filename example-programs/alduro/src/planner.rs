@@ -21,10 +21,10 @@ const HEIGHTS: Heights = Heights { low: (0.08, 0.2), high: (0.4, 0.6) };
 /// A point whose membership in `high` is as much stops the operator.
 const BLOCKS: f64 = 0.5;
 /// To both sides of its line of sight a sonar surely hears what is high, rad: half of what lies between two of them, and a little.
-const CLEAR_ANGLE: f64 = 18.0 / 180.0 * PI;
+const CLEAR_ANGLE: f64 = 12.0 / 180.0 * PI;
 /// Up to so far it surely does, m; and so far if it hears nothing at all, which may be a mistake.
-const SURE: f64 = 4.5;
-const SILENT: f64 = 2.5;
+const SURE: f64 = 3.5;
+const SILENT: f64 = 2.0;
 /// What is lower than this the sonars that look around do not hear, m.
 const UNHEARD: f64 = 0.3;
 /// l_max of Eq. 4, m from a shank.
@@ -97,7 +97,7 @@ impl Planner {
     pub fn new(heading: f64) -> Self {
         let settings = Settings {
             order: Order::Zero,
-            fusion: Fusion::Cells { above: 0.1 },
+            fusion: Fusion::Cells { above: 0.3 },
             height_sigma: 2.0,
             reading_sigma: 0.3,
             floor: 0.0,
