@@ -203,9 +203,17 @@ impl Truth {
         })
     }
 
-    /// The sensor of this kind at this place: they stand in the robot's file place by place.
+    /// The sensor of this kind at this place.
     fn sensor(&self, place: Place, kind: Kind) -> &RangeSensor {
-        &self.sensors[place as usize * Kind::ALL.len() + kind as usize]
+        let on = match place {
+            Place::Tibia => "SHANK",
+            Place::Thigh => "THIGH",
+            Place::Body => "BODY",
+        };
+        let name = format!("{}_{on}", kind.name().to_uppercase());
+        let index = self.robi.ranges.iter().position(|range| range.name == name);
+        // PSDs come first.
+        &self.sensors[self.robi.psds.len() + index.unwrap_or_else(|| panic!("the robot has a sensor `{name}`"))]
     }
 
     /// Pose of the sensor in the world.
