@@ -28,15 +28,11 @@ pub fn draw_terrain(drawing: &mut Drawing, field: &HeightField) {
     let (low, high) = field.range();
     let step = contour_step(high - low);
     drawing.backdrop = image(field, step).map(|image| Backdrop { corners: [min, max], texture: Arc::new(image) });
-    let text = match step {
-        Some(step) => format!("ground {} m to {} m, a contour every {} m", written(low), written(high), written(step)),
-        None => format!("ground {} m", written(low)),
-    };
-    drawing.explain(Symbol::Line(Line::solid(SHADE, 1.0)), text);
-}
-
-fn written(length: f64) -> String {
-    metres(length, 0.001)
+    if let Some(step) = step {
+        let line = Symbol::Line(Line::solid(SHADE, 1.0));
+        drawing.explain(line, format!("ground {} m to {} m", metres(low, 0.01), metres(high, 0.01)));
+        drawing.explain(line, format!("contour each {} m", metres(step, step)));
+    }
 }
 
 /// From one contour to the next: 1, 2 or 5 times a power of ten, in metres; none on level ground.
