@@ -334,7 +334,9 @@ impl Sink for Mcap {
                 self.move_to(time, &scene::robot_frame(robot), &at);
             }
             // It comes before the pose of its slot.
-            Event::Posture { lift_m, .. } => drop(self.lifts.insert(robot, lift_m)),
+            Event::Posture { lift_m, .. } => {
+                self.lifts.insert(robot, lift_m);
+            }
             Event::Object { object, x_m, y_m, phi_rad, .. } | Event::ObjectPlaced { object, x_m, y_m, phi_rad, .. } => {
                 self.move_to(time, &scene::object_frame(ObjectId(object)), &scene::upright(x_m, y_m, phi_rad));
             }
