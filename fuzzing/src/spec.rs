@@ -5,6 +5,7 @@ use std::fmt::{self, Debug, Write};
 
 use glam::{DVec2, DVec3};
 use sim_core::RobotId;
+use sim_core::build;
 use sim_core::format::{
     Collider, CostTable, CostsRef, DriveKind, JointSpec, Layout, Lens, LightSpec, MAX_LENGTH, MAX_SAMPLES, ModelSpec,
     NoiseRef, NoiseSpec, ObjectLine, ObjectType, RobiSpec, SceneSpec, SimSpec, Span, StartRef, WorldSpec,
@@ -173,6 +174,19 @@ pub fn robi(robi: &RobiSpec) {
     assert!((MIN_SIZE / 2.0..=MAX_LENGTH).contains(&drive.wheelbase), "{drive:?}");
     assert!(drive.max_steer > 0.0 && drive.max_steer < TAU / 4.0, "{drive:?}");
     assert!((0.0..=3600.0).contains(&drive.wheel_lag), "{drive:?}");
+    assert!(robi.legs.is_none() || drive.kind == DriveKind::Legged, "{robi:?}");
+    for leg in robi.legs.iter().flat_map(|legs| &legs.legs) {
+        point(leg.hip, &leg);
+        size(leg.thigh, &leg);
+        size(leg.shank, &leg);
+        let (least, most) = build::leg(leg).standing_heights();
+        assert!((least..=most).contains(&leg.hip.z), "{leg:?}");
+    }
+    for gait in robi.legs.iter().flat_map(|legs| &legs.gaits) {
+        assert!(gait.period > 0.0 && gait.duty > 0.0 && gait.duty < 1.0, "{gait:?}");
+        let legs = robi.legs.as_ref().map_or(0, |legs| legs.legs.len());
+        assert!(gait.offsets.is_empty() || gait.offsets.len() == legs, "{gait:?}");
+    }
     for psd in &robi.psds {
         point(psd.position, &psd);
         angle(psd.angle, &psd);

@@ -6,14 +6,15 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use sim_core::{
-    RobotId,
+    RobotId, build,
     drive::{
         Command, DriveKind, Model, Motion,
         legged::{Foot, Gait, Leg, LegCommand, LegCommandError, Legs, Stance, natural_angles},
     },
+    format::{print, read_companion, read_robi, same},
     pose::{Pose, Pose3, Twist},
-    scene::{Ground, Walls},
-    sensor::{Link, link_pose},
+    scene::{Ground, HeightField, Walls},
+    sensor::{Link, Posture, link_pose},
     time::Time,
 };
 
@@ -87,9 +88,30 @@ fn four_legs() -> Legs {
 }
 
 fn walker(legs: &Arc<Legs>) -> Motion {
+    walker_on(legs, Ground::Flat)
+}
+
+fn walker_on(legs: &Arc<Legs>, ground: Ground) -> Motion {
     let walls = Arc::new(Walls::new(Vec::new()));
     let motion = Motion::new(ME, Arc::new(model(legs)), walls, Pose::new(1.0, -2.0, 0.7));
-    motion.with_legs(Arc::clone(legs), Arc::new(Ground::Flat))
+    motion.with_legs(Arc::clone(legs), Arc::new(ground))
+}
+
+/// Bumps of up to 0.1 m every 0.3 m, and a step of 0.15 m up across the way.
+fn rough() -> Ground {
+    let mut xs: Vec<f64> = (-40..=40).map(|index| f64::from(index) * 0.3).collect();
+    // The step: one coordinate twice.
+    let step = 46;
+    xs.insert(step, xs[step]);
+    let ys: Vec<f64> = (-40..=40).map(|index| f64::from(index) * 0.3).collect();
+    let mut heights = Vec::new();
+    for row in 0..ys.len() {
+        for column in 0..xs.len() {
+            let bump = ((row * 7919 + (column - usize::from(column > step)) * 104_729) % 101) as f64 / 1010.0;
+            heights.push(bump + if column > step { 0.15 } else { 0.0 });
+        }
+    }
+    Ground::Field(Arc::new(HeightField::new(xs, ys, heights).expect("a field")))
 }
 
 /// Where each foot touches the ground by its joints: the world's point of the sole that its state names.
@@ -111,6 +133,10 @@ fn touched(legs: &Legs, links: &[Link], stance: &Stance, pose: &Pose) -> Vec<DVe
 /// Walks for `seconds` and asks each 5 ms: feet on the ground stand on it and stay where they are, by their joints.
 /// Returns the number of steps and the greatest rate of a joint, rad/s.
 fn check(legs: &Arc<Legs>, motion: &mut Motion, from: Time, seconds: f64) -> (usize, f64) {
+    check_on(legs, &Ground::Flat, motion, from, seconds)
+}
+
+fn check_on(legs: &Arc<Legs>, ground: &Ground, motion: &mut Motion, from: Time, seconds: f64) -> (usize, f64) {
     let links = legs.links(0, 0);
     let mut before: Option<(Stance, Vec<DVec3>)> = None;
     let (mut steps, mut rate) = (0, 0.0f64);
@@ -127,7 +153,11 @@ fn check(legs: &Arc<Legs>, motion: &mut Motion, from: Time, seconds: f64) -> (us
             if foot.is_down {
                 let off = (*point - foot.point).length();
                 assert!(off < 1e-3, "{at}: foot {index} is {off} m from where it stands, lift {}", stance.lift);
-                assert!(point.z.abs() < 1e-3, "{at}: foot {index} at {point}");
+                // The whole sole is as high as the ground under the ankle.
+                let (sin, cos) = foot.heading.sin_cos();
+                let ankle = foot.point.truncate() - DVec2::new(cos, sin) * foot.sole.ahead;
+                let above = point.z - ground.height(ankle);
+                assert!(above.abs() < 1e-3, "{at}: foot {index} at {point}, {above} m above the ground");
                 if let Some((earlier, point_before)) = foot_before.filter(|(earlier, _)| earlier.is_down)
                     && earlier.sole.ahead == foot.sole.ahead
                 {
@@ -136,7 +166,8 @@ fn check(legs: &Arc<Legs>, motion: &mut Motion, from: Time, seconds: f64) -> (us
                 }
             } else {
                 steps += usize::from(foot_before.is_none_or(|(earlier, _)| earlier.is_down));
-                assert!(point.z > -1e-3, "{at}: foot {index} in the ground, {point}");
+                let is_flat = matches!(ground, Ground::Flat);
+                assert!(!is_flat || point.z > -1e-3, "{at}: foot {index} in the ground, {point}");
             }
         }
         if let Some((earlier, _)) = &before {
@@ -428,4 +459,101 @@ fn a_sensor_on_the_shank_meets_the_floor_as_in_the_paper() {
     }
     println!("incidence {least} to {most} degrees at {speed} m/s, sensor {heights:?} m high");
     assert!((least - 33.0).abs() < 5.0 && (most - 78.0).abs() < 5.0, "{least} to {most}");
+}
+
+#[test]
+fn feet_rest_on_rough_ground_and_steps() {
+    for legs in [Arc::new(biped()), Arc::new(four_legs())] {
+        let (speed, turn) = (model(&legs).max_speed, model(&legs).max_turn);
+        for twist in [Twist::new(0.6 * speed, 0.0), Twist::new(-0.4 * speed, 0.2 * turn), Twist::new(0.0, 0.5 * turn)] {
+            let ground = rough();
+            let mut motion = walker_on(&legs, ground.clone());
+            motion.command(Time(0), Command::Twist(twist), &[]).expect("can be driven");
+            let (steps, _) = check_on(&legs, &ground, &mut motion, Time::ZERO, 8.0);
+            assert!(steps >= 8, "{steps} steps with {twist:?}");
+            motion.command(Time(8_000_000), Command::Halt, &[]).expect("stops");
+            check_on(&legs, &ground, &mut motion, Time(8_000_000), 4.0);
+        }
+    }
+}
+
+#[test]
+fn wheels_in_the_place_of_feet_roll_along() {
+    let mut legs = four_legs();
+    for leg in &mut legs.legs[2..] {
+        leg.wheel = Some(0.1);
+    }
+    let legs = Arc::new(legs);
+    let mut motion = walker(&legs);
+    motion.command(Time(0), Command::Twist(Twist::new(0.2, 0.1)), &[]).expect("can be driven");
+    for index in 0..200 {
+        let at = Time(index * 20_000);
+        let (pose, stance) = (motion.pose(at), motion.stance(at));
+        for (leg, foot) in legs.legs.iter().zip(&stance.feet).skip(2) {
+            let place = pose.transform_point(leg.hip.truncate());
+            assert!(foot.is_down && (foot.point - place.extend(0.0)).length() < 1e-12);
+        }
+    }
+    assert!(motion.take_footfalls(Time(4_000_000)).iter().all(|fall| fall.leg < 2));
+}
+
+/// The robi types with legs.
+const TYPES: [(&str, &str, &str); 3] = [
+    ("biped.robi", include_str!("../../robis/biped.robi"), include_str!("../../robis/biped.toml")),
+    ("alduro.robi", include_str!("../../robis/alduro.robi"), include_str!("../../robis/alduro.toml")),
+    (
+        "alduro-wheels.robi",
+        include_str!("../../robis/alduro-wheels.robi"),
+        include_str!("../../robis/alduro-wheels.toml"),
+    ),
+];
+
+#[test]
+fn types_with_legs_are_read_printed_and_read_again() {
+    for (file, text, companion) in TYPES {
+        let read = |text: &str, companion: &str| {
+            let (mut robi, mut said) = read_robi(file, text);
+            said.extend(read_companion(file, companion, &mut robi));
+            assert_eq!(said, [], "{file}");
+            robi
+        };
+        let robi = read(text, companion);
+        assert_eq!(robi.drive.kind, DriveKind::Legged);
+        let printed = print::print_robi(&robi);
+        assert_eq!(printed.lost, Vec::<String>::new(), "{file}");
+        assert_eq!(same::robi(&read(&printed.text, &print::print_companion(&robi))), same::robi(&robi), "{file}");
+        let legs = build::legs(&robi).expect("it has legs");
+        assert_eq!(build::model(&robi).check(), Ok(()));
+        let motors = robi.all_servos().len();
+        let links = build::links(&robi);
+        let joints = links.iter().filter_map(|link| link.joint).collect::<Vec<_>>();
+        assert_eq!(joints, (motors..motors + legs.joint_count()).collect::<Vec<_>>(), "{file}");
+        // It walks.
+        let walls = Arc::new(Walls::new(Vec::new()));
+        let model = Arc::new(build::model(&robi));
+        let speed = model.max_speed.min(robi.max_speed);
+        let mut motion =
+            Motion::new(ME, model, walls, Pose::default()).with_legs(Arc::clone(&legs), Arc::new(Ground::Flat));
+        motion.command(Time(0), Command::Twist(Twist::new(speed, 0.0)), &[]).expect("can be driven");
+        let seconds = 4.0 * legs.gaits[0].period.seconds();
+        if legs.legs.iter().all(|leg| leg.wheel.is_none()) {
+            check(&legs, &mut motion, Time::ZERO, seconds);
+        }
+        println!("{file}: {speed} m/s, {} rad/s", motion.model().max_turn);
+    }
+}
+
+#[test]
+fn sensors_sit_on_the_links_of_legs() {
+    let (file, text, companion) = TYPES[0];
+    let (mut robi, _) = read_robi(file, text);
+    read_companion(file, companion, &mut robi);
+    let sensors = build::range_sensors(&robi);
+    // Yaw, roll, thigh, shank and foot of the left leg stand before.
+    assert_eq!(sensors[0].link, Some(5 + 3));
+    let (links, legs) = (build::links(&robi), build::legs(&robi).expect("it has legs"));
+    let posture = Posture { links: &links, angles: &legs.standing_joints(), lift: 0.25, ..Posture::default() };
+    let pose = sensors[0].world_from_sensor(&posture);
+    assert!((pose.position.z - 0.25 - 0.4).abs() < 0.05, "{pose:?}");
+    assert!((pose.position.y + 0.09).abs() < 1e-12);
 }

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::Span;
 use super::code::Code;
 use super::line::Quantity;
 use super::spec::{DEFAULT_DUTY, DEFAULT_PERIOD, GaitSpec, LegSpec, LegsSpec, RobiSpec};
@@ -44,7 +45,7 @@ impl Reader<'_> {
             return;
         }
         if is_legged {
-            self.settle_legs(&mut legs);
+            self.settle_legs(&mut legs, span);
             robi.legs = Some(legs);
         }
     }
@@ -103,7 +104,7 @@ impl Reader<'_> {
     }
 
     /// Reports legs that a robot cannot stand or walk on.
-    fn settle_legs(&mut self, legs: &mut LegsSpec) {
+    fn settle_legs(&mut self, legs: &mut LegsSpec, span: Span) {
         let count = legs.legs.len();
         for gait in &mut legs.gaits {
             if !gait.offsets.is_empty() && gait.offsets.len() != count {
@@ -129,7 +130,7 @@ impl Reader<'_> {
         }
         if legs.legs.is_empty() {
             let message = "the robot is to walk and has no legs: it glides";
-            self.sink.error(Code::LegDrive, Default::default(), message, "a table `[[leg]]` for each leg");
+            self.sink.error(Code::LegDrive, span, message, "a table `[[leg]]` for each leg");
         }
     }
 }

@@ -263,7 +263,7 @@ pub fn view(robot: &mut Robot, at: Time, size: Option<[u32; 2]>) -> Result<View,
     let camera = spec.camera.as_ref().ok_or_else(|| NoImage::NoCamera(spec.file.clone()))?;
     let setting = devices.camera.setting.unwrap_or_default();
     let robot_from_camera = mount(spec, camera, &devices.servos, at);
-    let world_from_camera = Pose3::from_planar(&motion.pose(at), 0.0).then(&robot_from_camera);
+    let world_from_camera = Pose3::from_planar(&motion.pose(at), motion.lift(at)).then(&robot_from_camera);
     Ok(View::new(world_from_camera, zoomed(camera.lens, setting.zoom), size.unwrap_or(setting.size))?)
 }
 

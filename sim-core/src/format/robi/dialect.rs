@@ -32,7 +32,8 @@ impl Dialect {
             "fisheye" => Dialect::Newest,
             "collider" | "mass" | "axel" | "lidar" => Dialect::Vr,
             "axis" if rest.len() == 2 && is_number(1) => Dialect::Vr,
-            "drive" if rest.len() == 1 => Dialect::Vr,
+            // Legs have no names here in any dialect.
+            "drive" if rest.len() == 1 && rest[0].text != "LEGGED_DRIVE" => Dialect::Vr,
             "wheel" if matches!(rest.first().map(|word| word.text), Some("drive" | "turn")) => Dialect::Vr,
             "model" if rest.len() == 7 && (1..7).all(is_number) => Dialect::Vr,
             _ => Dialect::Classic,
