@@ -1,15 +1,343 @@
 //! Wu et al. 2013: grid maps from seven ultrasonic sectors.
+//!
+//! The robot of `sims/sonar-map*.scene.toml` prints all that it hears, and where it believes to be. From the very same readings every
+//! map is built here again: that of the paper, a plain sonar grid, a grid of log-odds; and each is compared with the walls of the
+//! scene.
 
-use crate::page::Page;
-use crate::run::Job;
+mod case;
+mod maps;
+
+use accuracy::study::{Figure as Chart, Mark, Scale, Series};
+use anyhow::Context as _;
+use mapping::grid::{Cell, Frame, Grid, png};
+use mapping::log_odds::{LogOddsGrid, log_odds};
+use mapping::pose::Point;
+use mapping::score::{Occupancy, Score, Truth};
+use mapping::sector::{UNKNOWN, updated};
+
+use crate::page::{Claim, Figure, Page, Picture, Table, Weight};
+use crate::run::{Job, Run, Scene};
+use maps::{Kind, Mapped};
+
+/// What is run: a name, the scene's file, and its noise.
+const RUNS: [(&str, &str, &str); 6] = [
+    ("room", "sims/sonar-map.scene.toml", "none"),
+    ("room-noise", "sims/sonar-map.scene.toml", "real"),
+    ("mirrors", "sims/sonar-map-mirrors.scene.toml", "none"),
+    ("mirrors-noise", "sims/sonar-map-mirrors.scene.toml", "real"),
+    ("corridor", "sims/sonar-map-corridor.scene.toml", "none"),
+    ("corridor-noise", "sims/sonar-map-corridor.scene.toml", "real"),
+];
 
 /// Makes the page.
 ///
 /// # Errors
-/// A scene that does not run to its end.
-pub fn run(_job: &Job) -> anyhow::Result<Page> {
-    let source = "J. Wu et al.: Environmental Modeling Based on Ultrasonic Ranging, 2013";
+/// A scene that does not run to its end, or whose robot prints no map.
+pub fn run(job: &Job) -> anyhow::Result<Page> {
+    let source =
+        "J. Wu, T. Qin, H. Si, J. Chen, K. Lin, C. Zhang: Environmental Modeling Based on Ultrasonic Ranging, 2013";
     let mut page = Page::new("Grid maps from seven ultrasonic sectors", source);
-    page.text("Nothing of this paper is reproduced here yet.");
+    let runs = RUNS.map(|(name, file, noise)| Run {
+        name: name.to_owned(),
+        scene: Scene::File(file.into()),
+        seed: job.seed(),
+        words: vec![format!("--noise={noise}")],
+    });
+    let mapped = job.run(&runs, |run, trace| {
+        let Scene::File(file) = &run.scene else { anyhow::bail!("a scene without a file") };
+        Mapped::new(&run.name, file, &trace)
+    })?;
+    let find = |name: &str| mapped.iter().find(|run| run.name == name).with_context(|| format!("no run `{name}`"));
+    let (room, mirrors, corridor) = (find("room")?, find("mirrors")?, find("corridor")?);
+
+    page.claims =
+        vec![room_accuracy(room), room_precision(room), room_recall(room), against_plain(mirrors), replayed(&mapped)];
+    page.claims.extend([told_accuracy(room), told_accuracy(corridor), printed_limit(room), never_corrected(room)]);
+    page.claims.extend([rasters(room), told_noise(find("room-noise")?)]);
+
+    page.heading("The modelling cases");
+    case::figures(&mut page)?;
+    page.heading("Maps");
+    page.text(
+        "White: free, black: occupied, grey: not known. Where a map is wrong: red is said to be occupied and is free, orange is said \
+         to be free and is not. The first picture is the truth: walls as cells that a wall passes, dots where the robot stopped.",
+    );
+    for run in &mapped {
+        page.figure(map_figure(run)?);
+    }
+    page.table(scores(&mapped));
+    page.table(drives(&mapped));
+    page.heading("The global update, Eq. 4");
+    page.figure(equation_4()?);
     Ok(page)
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+fn claim(place: &str, paper: &str, ours: &str, number: String, holds: bool, weight: Weight) -> Claim {
+    let [place, paper, ours] = [place, paper, ours].map(str::to_owned);
+    Claim { place, paper, ours, number, holds, weight }
+}
+
+/// Least share of observed cells that are right, and least precision and recall of occupied cells, in the room without noise.
+pub const LEAST: (f64, f64, f64) = (0.95, 0.8, 0.7);
+
+fn room_accuracy(room: &Mapped) -> Claim {
+    let score = room.score(Kind::Wu);
+    let ours = "of the observed cells of the room, without noise, so many are right";
+    claim(
+        "Features (1)",
+        "the accuracy of the model is improved",
+        ours,
+        percent(score.accuracy()),
+        score.accuracy() >= LEAST.0,
+        Weight::Must,
+    )
+}
+
+fn room_precision(room: &Mapped) -> Claim {
+    let precision = room.score(Kind::Wu).precision;
+    let ours = "so many cells that are said to be occupied have a wall in them or beside them";
+    claim(
+        "Features (1)",
+        "the accuracy of the model is improved",
+        ours,
+        percent(precision),
+        precision >= LEAST.1,
+        Weight::Must,
+    )
+}
+
+fn room_recall(room: &Mapped) -> Claim {
+    let recall = room.score(Kind::Wu).recall;
+    let ours = "so many cells of walls have an occupied one in them or beside them";
+    claim("Summary", "the completeness of the map", ours, percent(recall), recall >= LEAST.2, Weight::Must)
+}
+
+fn against_plain(mirrors: &Mapped) -> Claim {
+    let score = mirrors.score(Kind::Wu);
+    let plain = [mirrors.score(Kind::Plain), mirrors.score(Kind::PlainFree)];
+    let holds = plain.iter().all(|plain| score.accuracy() > plain.accuracy() && score.recall > plain.recall);
+    let number = format!(
+        "right {} against {} and {}, recall {} against {} and {}",
+        percent(score.accuracy()),
+        percent(plain[0].accuracy()),
+        percent(plain[1].accuracy()),
+        percent(score.recall),
+        percent(plain[0].recall),
+        percent(plain[1].recall)
+    );
+    let ours = "among mirrors, more observed cells are right and more walls are found than with the plain grid, whether silence is \
+                nothing or free there";
+    claim(
+        "Features (1)",
+        "specular reflection is considered, thus the accuracy is improved",
+        ours,
+        number,
+        holds,
+        Weight::Must,
+    )
+}
+
+fn replayed(mapped: &[Mapped]) -> Claim {
+    let different: usize = mapped.iter().map(Mapped::differing_cells).sum();
+    let cells: usize = mapped.iter().map(|run| run.truth.values().len()).sum();
+    let ours = "the map that the robot made is the one that is built again from what it printed";
+    let number = format!("{different} of {cells} cells differ");
+    claim("Global Model", "steps 2 to 4, on the robot", ours, number, different == 0, Weight::Must)
+}
+
+fn told_accuracy(run: &Mapped) -> Claim {
+    let (score, plain) = (run.score(Kind::Wu), run.score(Kind::Plain));
+    let ours = format!("{}: more observed cells are right, and fewer unknown, than in the plain grid", run.name);
+    let number = format!(
+        "{} and {} unknown, plain {} and {}",
+        percent(score.accuracy()),
+        score.unknown,
+        percent(plain.accuracy()),
+        plain.unknown
+    );
+    let holds = score.accuracy() > plain.accuracy() && score.unknown < plain.unknown;
+    claim(
+        "Features (1)",
+        "overcomes the low angular resolution of an ultrasonic sensor",
+        &ours,
+        number,
+        holds,
+        Weight::Told,
+    )
+}
+
+fn printed_limit(room: &Mapped) -> Claim {
+    let (derived, printed, pairs) = room.continuous_pairs();
+    let ours = "the limit must be d_A / cos a: d_A cos a is below d_A, so that as printed no pair is continuous";
+    let number = format!("of {pairs} pairs that both hear something {derived} with d_A / cos a, {printed} as printed");
+    claim("Sensor Number", "continuous: d_A <= d_B <= d_A cos a", ours, number, printed > 0, Weight::Told)
+}
+
+fn never_corrected(room: &Mapped) -> Claim {
+    let (stuck, by_equation_4, by_log_odds) = room.stuck();
+    let ours = "free cells that are said to be occupied though most stops that heard them said free; with the same local grids added as \
+                log-odds instead, so many are still wrong";
+    let number = format!("{stuck} of {by_equation_4} wrong obstacles stay; {by_log_odds} with log-odds");
+    claim("Eq. 4", "the map is updated by the more certain value", ours, number, stuck == 0, Weight::Told)
+}
+
+fn rasters(room: &Mapped) -> Claim {
+    let (by_points, by_dda) = (room.score(Kind::Wu), room.score(Kind::WuDda));
+    let different = room.differing(Kind::Wu, Kind::WuDda);
+    let ours = "point-by-point comparison makes lines thicker than DDA; what it adds lies before and behind the wall";
+    let number = format!(
+        "{different} cells differ; right {} by points, {} by DDA",
+        percent(by_points.accuracy()),
+        percent(by_dda.accuracy())
+    );
+    let holds = by_points.accuracy() >= by_dda.accuracy();
+    claim("Local Model (2)", "point-by-point comparison suits an 8-bit controller", ours, number, holds, Weight::Told)
+}
+
+fn told_noise(noisy: &Mapped) -> Claim {
+    let score = noisy.score(Kind::Wu);
+    let ours = "with `real` noise and odometry alone the map is bent: the method does not say where the robot is";
+    let (off, turned) = noisy.odometry_error;
+    let number = format!(
+        "{} right, precision {}, recall {}; odometry ends {:.2} m and {:.0} degrees off",
+        percent(score.accuracy()),
+        percent(score.precision),
+        percent(score.recall),
+        off,
+        turned.to_degrees().abs()
+    );
+    claim("Summary", "real-time and complete maps", ours, number, score.accuracy() >= LEAST.0, Weight::Told)
+}
+
+fn map_figure(run: &Mapped) -> anyhow::Result<Figure> {
+    const PIXELS: u32 = 3;
+    const GAP: u32 = 6;
+    let maps = [Kind::Wu, Kind::Plain, Kind::LogOdds].map(|kind| shown(run.said(kind), &run.truth));
+    let panels: Vec<_> = std::iter::once(truth_shown(run)).chain(maps).map(|map| map.picture(PIXELS, |c| *c)).collect();
+    let (width, height) = panels[0].dimensions();
+    let count = panels.len() as u32;
+    let mut picture = image::RgbImage::from_pixel(count * (width + GAP) - GAP, height, image::Rgb([90, 120, 200]));
+    for (place, panel) in (0_u32..).zip(&panels) {
+        image::imageops::replace(&mut picture, panel, i64::from(place * (width + GAP)), 0);
+    }
+    let score = run.score(Kind::Wu);
+    let plain = run.score(Kind::Plain);
+    Ok(Figure {
+        name: format!("map-{}", run.name),
+        label: format!("Map, {}", run.name),
+        caption: "From left to right: the truth, the map of Wu et al., the plain sonar grid, the grid of log-odds."
+            .to_owned(),
+        claim: "Observed cells that are right, Wu et al. and plain".to_owned(),
+        number: format!("{}, {}", percent(score.accuracy()), percent(plain.accuracy())),
+        picture: Picture::Png { bytes: png(&picture)?, scale: 1 },
+    })
+}
+
+const WHITE: [u8; 3] = [255; 3];
+const BLACK: [u8; 3] = [0; 3];
+const GREY: [u8; 3] = [185; 3];
+
+/// The colours of a map.
+fn shown(said: &Grid<Occupancy>, truth: &Grid<Truth>) -> Grid<[u8; 3]> {
+    Grid::from_fn(*said.frame(), |cell| match (said[cell], truth[cell]) {
+        (Occupancy::Free, Truth::Free) => WHITE,
+        (Occupancy::Free, _) => [255, 150, 0],
+        (Occupancy::Occupied, Truth::Free) => [225, 0, 0],
+        (Occupancy::Occupied, _) => BLACK,
+        (Occupancy::Unknown, _) => GREY,
+    })
+}
+
+fn truth_shown(run: &Mapped) -> Grid<[u8; 3]> {
+    let mut colours = run.truth.map(|truth| match truth {
+        Truth::Free => WHITE,
+        Truth::Surface => BLACK,
+        Truth::Hidden => GREY,
+    });
+    for stop in &run.stops {
+        if let Some(cell) = colours.frame().cell_at(*stop) {
+            colours[cell] = [0, 90, 220];
+        }
+    }
+    colours
+}
+
+fn scores(mapped: &[Mapped]) -> Table {
+    let head = ["run", "map", "right", "wrong", "unknown", "right of observed", "precision", "recall"];
+    let mut table = Table::new("maps", "Maps against the truth: cells of 50 mm; occupied cells within one cell", &head);
+    for run in mapped {
+        for kind in Kind::ALL {
+            let Score { right, wrong, unknown, precision, recall } = run.score(kind);
+            let accuracy = percent(run.score(kind).accuracy());
+            let counts = [right, wrong, unknown].map(|count| count.to_string());
+            let [right, wrong, unknown] = counts;
+            let kind = kind.name().to_owned();
+            table.row([run.name.clone(), kind, right, wrong, unknown, accuracy, percent(precision), percent(recall)]);
+        }
+    }
+    table
+}
+
+fn drives(mapped: &[Mapped]) -> Table {
+    let head = ["run", "stops", "looks", "time s", "path m", "contacts", "odometry off, m", "odometry off, degrees"];
+    let mut table = Table::new("drives", "What the robot did", &head);
+    for run in mapped {
+        let (off, turned) = run.odometry_error;
+        table.row([
+            run.name.clone(),
+            run.stops.len().to_string(),
+            run.looks.to_string(),
+            format!("{:.0}", run.time),
+            format!("{:.1}", run.path),
+            run.contacts.to_string(),
+            format!("{off:.3}"),
+            format!("{:.1}", turned.to_degrees()),
+        ]);
+    }
+    table
+}
+
+/// A cell that is free and was once said to be occupied from near by, then is said to be free from farther away, again and again.
+fn equation_4() -> anyhow::Result<Figure> {
+    const WRONG: f64 = 0.98;
+    const RIGHT: f64 = 0.06;
+    const TIMES: usize = 12;
+    let cell = Cell::new(0, 0);
+    let mut by_log_odds = LogOddsGrid::new(Frame::new(Point::origin(), 1.0, 1, 1));
+    let mut by_equation_4 = UNKNOWN;
+    let mut curves = [vec![(0.0, UNKNOWN)], vec![(0.0, UNKNOWN)]];
+    for time in 1..=TIMES {
+        let said = if time == 1 { WRONG } else { RIGHT };
+        by_equation_4 = updated(by_equation_4, said);
+        by_log_odds.add(cell, log_odds(said));
+        curves[0].push((time as f64, by_equation_4));
+        curves[1].push((time as f64, by_log_odds.probabilities()[cell]));
+    }
+    let (last, other) = (curves[0][TIMES].1, curves[1][TIMES].1);
+    let [equation_4, log_odds] = curves;
+    let series = [("Eq. 4", equation_4), ("log-odds", log_odds)];
+    let chart = Chart {
+        name: "equation-4".to_owned(),
+        title: "A free cell, once said to be occupied".to_owned(),
+        x_label: "observation".to_owned(),
+        y_label: "probability of being occupied".to_owned(),
+        x_scale: Scale::Linear,
+        y_scale: Scale::Linear,
+        series: series.map(|(name, points)| Series { name: name.to_owned(), mark: Mark::LineAndDots, points }).into(),
+    };
+    Ok(Figure {
+        name: "equation-4".to_owned(),
+        label: "Eq. 4".to_owned(),
+        caption: format!(
+            "The first observation says {WRONG}, all others {RIGHT}: less certain, as from a longer reading. Eq. 4 keeps the first \
+             for ever, the sum of log-odds follows."
+        ),
+        claim: format!("Probability after {TIMES} observations, by Eq. 4 and by log-odds"),
+        number: format!("{last:.2}, {other:.2}"),
+        picture: Picture::chart(&chart)?,
+    })
 }

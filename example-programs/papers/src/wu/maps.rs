@@ -1,0 +1,316 @@
+//! A run of the robot, and the maps that are made of what it heard.
+
+use std::f64::consts::FRAC_PI_6;
+use std::path::Path;
+
+use anyhow::{Context as _, bail, ensure};
+use mapping::astar;
+use mapping::grid::{Frame, Grid};
+use mapping::line::supercover;
+use mapping::log_odds::{LogOddsGrid, SonarModel, log_odds};
+use mapping::math;
+use mapping::pose::{Point, Pose, wrapped};
+use mapping::score::{Occupancy, Score, Truth};
+use mapping::sector::{Fan, Look, Raster, Reading, Relation, SectorMap, local_map};
+use mapping::sonar::{Beam, Echo};
+use mapping::sonar_grid::{Silence, SonarGrid};
+use sim_core::format::{SceneSpec, load_scene};
+use sim_host::files::DiskFiles;
+
+use crate::run::root;
+use crate::trace::{Event, Trace};
+
+/// The robot `sectors` and its sonars: `robis/sectors.toml`.
+pub const FAN: Fan = Fan { sector: FRAC_PI_6, radius: 0.12, nearest: 0.03, farthest: 4.0 };
+const BEAM: Beam = Beam { half_angle: 0.5 * FAN.sector, nearest: FAN.nearest, farthest: FAN.farthest };
+
+/// Which map.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Kind {
+    /// That of the paper, lines put in by point-by-point comparison.
+    Wu,
+    /// The same by DDA.
+    WuDda,
+    /// The paper's local grids, added as log-odds instead of by Eq. 4.
+    WuLogOdds,
+    /// The plain sonar grid, to which silence says nothing.
+    Plain,
+    /// The plain sonar grid, to which silence is free.
+    PlainFree,
+    /// Log-odds of cones and arcs.
+    LogOdds,
+}
+
+impl Kind {
+    /// All of them, in the order of the tables.
+    pub const ALL: [Self; 6] = [Self::Wu, Self::WuDda, Self::WuLogOdds, Self::Plain, Self::PlainFree, Self::LogOdds];
+
+    /// Its name for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Wu => "Wu et al.",
+            Self::WuDda => "Wu et al., DDA",
+            Self::WuLogOdds => "Wu et al., log-odds for Eq. 4",
+            Self::Plain => "plain",
+            Self::PlainFree => "plain, silence is free",
+            Self::LogOdds => "log-odds",
+        }
+    }
+}
+
+/// A run with its maps, all in the frame of the robot's start.
+pub struct Mapped {
+    /// Of the run.
+    pub name: String,
+    /// What is true.
+    pub truth: Grid<Truth>,
+    /// Where the robot believed to be when it observed.
+    pub stops: Vec<Point>,
+    /// How often it looked.
+    pub looks: usize,
+    /// When its program ended, s.
+    pub time: f64,
+    /// How far it drove, m.
+    pub path: f64,
+    /// How often it began to touch something.
+    pub contacts: usize,
+    /// By how much its odometry was off at the end: m, rad.
+    pub odometry_error: (f64, f64),
+    printed: Vec<String>,
+    readings: Vec<Vec<Reading>>,
+    neighbours: Vec<(f64, f64)>,
+    said: [Grid<Occupancy>; 6],
+}
+
+impl Mapped {
+    /// Reads what a run of the scene `file` has printed, and makes all maps of it.
+    ///
+    /// # Errors
+    /// A scene that cannot be read; a robot that has printed no looks, or no map of the frame that the scene tells it.
+    pub fn new(name: &str, file: &Path, trace: &Trace) -> anyhow::Result<Self> {
+        let mut files = DiskFiles::with_home(root());
+        let path = files.name(&root().join(file));
+        let loaded = load_scene(&path, &files);
+        ensure!(!loaded.has_errors(), "`{path}` has mistakes");
+        let (frame, start) = frame(&loaded.scene)?;
+        let mut run = Self {
+            name: name.to_owned(),
+            truth: truth(&loaded.scene, &frame, &start),
+            stops: Vec::new(),
+            looks: 0,
+            time: 0.0,
+            path: 0.0,
+            contacts: 0,
+            odometry_error: (0.0, 0.0),
+            printed: Vec::new(),
+            readings: Vec::new(),
+            neighbours: Vec::new(),
+            said: std::array::from_fn(|_| Grid::new(frame, Occupancy::Unknown)),
+        };
+        run.hear(trace)?;
+        run.watch(trace, &start);
+        run.said = Kind::ALL.map(|kind| run.map(kind, &frame));
+        Ok(run)
+    }
+
+    /// What a map says.
+    pub fn said(&self, kind: Kind) -> &Grid<Occupancy> {
+        &self.said[kind as usize]
+    }
+
+    /// How well it says it.
+    pub fn score(&self, kind: Kind) -> Score {
+        Score::of(self.said(kind), &self.truth)
+    }
+
+    /// How many cells two maps tell differently.
+    pub fn differing(&self, a: Kind, b: Kind) -> usize {
+        self.said(a).values().iter().zip(self.said(b).values()).filter(|(a, b)| a != b).count()
+    }
+
+    /// How many cells the robot's own map tells differently.
+    pub fn differing_cells(&self) -> usize {
+        let frame = self.truth.frame();
+        let own = |cell: mapping::grid::Cell| {
+            let row = self.printed.get(frame.rows() - 1 - cell.row)?;
+            row.chars().nth(cell.column)
+        };
+        let is_other = |(cell, said): &(mapping::grid::Cell, &Occupancy)| {
+            own(*cell)
+                != Some(match said {
+                    Occupancy::Free => '.',
+                    Occupancy::Occupied => '#',
+                    Occupancy::Unknown => '?',
+                })
+        };
+        self.said(Kind::Wu).iter().filter(is_other).count()
+    }
+
+    /// Of the pairs of neighbours that both hear something: how many are continuous, how many were so as printed, how many there are.
+    pub fn continuous_pairs(&self) -> (usize, usize, usize) {
+        let is_continuous = |&&(a, b): &&(f64, f64)| FAN.relation(Some(a), Some(b)) == Relation::Continuous;
+        let as_printed = |&&(a, b): &&(f64, f64)| {
+            let (near, far) = (a.min(b) + FAN.radius, a.max(b) + FAN.radius);
+            far <= near * math::cos(FAN.sector)
+        };
+        let pairs = &self.neighbours;
+        (pairs.iter().filter(is_continuous).count(), pairs.iter().filter(as_printed).count(), pairs.len())
+    }
+
+    /// Of the free cells that the map tells occupied: how many most stops that said anything told free; how many there are; and how
+    /// many there are where the same local grids are added as log-odds.
+    pub fn stuck(&self) -> (usize, usize, usize) {
+        let frame = *self.truth.frame();
+        let mut votes = Grid::new(frame, (0_u32, 0_u32));
+        for readings in &self.readings {
+            let local = local_map(&frame, &FAN, Raster::PointByPoint, readings);
+            for ((occupied, free), probability) in votes.values_mut().iter_mut().zip(local.values()) {
+                match Occupancy::of(*probability) {
+                    Occupancy::Occupied => *occupied += 1,
+                    Occupancy::Free => *free += 1,
+                    Occupancy::Unknown => {}
+                }
+            }
+        }
+        let wrong = |kind| {
+            let said = self.said(kind);
+            frame.cells().filter(move |cell| said[*cell] == Occupancy::Occupied && self.truth[*cell] == Truth::Free)
+        };
+        let stuck = wrong(Kind::Wu).filter(|cell| votes[*cell].1 > votes[*cell].0).count();
+        (stuck, wrong(Kind::Wu).count(), wrong(Kind::WuLogOdds).count())
+    }
+
+    /// Takes what the robot has printed.
+    fn hear(&mut self, trace: &Trace) -> anyhow::Result<()> {
+        let mut readings = Vec::new();
+        for (_, line) in trace.printed(1) {
+            for line in line.lines() {
+                match line.split_once(' ') {
+                    Some(("look", look)) => {
+                        let look: Look = look.parse()?;
+                        self.looks += 1;
+                        let pairs = look.distances.windows(2).filter_map(|pair| Some((pair[0]?, pair[1]?)));
+                        self.neighbours.extend(pairs);
+                        readings.extend(look.readings(FAN.sector));
+                    }
+                    Some(("stop", stop)) => {
+                        let numbers: Vec<f64> = stop.split(' ').filter_map(|word| word.parse().ok()).collect();
+                        let [_, x, y] = numbers[..] else { bail!("`{line}`: expected a number, x and y") };
+                        self.stops.push(Point::new(x, y));
+                        self.readings.push(std::mem::take(&mut readings));
+                    }
+                    Some(("row", row)) => self.printed.push(row.to_owned()),
+                    _ => bail!("`{line}`: expected `look`, `stop` or `row`"),
+                }
+            }
+        }
+        ensure!(self.printed.len() == self.truth.frame().rows(), "the robot printed {} rows", self.printed.len());
+        Ok(())
+    }
+
+    /// Takes where the robot truly was.
+    fn watch(&mut self, trace: &Trace, start: &Pose) {
+        let mut at = *start;
+        let mut believed = None;
+        for entry in trace.of_robot(1) {
+            match &entry.event {
+                Event::Pose { x_m, y_m, phi_rad, .. } => {
+                    let next = Pose::new(*x_m, *y_m, *phi_rad);
+                    self.path += (next.position - at.position).norm();
+                    at = next;
+                }
+                Event::Odometry { x_m, y_m, phi_rad } => believed = Some((Pose::new(*x_m, *y_m, *phi_rad), at)),
+                Event::Contact { .. } => self.contacts += 1,
+                Event::ProgramEnded { .. } => self.time = entry.at,
+                _ => {}
+            }
+        }
+        if let Some((believed, _)) = believed {
+            let believed = start.then(&believed);
+            self.odometry_error = ((believed.position - at.position).norm(), wrapped(believed.heading - at.heading));
+        }
+    }
+
+    /// Makes a map of the readings.
+    fn map(&self, kind: Kind, frame: &Frame) -> Grid<Occupancy> {
+        let probabilities = match kind {
+            Kind::Wu => self.wu(frame, Raster::PointByPoint),
+            Kind::WuDda => self.wu(frame, Raster::Dda),
+            Kind::WuLogOdds => self.wu_log_odds(frame),
+            Kind::Plain => self.plain(frame, Silence::Nothing),
+            Kind::PlainFree => self.plain(frame, Silence::Free),
+            Kind::LogOdds => {
+                let mut map = LogOddsGrid::new(*frame);
+                self.echoes().for_each(|echo| map.add_echo(echo, &SonarModel::new(BEAM)));
+                map.probabilities()
+            }
+        };
+        probabilities.map(|probability| Occupancy::of(*probability))
+    }
+
+    fn wu(&self, frame: &Frame, raster: Raster) -> Grid<f64> {
+        let mut map = SectorMap::new(*frame, FAN, raster);
+        self.readings.iter().for_each(|readings| map.add(readings));
+        map.probabilities().clone()
+    }
+
+    fn wu_log_odds(&self, frame: &Frame) -> Grid<f64> {
+        // What is certain weighs as much as the most certain echo that is not the body itself.
+        const SUREST: f64 = 0.99;
+        let mut map = LogOddsGrid::new(*frame);
+        for readings in &self.readings {
+            let local = local_map(frame, &FAN, Raster::PointByPoint, readings);
+            for (cell, probability) in local.iter() {
+                map.add(cell, log_odds(probability.clamp(1.0 - SUREST, SUREST)));
+            }
+        }
+        map.probabilities()
+    }
+
+    fn plain(&self, frame: &Frame, silence: Silence) -> Grid<f64> {
+        let mut map = SonarGrid::new(*frame, BEAM, silence);
+        self.echoes().for_each(|echo| map.add(echo));
+        map.probabilities()
+    }
+
+    /// The readings as the sonars on the rim hear them.
+    fn echoes(&self) -> impl Iterator<Item = Echo> {
+        self.readings.iter().flatten().map(|reading| {
+            let position = reading.axis.outward(Point::new(FAN.radius, 0.0));
+            Echo { sonar: Pose { position, ..reading.axis }, distance: reading.distance }
+        })
+    }
+}
+
+/// The frame of the map, and the robot's start, in the world.
+fn frame(scene: &SceneSpec) -> anyhow::Result<(Frame, Pose)> {
+    let robot = scene.robots.first().context("a scene without a robot")?;
+    let numbers: Vec<f64> = robot.arguments.iter().filter_map(|argument| argument.parse().ok()).collect();
+    let [x0, y0, x1, y1, cell] = numbers[..] else { bail!("`{}`: expected five numbers", robot.arguments.join(" ")) };
+    let frame = Frame::covering(Point::new(x0 / 1e3, y0 / 1e3), Point::new(x1 / 1e3, y1 / 1e3), cell / 1e3);
+    let start = &robot.start;
+    Ok((frame, Pose::new(start.position.x, start.position.y, start.heading.radians())))
+}
+
+/// What the walls make true: surfaces are cells that a wall passes and that have a neighbour which can be reached from the start
+/// without crossing one; those are free, and all else is hidden.
+fn truth(scene: &SceneSpec, frame: &Frame, start: &Pose) -> Grid<Truth> {
+    let mut is_wall = Grid::new(*frame, false);
+    for wall in &scene.world.walls {
+        let [from, to] = [wall.from, wall.to].map(|end| start.inward(Point::new(end.x, end.y)));
+        for cell in supercover(frame, from, to) {
+            is_wall[cell] = true;
+        }
+    }
+    let Some(begin) = frame.cell_at(Point::origin()) else { return Grid::new(*frame, Truth::Hidden) };
+    let free = astar::costs(frame, |cell| (!is_wall[cell]).then_some(1.0), begin);
+    Grid::from_fn(*frame, |cell| {
+        if free[cell].is_finite() {
+            Truth::Free
+        } else if is_wall[cell] && frame.neighbours(cell).any(|next| free[next].is_finite()) {
+            Truth::Surface
+        } else {
+            Truth::Hidden
+        }
+    })
+}
