@@ -178,10 +178,10 @@ fn printed_limit(room: &Mapped) -> Claim {
 }
 
 fn never_corrected(room: &Mapped) -> Claim {
-    let (stuck, by_equation_4, by_log_odds) = room.stuck();
-    let ours = "free cells that are said to be occupied though most stops that heard them said free; with the same local grids added as \
-                log-odds instead, so many are still wrong";
-    let number = format!("{stuck} of {by_equation_4} wrong obstacles stay; {by_log_odds} with log-odds");
+    let (stuck, wrong, corrected) = room.stuck();
+    let ours = "free cells stay occupied though most stops that heard them said free: Eq. 4 never corrects what was said with confidence; \
+                the same local grids, added as log-odds, correct most of them";
+    let number = format!("{stuck} of {wrong} false obstacles; {corrected} of the {stuck} corrected by log-odds");
     claim("Eq. 4", "the map is updated by the more certain value", ours, number, stuck == 0, Weight::Told)
 }
 

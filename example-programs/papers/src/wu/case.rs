@@ -21,10 +21,10 @@ struct Example {
 }
 
 /// Pixels of a metre.
-const METRE: f64 = 190.0;
+const METRE: f64 = 180.0;
 /// Size of a panel, in pixels, and the robot's place in it.
-const PANEL: (f64, f64) = (300.0, 330.0);
-const ROBOT: (f64, f64) = (150.0, 300.0);
+const PANEL: (f64, f64) = (440.0, 320.0);
+const ROBOT: (f64, f64) = (220.0, 290.0);
 
 /// Adds Figures 2 to 5.
 ///
@@ -179,7 +179,7 @@ fn panel(example: &Example, model: &Model) -> String {
     }
     for (sector, (reading, letter)) in (-1..=1).zip(example.readings.iter().zip(["C", "D", "E"])) {
         let middle = f64::from(sector) * FAN.sector;
-        let at = reading.unwrap_or(1.45);
+        let at = reading.unwrap_or(1.2);
         if reading.is_some() {
             let arc = (-8..=8).map(|step| Point::from(at * direction(middle + f64::from(step) / 8.0 * half)));
             body += &polyline(arc, "stroke=\"#06c\" stroke-width=\"2.5\"");

@@ -158,7 +158,7 @@ impl Mapped {
     }
 
     /// Of the free cells that the map tells occupied: how many most stops that said anything told free; how many there are; and how
-    /// many there are where the same local grids are added as log-odds.
+    /// many of the former are corrected where the same local grids are added as log-odds.
     pub fn stuck(&self) -> (usize, usize, usize) {
         let frame = *self.truth.frame();
         let mut votes = Grid::new(frame, (0_u32, 0_u32));
@@ -176,8 +176,11 @@ impl Mapped {
             let said = self.said(kind);
             frame.cells().filter(move |cell| said[*cell] == Occupancy::Occupied && self.truth[*cell] == Truth::Free)
         };
-        let stuck = wrong(Kind::Wu).filter(|cell| votes[*cell].1 > votes[*cell].0).count();
-        (stuck, wrong(Kind::Wu).count(), wrong(Kind::WuLogOdds).count())
+        let is_stuck = |cell: &mapping::grid::Cell| votes[*cell].1 > votes[*cell].0;
+        let log_odds = self.said(Kind::WuLogOdds);
+        let stuck: Vec<_> = wrong(Kind::Wu).filter(is_stuck).collect();
+        let corrected = stuck.iter().filter(|cell| log_odds[**cell] != Occupancy::Occupied).count();
+        (stuck.len(), wrong(Kind::Wu).count(), corrected)
     }
 
     /// Takes what the robot has printed.
