@@ -11,7 +11,7 @@ fn maps_are_as_right_as_they_must_be() {
     let folder = tempfile::tempdir().expect("a folder");
     let eyesim = Path::new(env!("CARGO_BIN_EXE_papers"));
     let job = Job::with_eyesim(eyesim, "wu", folder.path(), 1).expect("a job");
-    let page = wu::run(&job).expect("six runs");
+    let page = wu::run(&job).expect("all runs");
     let must: Vec<_> = page.claims.iter().filter(|claim| claim.weight == Weight::Must).collect();
     // Cells right, precision and recall in the room; better than the plain grid among mirrors; the robot's own map.
     assert_eq!(must.len(), 5);
