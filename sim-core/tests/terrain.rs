@@ -150,7 +150,7 @@ fn what_makes_no_terrain_is_said() {
             "NUMBER-RANGE",
         ),
         (with("block = [{ from_mm = [0, 0], to_mm = [0, 100], height_mm = 100 }]"), "NUMBER-RANGE"),
-        (with("size_mm = [1000, 1000]"), "TOML-MISSING"),
+        (with("offset_mm = [0, 0, 0]"), "TOML-MISSING"),
     ];
     for (number, (loaded, code)) in cases.iter().enumerate() {
         assert_eq!(codes(loaded), [*code], "case {number}: {:#?}", loaded.diagnostics);
