@@ -202,7 +202,8 @@ fn gait(page: &mut Page, walks: &Walks) -> anyhow::Result<()> {
         number: format!("{:.2} m from the body's centre to the face", walk.gap),
         picture: Picture::Svg(side::walk(&walks.truth, walk, Place::Tibia, Kind::Ideal, 0.15, "The walk, to scale")),
     });
-    page.figure(cycle(walk)?);
+    // The sensor on the body walks farthest.
+    page.figure(cycle(walks.of(Place::Body, Kind::Ideal, Noise::Without))?);
     Ok(())
 }
 
@@ -264,7 +265,7 @@ fn cycle(walk: &Walk) -> anyhow::Result<Figure> {
     Ok(Figure {
         name: chart.name.clone(),
         label: "Figure 7: the gait cycle".to_owned(),
-        caption: "Lines: the last whole cycle of the walk, as the trace tells it. Dots: children at free speed, Schwartz, Rozumalski \
+        caption: "Lines: the last whole cycle of the longest walk, as the trace tells it. Dots: children at free speed, Schwartz, Rozumalski \
                   and Trost 2008, electronic addendum; the paper shows the cycle of a child from Vaughan et al. 1992, without numbers."
             .to_owned(),
         claim: "Root mean square of the differences from the source: thigh, knee, ankle".to_owned(),
