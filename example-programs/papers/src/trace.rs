@@ -80,13 +80,10 @@ pub enum Event {
         x_m: f64,
         y_m: f64,
     },
-    /// `with` as in a contact, or `"terrain"`.
+    /// A leg or the body touches something; all fields as the trace has them.
     Touch {
-        part: String,
-        with: serde_json::Value,
-        x_m: f64,
-        y_m: f64,
-        z_m: f64,
+        #[serde(flatten)]
+        fields: serde_json::Map<String, serde_json::Value>,
     },
     Stdout {
         text: String,
