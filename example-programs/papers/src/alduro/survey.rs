@@ -182,7 +182,7 @@ fn measure(job: &Job, terrains: u64) -> anyhow::Result<Vec<Survey>> {
 /// Where sonar `index` sits on the beam and whereto it looks, in the frame of the robot: y, and the pitch in degrees.
 fn mount(index: usize) -> (f64, f64) {
     let y = ((index as f64 + 0.5) / SONARS as f64 - 0.5) * SIDE;
-    (y, if index % 2 == 0 { -90.0 } else { -90.0 + TILT_DEG })
+    (y, if index.is_multiple_of(2) { -90.0 } else { -90.0 + TILT_DEG })
 }
 
 fn scene(terrain: &Terrain) -> String {

@@ -134,7 +134,7 @@ fn ways(seed: u64, terrains: usize, relief: f64, boulders: Boulders) -> anyhow::
         ensure!(without < 20 * terrains, "hardly a terrain has a path");
         let seed = 1000 * seed + 500 + index;
         let clear = [START, GOAL].map(|place| Disc { centre: place * UNIT, radius: 3.0 });
-        let terrain = Terrain::new(seed, SIDE * UNIT, relief, boulders.clone(), clear.to_vec());
+        let terrain = Terrain::new(seed, SIDE * UNIT, relief, boulders, clear.to_vec());
         let field = terrain.field()?;
         match shortest(&field) {
             Some((path, length)) => ways.push(Way { seed, terrain, field, path, length }),
@@ -201,7 +201,9 @@ fn outcome(trace: &Trace) -> anyhow::Result<Walk> {
     for entry in trace.of_robot(1) {
         match &entry.event {
             Event::Pose { x_m, y_m, .. } => path.push((*x_m, *y_m)),
-            Event::Touch { fields } => touches.push(serde_json::Value::Object(fields.clone()).to_string()),
+            Event::Touch { part, with, x_m, y_m, z_m } => {
+                touches.push(format!("{part} touches {with} at ({x_m}, {y_m}, {z_m})"));
+            }
             Event::Contact { .. } => contacts += 1,
             Event::ProgramEnded { .. } => time = entry.at,
             _ => {}
