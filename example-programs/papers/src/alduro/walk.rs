@@ -201,9 +201,7 @@ fn outcome(trace: &Trace) -> anyhow::Result<Walk> {
     for entry in trace.of_robot(1) {
         match &entry.event {
             Event::Pose { x_m, y_m, .. } => path.push((*x_m, *y_m)),
-            Event::Touch { part, with, x_m, y_m, z_m } => {
-                touches.push(format!("{part} touches {with} at ({x_m}, {y_m}, {z_m})"));
-            }
+            Event::Touch { fields } => touches.push(serde_json::Value::Object(fields.clone()).to_string()),
             Event::Contact { .. } => contacts += 1,
             Event::ProgramEnded { .. } => time = entry.at,
             _ => {}
