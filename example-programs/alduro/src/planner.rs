@@ -17,7 +17,7 @@ const CELL: f64 = 0.5;
 /// How far the map reaches to every side, m: as far as the sonars.
 const REACH: f64 = 7.0;
 /// What a step overcomes and what not, m.
-const HEIGHTS: Heights = Heights { low: (0.08, 0.2), high: (0.35, 0.5) };
+const HEIGHTS: Heights = Heights { low: (0.08, 0.2), high: (0.4, 0.6) };
 /// A point whose membership in `high` is as much stops the operator.
 const BLOCKS: f64 = 0.5;
 /// To both sides of its line of sight a sonar surely hears what is high, rad: half of what lies between two of them, and a little.
@@ -48,7 +48,7 @@ const LEAST_SPEED: f64 = 0.06;
 /// The heading is held with so many rad/s for each rad.
 const HEADING_GAIN: f64 = 0.8;
 /// What is kept clear around the robot, m.
-const MARGIN: f64 = 0.65;
+const MARGIN: f64 = 0.35;
 
 /// A leg as it is now, in the frame of the robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
