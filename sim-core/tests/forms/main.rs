@@ -197,6 +197,7 @@ fn keys_of_reader(text: &str) -> BTreeSet<String> {
 fn schema_and_reader_know_the_same_keys() {
     let schema: serde_json::Value = serde_json::from_str(&scene_schema()).expect("JSON");
     let robot = |inner: &str| format!("[[robot_type]]\nname = \"a\"\n{inner}\n");
+    let legged = |inner: &str| robot(&format!("drive = {{ kind = \"legged\" }}\n{inner}"));
     let object = |inner: &str| format!("[[object_type]]\nname = \"a\"\n{inner}\n");
     let layouts = ["starts", "line", "grid", "circle", "random"]
         .map(|kind| format!("[[robot]]\ntype = \"S4\"\nlayout = {{ kind = \"{kind}\", zzz = 1 }}"));
@@ -237,6 +238,10 @@ fn schema_and_reader_know_the_same_keys() {
         ("PsdForm", vec![robot("psd = [{ name = \"a\", zzz = 1 }]")]),
         ("InfraredForm", vec![robot("infrared = [{ name = \"a\", zzz = 1 }]")]),
         ("LinkForm", vec![robot("link = [{ name = \"a\", zzz = 1 }]")]),
+        ("LegsForm", vec![legged("legs = { zzz = 1 }")]),
+        ("GaitForm", vec![legged("legs = { gait = [{ zzz = 1 }] }")]),
+        ("LegForm", vec![legged("leg = [{ zzz = 1 }]")]),
+        ("FootForm", vec![legged("leg = [{ foot = { zzz = 1 } }]")]),
         ("EchoForm", echoes.to_vec()),
         ("SonarForm", vec![robot("sonar = [{ name = \"a\", zzz = 1 }]")]),
         ("SideLobesForm", vec![robot("sonar = [{ name = \"a\", side_lobes = { zzz = 1 } }]")]),
