@@ -77,7 +77,11 @@ fn draw(figure: &Figure, backend: SVGBackend<'_>) -> Result<(), Box<dyn std::err
             }
         }
         if matches!(series.mark, Mark::Dots | Mark::LineAndDots) {
-            let radius = if series.points.len() > 60 { 1 } else { 3 };
+            let radius = match series.points.len() {
+                ..=60 => 3,
+                61..=200 => 2,
+                _ => 1,
+            };
             chart.draw_series(points().filter(is_drawn).map(|point| Circle::new(point, radius, colour.filled())))?;
         }
         if series.mark == Mark::Bars {

@@ -90,7 +90,7 @@ pub fn walk(truth: &Truth, walk: &Walk, place: Place, kind: Kind, every: f64, ti
 
 /// The standing robot, with the places of its sensors.
 pub fn model(truth: &Truth, walk: &Walk) -> String {
-    let mut canvas = Canvas::new(-1.0, 1.0, 1.05, "Places of the sensors, and where they look while the robot stands");
+    let mut canvas = Canvas::new(-1.0, 1.0, 1.05, "Places of the sensors, and where they look");
     canvas.path(&[DVec2::new(-1.0, 0.0), DVec2::new(1.0, 0.0)], "#333333", 1.5);
     figure(&mut canvas, truth, walk, 0.0);
     for place in Place::ALL {
