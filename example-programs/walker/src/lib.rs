@@ -122,7 +122,7 @@ fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
     let psd = robot.psd(sensor.at)?;
     legs.set_speed(Speed::millimetres_per_second(speed), Speed::ZERO, TurnRate::ZERO)?;
     let mut nearest = WAY + STOP;
-    let mut ticker = robot.ticker(PERIOD);
+    let ticker = robot.ticker(PERIOD);
     let mut x = Length::ZERO;
     let mut stuck = 0;
     while x < nearest - STOP && stuck < STUCK {
