@@ -123,7 +123,7 @@ impl Steps {
         for block in &blocks {
             let covered = |axis: &[f64], least: f64, greatest: f64| {
                 let first = (0..axis.len()).step_by(2).find(|at| axis[*at] >= least).unwrap_or(axis.len());
-                let end = (1..axis.len()).step_by(2).filter(|at| axis[*at] <= greatest).last().map_or(0, |at| at + 1);
+                let end = (1..axis.len()).step_by(2).rfind(|at| axis[*at] <= greatest).map_or(0, |at| at + 1);
                 first..end.max(first)
             };
             let Bounds { min, max } = block.bounds;
