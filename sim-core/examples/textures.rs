@@ -33,8 +33,11 @@ pub const FLOORS: [(&str, Draw); 4] =
 /// A picture of heights, 0 to 65535.
 pub type Heights = ImageBuffer<Luma<u16>, Vec<u16>>;
 
+/// Draws heights.
+type Survey = fn() -> Heights;
+
 /// The terrains by their file names.
-pub const TERRAINS: [(&str, fn() -> Heights); 1] = [("hills.png", hills)];
+pub const TERRAINS: [(&str, Survey); 1] = [("hills.png", hills)];
 
 /// Hills over 6 x 4 m, level and black around two places 1 m from the left and from the right side.
 fn hills() -> Heights {
