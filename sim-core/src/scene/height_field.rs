@@ -22,7 +22,8 @@ const TINTS: [[f32; 3]; 5] =
 /// A height for each place of a rectangle of the plane, world frame, in metres.
 ///
 /// The heights are given at the corners of a rectilinear grid. Each cell is two triangles along the diagonal from its least x
-/// and y to its greatest, so the surface is continuous and has no gap. A coordinate of the grid may come twice: between the two
+/// and y to its greatest, so the surface is continuous, and rays find no gap. (Where steps along x and y meet in one upright line with
+/// more than two heights, a ray aimed exactly at that line may pass within rounding.) A coordinate of the grid may come twice: between the two
 /// lies a cell without width, which is an exact vertical step. Beyond the rectangle the ground goes on level from its border as
 /// [`height`](Self::height) tells; rays meet nothing there.
 #[derive(Clone, Debug, PartialEq)]
@@ -123,6 +124,13 @@ impl HeightField {
             for column in columns.iter() {
                 highest = highest.max(self.interpolate(column, row));
             }
+        }
+        // Where the two sides of a step cross, the diagonal of the upright cell may stand out above both.
+        let ((column, right), (row, up)) = (columns.first, rows.first);
+        let along = if columns.second.is_some() { up } else { right };
+        if along > 0.0 && (columns.second.is_some() || rows.second.is_some()) {
+            let [a, _, c, _] = self.cell(column, row);
+            highest = highest.max(a + along * (c - a));
         }
         highest
     }

@@ -52,39 +52,38 @@ impl HeightField {
             return (f64::NAN, a);
         }
         let along = b - a;
-        let gap = |share: f64| {
-            let place = a + share * along;
-            place.z - self.height(place.x, place.y)
+        let place = |share: f64| (a + share * along).truncate();
+        // With the coordinate of a crossed line exactly: both sides of a step count.
+        let crossings = |axis: &[f64], from: f64, way: f64, snap: fn(DVec2, f64) -> DVec2| -> Vec<(f64, DVec2)> {
+            let at = |line: &f64| ((line - from) / way, *line);
+            let inside = axis.iter().map(at).filter(|(share, _)| 0.0 < *share && *share < 1.0);
+            inside.map(|(share, line)| (share, snap(place(share), line))).collect()
         };
-        let mut shares = vec![0.0, 1.0];
-        let mut cross = |axis: &[f64], from: f64, way: f64| {
-            let lines = axis.iter().map(|line| (line - from) / way).filter(|share| 0.0 < *share && *share < 1.0);
-            shares.extend(lines);
-        };
-        cross(&self.xs, a.x, along.x);
-        cross(&self.ys, a.y, along.y);
-        shares.sort_by(f64::total_cmp);
-        shares.dedup();
+        let mut breaks = vec![(0.0, a.truncate()), (1.0, b.truncate())];
+        breaks.extend(crossings(&self.xs, a.x, along.x, |place, line| place.with_x(line)));
+        breaks.extend(crossings(&self.ys, a.y, along.y, |place, line| place.with_y(line)));
+        breaks.sort_by(|one, other| one.0.total_cmp(&other.0));
         let mut least = (f64::INFINITY, 0.0);
-        let mut try_share = |share: f64| {
-            let gap = gap(share);
+        let mut try_place = |share: f64, place: DVec2| {
+            let gap = a.z + share * along.z - self.height(place.x, place.y);
             if gap < least.0 {
                 least = (gap, share);
             }
         };
-        for pair in shares.windows(2) {
-            try_share(pair[0]);
-            try_share(pair[1]);
-            let middle = (a + 0.5 * (pair[0] + pair[1]) * along).truncate();
+        breaks.iter().for_each(|(share, place)| try_place(*share, *place));
+        for pair in breaks.windows(2).filter(|pair| pair[0].0 < pair[1].0) {
+            let (first, last) = (pair[0].0, pair[1].0);
+            let middle = place(0.5 * (first + last));
             let [columns, rows] = self.cells(&Bounds { min: middle, max: middle });
             for (column, row) in columns.flat_map(|column| rows.clone().map(move |row| (column, row))) {
                 // Above the diagonal of the cell positive, below it negative.
                 let low = self.corner(column, row).truncate();
                 let diagonal = self.corner(column + 1, row + 1).truncate() - low;
-                let side = |share: f64| diagonal.perp_dot((a + share * along).truncate() - low);
-                let (before, after) = (side(pair[0]), side(pair[1]));
+                let side = |share: f64| diagonal.perp_dot(place(share) - low);
+                let (before, after) = (side(first), side(last));
                 if before * after < 0.0 {
-                    try_share(pair[0] + (pair[1] - pair[0]) * before / (before - after));
+                    let share = first + (last - first) * before / (before - after);
+                    try_place(share, place(share));
                 }
             }
         }
@@ -123,7 +122,18 @@ mod tests {
     fn brute(field: &HeightField, [a, b]: [DVec3; 2]) -> (f64, f64) {
         let points: Vec<DVec3> = (0..=4000).map(|step| a + f64::from(step) / 4000.0 * (b - a)).collect();
         let gap = |point: &DVec3| point.z - field.height(point.x, point.y);
-        let gap = points.iter().map(gap).fold(f64::INFINITY, f64::min);
+        let mut gap = points.iter().map(gap).fold(f64::INFINITY, f64::min);
+        // Points do not come upon a step: there the height of its upper edge counts.
+        for (axis, lines) in [(0, &field.xs), (1, &field.ys)] {
+            for line in lines.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]) {
+                let share = (line - a[axis]) / (b[axis] - a[axis]);
+                let mut point = a + share * (b - a);
+                point[axis] = line;
+                if (0.0..=1.0).contains(&share) {
+                    gap = gap.min(point.z - field.height(point.x, point.y));
+                }
+            }
+        }
         let mesh = field.mesh(None);
         let least = points.iter().step_by(40).map(|point| {
             let to = |triangle| point.distance(nearest_on_triangle(*point, mesh.corners(triangle)));
