@@ -377,7 +377,7 @@ mod tests {
     #[test]
     fn lines_of_the_program_are_read() {
         assert_eq!(numbers("125 2000 - -"), Some((2.0, None)));
-        assert_eq!(numbers("150 812.5 700.1 -3.0"), Some((0.8125, Some(DVec2::new(0.7001, -0.003)))));
+        assert_eq!(numbers("150 812.5 750.0 -500.0"), Some((0.8125, Some(DVec2::new(0.75, -0.5)))));
         assert_eq!(numbers("stopped 0.65 m before an obstacle"), None);
     }
 
