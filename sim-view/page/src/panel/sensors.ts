@@ -5,6 +5,9 @@ import type { Model } from "../model";
 import { section, setText, whileOpen } from "./control";
 import { act, onRights, whyNot } from "./notice";
 
+/** An answer may come before the state that it speaks of: for so long a switch stays where it was put. */
+const HOLDS_MS = 1000;
+
 export function sensorsPanel(model: Model): HTMLElement {
   const list = element("ul", { className: "switches", testid: "sensors" });
   const none = element("p", { className: "muted" });
@@ -26,7 +29,8 @@ export function sensorsPanel(model: Model): HTMLElement {
     const why = whyNot(model);
     for (const { name, is_on } of sensors) {
       const box = boxes.get(name);
-      if (box && !box.dataset["waits"]) box.checked = is_on;
+      if (box?.checked === is_on) delete box.dataset["waits"];
+      else if (box && !box.dataset["waits"]) box.checked = is_on;
     }
     for (const box of boxes.values()) {
       box.disabled = why !== "";
@@ -51,7 +55,12 @@ export function sensorsPanel(model: Model): HTMLElement {
     if (model.chosen === null) return;
     box.dataset["waits"] = "1";
     const on = box.checked;
-    if (!(await act(model, { do: "switch_sensor", robot: model.chosen, sensor, on }))) box.checked = !on;
-    delete box.dataset["waits"];
+    const isDone = await act(model, { do: "switch_sensor", robot: model.chosen, sensor, on });
+    const release = () => {
+      delete box.dataset["waits"];
+      soon();
+    };
+    if (isDone) setTimeout(release, HOLDS_MS);
+    else release();
   }
 }
