@@ -7,6 +7,48 @@ use super::{Fake, Moment};
 use crate::leg::LinkPose;
 use crate::unit::{Angle, Length, Speed, TurnRate};
 
+/// The LEG functions, alike in both generations, by [`FakeRobot`].
+macro_rules! leg_functions {
+    () => {
+        fn LEGCount(&self) -> Result<i32, Stop> {
+            self.leg_count()
+        }
+
+        fn LEGSetGait(&self, gait: i32) -> Result<i32, Stop> {
+            self.with_legs(gait >= 1, |_| ())
+        }
+
+        fn LEGSetSpeed(&self, vx_mmps: i32, vy_mmps: i32, omega_degps: i32) -> Result<i32, Stop> {
+            self.leg_speed(vx_mmps, vy_mmps, omega_degps)
+        }
+
+        fn LEGSetStep(&self, height_mm: i32) -> Result<i32, Stop> {
+            self.with_legs(height_mm >= 0, |_| ())
+        }
+
+        fn LEGGetJoint(&self, leg: i32, joint: i32, degrees: &mut Out<f32>) -> Result<i32, Stop> {
+            self.leg_joint(leg, joint, degrees)
+        }
+
+        fn LEGGetLink(&self, leg: i32, link: i32, pose: &mut OutFloats) -> Result<i32, Stop> {
+            self.leg_link(leg, link, pose)
+        }
+
+        fn LEGGetHeight(&self, mm: &mut Out<f32>) -> Result<i32, Stop> {
+            self.leg_height(mm)
+        }
+
+        fn LEGGetFoot(&self, leg: i32) -> Result<i32, Stop> {
+            self.leg_foot(leg)
+        }
+
+        fn LEGCorrect(&self, leg: i32, _: i32, _: i32, _: i32) -> Result<i32, Stop> {
+            self.leg_correction(leg)
+        }
+    };
+}
+pub(super) use leg_functions;
+
 /// How a leg of a fake robot stands at a moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FakeLeg {

@@ -6,6 +6,7 @@ use robios_sys::robios7::{Char, Flag, NOKEY, Timer as TimerNumber, VEHICLE};
 use robios_sys::{Callback, Out, OutBytes, OutFloats, OutInts, Robios7, Stop};
 
 use super::camera::is_resolution;
+use super::leg::leg_functions;
 use super::motion::Pose;
 use super::robot::{FakeRobot, State, TICKS_PER_METRE, Timer};
 use super::{Fake, Moment, PsdName};
@@ -582,41 +583,7 @@ impl Robios7 for FakeRobot {
         self.act(|_| 0)
     }
 
-    fn LEGCount(&self) -> Result<i32, Stop> {
-        self.leg_count()
-    }
-
-    fn LEGSetGait(&self, gait: i32) -> Result<i32, Stop> {
-        self.with_legs(gait >= 1, |_| ())
-    }
-
-    fn LEGSetSpeed(&self, vx_mmps: i32, vy_mmps: i32, omega_degps: i32) -> Result<i32, Stop> {
-        self.leg_speed(vx_mmps, vy_mmps, omega_degps)
-    }
-
-    fn LEGSetStep(&self, height_mm: i32) -> Result<i32, Stop> {
-        self.with_legs(height_mm >= 0, |_| ())
-    }
-
-    fn LEGGetJoint(&self, leg: i32, joint: i32, degrees: &mut Out<f32>) -> Result<i32, Stop> {
-        self.leg_joint(leg, joint, degrees)
-    }
-
-    fn LEGGetLink(&self, leg: i32, link: i32, pose: &mut OutFloats) -> Result<i32, Stop> {
-        self.leg_link(leg, link, pose)
-    }
-
-    fn LEGGetHeight(&self, mm: &mut Out<f32>) -> Result<i32, Stop> {
-        self.leg_height(mm)
-    }
-
-    fn LEGGetFoot(&self, leg: i32) -> Result<i32, Stop> {
-        self.leg_foot(leg)
-    }
-
-    fn LEGCorrect(&self, leg: i32, _: i32, _: i32, _: i32) -> Result<i32, Stop> {
-        self.leg_correction(leg)
-    }
+    leg_functions!();
 }
 
 /// Gives what there is: 0, else 1.
