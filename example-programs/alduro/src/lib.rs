@@ -63,7 +63,7 @@ fn survey(robot: &Robot, distance: f64) -> std::result::Result<(), Box<dyn std::
 fn walk(robot: &Robot, goal: (f64, f64)) -> std::result::Result<(), Box<dyn std::error::Error>> {
     let legs = robot.legs()?;
     let sonars = sonars(robot)?;
-    let mut planner = Planner::new(pose(robot, &legs)?.heading);
+    let mut planner = Planner::new(pose(robot, &legs)?.ground.heading);
     let ticker = robot.ticker(CYCLE);
     for cycle in 0.. {
         let pose = pose(robot, &legs)?;
@@ -81,7 +81,7 @@ fn walk(robot: &Robot, goal: (f64, f64)) -> std::result::Result<(), Box<dyn std:
             return Ok(());
         }
         let states = legs.all().map(|leg| state(&legs, leg)).collect::<Result<Vec<_>>>()?;
-        let orders = planner.plan(&pose, pose.heading + bearing, distance, &states);
+        let orders = planner.plan(&pose, pose.ground.heading + bearing, distance, &states);
         for (leg, correction) in legs.all().zip(&orders.corrections) {
             legs.correct(leg, correction.x.metres(), correction.y.metres(), correction.z.metres())?;
         }
@@ -103,7 +103,8 @@ fn sonars(robot: &Robot) -> Result<Vec<Psd<'_>>> {
 fn pose(robot: &Robot, legs: &Legs) -> Result<Pose> {
     let position = robot.drive().position();
     let lift = legs.height()?.as_metres();
-    Ok(Pose { x: position.x.as_metres(), y: position.y.as_metres(), heading: position.phi.as_radians(), lift })
+    let ground = mapping::pose::Pose::new(position.x.as_metres(), position.y.as_metres(), position.phi.as_radians());
+    Ok(Pose { ground, lift })
 }
 
 /// What the operator sees of the goal: its bearing from straight ahead, rad to whole degrees, and its distance, m.
@@ -133,9 +134,9 @@ fn tell(robot: &Robot, pose: &Pose, map: &LocalMap) {
     writeln!(
         robot.console(),
         "map {:.3} {:.3} {:.4} {x:.2} {y:.2} {:.2} {}",
-        pose.x,
-        pose.y,
-        pose.heading,
+        pose.ground.position.x,
+        pose.ground.position.y,
+        pose.ground.heading,
         partition.cell,
         partition.columns
     );

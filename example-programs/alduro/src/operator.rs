@@ -1,154 +1,129 @@
 //! The operator's part: a direction of travel for the body, chosen on the local map.
 //!
-//! Towards the goal where the way is free; else the free direction that turns away from it least, with a memory of the side on which
-//! an obstacle is being passed. The paper leaves the direction to a person with a joystick; this rule stands in for that one.
+//! The paper leaves the direction to a person with a joystick, who sees where the goal is. The cheapest way over the map stands in for
+//! that one: to the goal, or to the border of the map and on from there as the crow flies.
 
-use std::f64::consts::{PI, TAU};
-
-use mapping::local_map::Patch;
+use mapping::astar::{costs, shortest_path};
+use mapping::distance::distances;
+use mapping::grid::{Cell, Frame, Grid};
 use mapping::math;
+use mapping::pose::Point;
 
-/// Directions that are looked at, all around.
-const DIRECTIONS: usize = 72;
+/// How far ahead on the way the operator looks, m.
+const AHEAD: f64 = 1.5;
+/// By how much dearer than over free ground a way is right through what is high. Nothing is forbidden: of a map with phantoms on it one
+/// cannot be sure.
+const DEAR: f64 = 20.0;
 
-/// The operator's settings.
+/// What the operator does with the joystick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
-    /// How far to each side of its middle the robot needs room, m.
-    pub half_width: f64,
-    /// A direction is free if nothing high stands on the way for so far, m.
-    pub look_ahead: f64,
+pub struct Command {
+    /// Direction of travel, rad.
+    pub direction: f64,
+    /// From the way ahead to the nearest high thing, m; infinite where there is none.
+    pub room: f64,
 }
 
-/// The operator, with a memory.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Operator {
-    /// The direction of the last look, rad.
-    last: Option<f64>,
-    /// On which side of the goal's direction an obstacle is being passed: 1 to its left, -1 to its right.
-    side: Option<f64>,
+/// Where to go from `robot` towards `goal`, over a map whose cells say whether something high stands there. The middle of the robot
+/// needs `needed` m of room.
+pub fn look(is_high: &Grid<bool>, robot: Point, goal: Point, needed: f64) -> Command {
+    let room = distances(is_high, |is_high| *is_high);
+    let way = way(&room, robot, goal, needed);
+    let ahead: Vec<Point> = way.into_iter().take_while(|point| (point - robot).norm() <= AHEAD).collect();
+    let target = *ahead.last().unwrap_or(&goal);
+    let room = ahead.iter().filter_map(|point| room.at(*point)).copied().fold(f64::INFINITY, f64::min);
+    Command { direction: math::atan2(target.y - robot.y, target.x - robot.x), room }
 }
 
-/// A thing to keep clear of.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Obstacle {
-    /// Its place, m ahead and to the left of the robot along the axes of the odometry.
-    pub x: f64,
-    /// Its place, m.
-    pub y: f64,
+/// The points of the cheapest way over the map, without where the robot stands; with the goal, if it is on the map.
+fn way(room: &Grid<f64>, robot: Point, goal: Point, needed: f64) -> Vec<Point> {
+    let frame = room.frame();
+    let factor = |cell: Cell| Some(1.0 + DEAR * (1.0 - room[cell] / needed).max(0.0));
+    let Some(start) = frame.cell_at(robot) else { return Vec::new() };
+    let end = frame.cell_at(goal);
+    let exit = end.unwrap_or_else(|| exit(&costs(frame, factor, start), goal));
+    let path = shortest_path(frame, factor, start, exit).map_or_else(Vec::new, |path| path.cells);
+    let centres = path.into_iter().filter(|cell| *cell != start && Some(*cell) != end).map(|cell| frame.centre(cell));
+    centres.chain(end.map(|_| goal)).collect()
 }
 
-impl Obstacle {
-    /// A patch of the map as seen from (x, y).
-    pub fn seen_from(patch: &Patch, x: f64, y: f64) -> Self {
-        Self { x: patch.x - x, y: patch.y - y }
-    }
-}
-
-impl Operator {
-    /// The direction to walk to, rad, and how far it is free, m: as near to the direction `goal` (rad) as may be. The way counts up to
-    /// `distance` m, where the goal is.
-    pub fn look(&mut self, view: &View, goal: f64, distance: f64, obstacles: &[Obstacle]) -> (f64, f64) {
-        let needed = view.look_ahead.min(distance);
-        let ways: Vec<(f64, f64)> = (0..DIRECTIONS)
-            .map(|index| {
-                let turn = (index as f64 / DIRECTIONS as f64 - 0.5) * TAU;
-                (turn, free_way(view, goal + turn, obstacles).min(view.look_ahead))
-            })
-            .collect();
-        let chosen = ways
-            .iter()
-            .filter(|(_, free)| *free >= needed)
-            .min_by(|a, b| self.cost(goal, a.0).total_cmp(&self.cost(goal, b.0)))
-            // Nothing is free: the longest way, and of those the best.
-            .or_else(|| {
-                ways.iter().min_by(|a, b| {
-                    let cost = |way: &(f64, f64)| self.cost(goal, way.0) - 10.0 * way.1;
-                    cost(a).total_cmp(&cost(b))
-                })
-            });
-        let (turn, free) = chosen.copied().unwrap_or((0.0, 0.0));
-        self.remember(turn);
-        let direction = wrapped(goal + turn);
-        self.last = Some(direction);
-        (direction, free)
-    }
-
-    /// How little a direction is liked that is turned by `turn` from the goal's.
-    fn cost(&self, goal: f64, turn: f64) -> f64 {
-        let unsteady = self.last.map_or(0.0, |last| wrapped(goal + turn - last).abs());
-        // The other side of the obstacle is worth half a turn: else two ways about as long are taken by turns.
-        let is_other_side = self.side.is_some_and(|side| turn * side < 0.0);
-        turn.abs() + 0.3 * unsteady + if is_other_side { PI / 2.0 } else { 0.0 }
-    }
-
-    fn remember(&mut self, turn: f64) {
-        if turn.abs() < 0.2 {
-            self.side = None;
-        } else if self.side.is_none() && turn.abs() > 0.6 {
-            self.side = Some(turn.signum());
-        }
-    }
-}
-
-/// How far the robot's middle can go to `direction` before an obstacle is within its width, m.
-fn free_way(view: &View, direction: f64, obstacles: &[Obstacle]) -> f64 {
-    let (sin, cos) = (math::sin(direction), math::cos(direction));
-    let mut free = f64::INFINITY;
-    for Obstacle { x, y } in obstacles {
-        let (ahead, aside) = (cos * x + sin * y, cos * y - sin * x);
-        if aside.abs() >= view.half_width || ahead <= 0.0 {
-            continue;
-        }
-        // What is within the width already does not stop a way that leads off it.
-        let touch = (view.half_width * view.half_width - aside * aside).sqrt();
-        free = free.min((ahead - touch).max(0.0));
-    }
-    free
-}
-
-/// An angle in [-pi, pi), rad.
-pub fn wrapped(angle: f64) -> f64 {
-    angle - TAU * ((angle + PI) / TAU).floor()
+/// The cell on the border of the map through which the whole way to a goal beyond it is cheapest.
+fn exit(costs: &Grid<f64>, goal: Point) -> Cell {
+    let frame: &Frame = costs.frame();
+    let is_border = |cell: &Cell| {
+        cell.column == 0 || cell.row == 0 || cell.column + 1 == frame.columns() || cell.row + 1 == frame.rows()
+    };
+    let whole = |cell: &Cell| costs[*cell] + (goal - frame.centre(*cell)).norm();
+    frame.cells().filter(is_border).min_by(|a, b| whole(a).total_cmp(&whole(b))).expect("a map has a border")
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::{FRAC_PI_2, PI};
+
     use super::*;
 
-    const VIEW: View = View { half_width: 1.0, look_ahead: 4.0 };
+    const ROBOT: Point = Point::new(0.25, 0.25);
 
-    fn look(operator: &mut Operator, obstacles: &[Obstacle]) -> f64 {
-        operator.look(&VIEW, 0.0, 20.0, obstacles).0
+    /// 20 m x 20 m with the robot in the middle and something high where it is said.
+    fn map(is_high: impl Fn(Point) -> bool) -> Grid<bool> {
+        let frame = Frame::new(Point::new(-10.0, -10.0), 0.5, 41, 41);
+        Grid::from_fn(frame, |cell| is_high(frame.centre(cell)))
+    }
+
+    fn look_from(robot: Point, goal: Point, is_high: impl Fn(Point) -> bool) -> Command {
+        look(&map(is_high), robot, goal, 2.0)
+    }
+
+    fn assert_near(angle: f64, expected: f64) {
+        assert!((angle - expected).abs() < 0.3, "{angle}, expected {expected}");
     }
 
     #[test]
     fn a_free_way_is_taken_straight() {
-        assert_eq!(look(&mut Operator::default(), &[]), 0.0);
-        let behind_and_aside = [Obstacle { x: -1.5, y: 0.0 }, Obstacle { x: 2.0, y: 1.2 }];
-        assert_eq!(look(&mut Operator::default(), &behind_and_aside), 0.0);
-        // Behind the goal nothing matters.
-        let goal = Operator::default().look(&VIEW, 0.0, 1.0, &[Obstacle { x: 3.0, y: 0.0 }]);
-        assert!(goal.0 == 0.0 && goal.1 >= 1.0, "{goal:?}");
+        let free = look_from(ROBOT, Point::new(30.25, 0.25), |_| false);
+        assert!(free.direction.abs() < 1e-12 && free.room == f64::INFINITY, "{free:?}");
+        let near = look_from(ROBOT, Point::new(0.6, 0.95), |_| false);
+        assert!((near.direction - math::atan2(0.7, 0.35)).abs() < 1e-12, "the goal itself: {near:?}");
+        let beside = look_from(ROBOT, Point::new(30.25, 0.25), |point| point.y > 3.0);
+        assert!(beside.direction.abs() < 1e-12 && (beside.room - 3.0).abs() < 1e-12, "{beside:?}");
     }
 
     #[test]
-    fn an_obstacle_is_passed_on_the_nearer_side_and_on_that_for_good() {
-        let mut operator = Operator::default();
-        let direction = look(&mut operator, &[Obstacle { x: 2.0, y: -0.3 }]);
-        assert!(direction > 0.2 && direction < 0.6, "{direction}");
-        let direction = look(&mut operator, &[Obstacle { x: 1.2, y: -0.3 }]);
-        assert!(direction > 0.6 && operator.side == Some(1.0), "{direction}");
-        // Seen anew, the other side is a little nearer; it stays on the side that it took.
-        let direction = look(&mut operator, &[Obstacle { x: 1.2, y: 0.1 }]);
-        assert!(direction > 0.6, "{direction}");
-        assert_eq!(look(&mut operator, &[]), 0.0);
-        assert_eq!(operator.side, None);
+    fn what_stands_in_the_way_is_passed_with_room_on_the_shorter_side() {
+        let goal = Point::new(9.25, 0.25);
+        let block = |point: Point| (3.0..4.0).contains(&point.x) && (-4.0..1.0).contains(&point.y);
+        assert!(look_from(ROBOT, goal, block).direction > 0.3);
+        let beside = look_from(Point::new(3.25, 2.75), goal, block);
+        assert_near(beside.direction, 0.0);
+        assert!(beside.room >= 2.0, "{beside:?}");
+    }
+
+    /// A dead end that no rule of nearest free directions leaves.
+    #[test]
+    fn it_walks_out_of_a_dead_end() {
+        let pocket = |point: Point| {
+            (point.x > 3.0 && point.x < 4.0 && point.y.abs() < 5.0)
+                || (point.y.abs() > 4.0 && point.y.abs() < 5.0 && point.x > -3.0 && point.x < 4.0)
+        };
+        let command = look_from(ROBOT, Point::new(9.25, 0.75), pocket);
+        assert!((command.direction.abs() - PI).abs() < 0.3, "{command:?}");
     }
 
     #[test]
-    fn angles_are_wrapped() {
-        assert!((wrapped(3.0 * PI + 0.1) - (0.1 - PI)).abs() < 1e-12);
-        assert_eq!(wrapped(0.5), 0.5);
+    fn between_two_gaps_it_takes_the_wide_one_and_with_none_the_thinnest_place() {
+        let goal = Point::new(9.25, 0.25);
+        let wall = |point: Point| (2.0..2.5).contains(&point.x);
+        let gaps = |point: Point| wall(point) && (point.y - 0.25).abs() > 0.6 && !(4.0..9.0).contains(&point.y);
+        assert!(look_from(ROBOT, goal, gaps).direction > 0.5);
+        let closed = look_from(ROBOT, goal, wall);
+        assert_near(closed.direction, 0.0);
+        assert!(closed.room < 1.0, "{closed:?}");
+    }
+
+    #[test]
+    fn beside_the_map_it_goes_as_the_crow_flies() {
+        let command = look_from(Point::new(50.0, 0.0), Point::new(50.0, 9.0), |_| true);
+        assert!((command.direction - FRAC_PI_2).abs() < 1e-12, "{command:?}");
     }
 }

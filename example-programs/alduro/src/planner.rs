@@ -5,20 +5,21 @@ use std::f64::consts::PI;
 
 use mapping::inverse::SonarModel;
 use mapping::local_map::{LocalMap, Patch};
+use mapping::pose::{self, direction, rotated};
 use mapping::tsk::{Fusion, Order, Settings};
 use nalgebra::{Vector2, Vector3};
 
 use crate::body::{self, Pose};
-use crate::operator::{Obstacle, Operator, View, wrapped};
+use crate::operator;
 use crate::perception::{self, Heights};
 
 /// Side of a cell of the local map, m.
 const CELL: f64 = 0.5;
-/// How far the map reaches to every side, m: as far as the sonars.
-const REACH: f64 = 7.0;
-/// What a step overcomes and what not, m.
-const HEIGHTS: Heights = Heights { low: (0.08, 0.2), high: (0.4, 0.6) };
-/// A point whose membership in `high` is as much stops the operator.
+/// How far the map reaches to every side, m: twice as far as the sonars, or the robot would forget why it turned back.
+const REACH: f64 = 14.0;
+/// What a step overcomes and what not, m. A ring of sonars at 0.6 m tells no more of what is higher.
+const HEIGHTS: Heights = Heights { low: (0.08, 0.2), high: (0.2, 0.4) };
+/// The operator keeps away from a point whose membership in `high` is as much.
 const BLOCKS: f64 = 0.5;
 /// To both sides of its line of sight a sonar surely hears what is high, rad: half of what lies between two of them, and a little.
 const CLEAR_ANGLE: f64 = 12.0 / 180.0 * PI;
@@ -43,7 +44,7 @@ const BODY_GAIN: f64 = 1.5;
 const LIFT: f64 = 0.4;
 /// Speed of the body on a free way, m/s.
 const SPEED: f64 = 0.3;
-/// Least speed towards a direction that is free at all, m/s.
+/// Least speed, m/s, however near something high is: slowly it may still find out that nothing is there.
 const LEAST_SPEED: f64 = 0.06;
 /// The heading is held with so many rad/s for each rad.
 const HEADING_GAIN: f64 = 0.8;
@@ -86,7 +87,6 @@ pub struct Orders {
 #[derive(Clone, Debug)]
 pub struct Planner {
     map: LocalMap,
-    operator: Operator,
     /// The heading that is held, rad.
     heading: f64,
     velocity: Vector2<f64>,
@@ -107,7 +107,7 @@ impl Planner {
         // Of the skirts of its beam a single reading tells little.
         let model = SonarModel { least: 0.15, ..SonarModel::srf08() };
         let map = LocalMap::new(CELL, REACH, model, settings);
-        Self { map, operator: Operator::default(), heading, velocity: Vector2::zeros() }
+        Self { map, heading, velocity: Vector2::zeros() }
     }
 
     /// The local map.
@@ -118,7 +118,7 @@ impl Planner {
     /// Takes readings into the map.
     pub fn observe(&mut self, readings: &[Reading]) {
         for Reading { sonar, pose, distance } in readings {
-            self.map.follow(pose.x, pose.y);
+            self.map.follow(pose.ground.position.x, pose.ground.position.y);
             let mount = body::mount(*sonar);
             let sonar = pose.sonar(&mount);
             if let Some(distance) = *distance {
@@ -131,17 +131,16 @@ impl Planner {
         }
     }
 
-    /// What to do now, for a goal that is `distance` m away to `direction` (rad, in the frame of the odometry).
-    pub fn plan(&mut self, pose: &Pose, direction: f64, distance: f64, legs: &[LegState]) -> Orders {
-        let patches: Vec<Patch> = self.map.patches().collect();
-        let is_high = |patch: &&Patch| HEIGHTS.high(patch.z - pose.lift) >= BLOCKS;
-        let obstacles: Vec<Obstacle> =
-            patches.iter().filter(is_high).map(|patch| Obstacle::seen_from(patch, pose.x, pose.y)).collect();
-        let view = View { half_width: body::RADIUS + MARGIN, look_ahead: 4.0 };
-        let (way, free) = self.operator.look(&view, direction, distance, &obstacles);
-        let speed = (SPEED * free / view.look_ahead.min(distance.max(0.1))).clamp(LEAST_SPEED, SPEED).min(distance);
-        let wanted = Vector2::new(mapping::math::cos(way), mapping::math::sin(way)) * speed;
+    /// What to do now, for a goal that is `distance` m away to `bearing` (rad, in the frame of the odometry).
+    pub fn plan(&mut self, pose: &Pose, bearing: f64, distance: f64, legs: &[LegState]) -> Orders {
+        let is_high = self.map.grid(|patch| HEIGHTS.high(patch.z - pose.lift) >= BLOCKS);
+        let goal = pose.ground.position + direction(bearing) * distance;
+        let needed = body::RADIUS + MARGIN;
+        let command = operator::look(&is_high, pose.ground.position, goal, needed);
+        let speed = (SPEED * command.room / needed).clamp(LEAST_SPEED, SPEED).min(distance);
+        let wanted = direction(command.direction) * speed;
 
+        let patches: Vec<Patch> = self.map.patches().collect();
         let mut too_much = Vector2::zeros();
         let corrections = legs
             .iter()
@@ -152,9 +151,9 @@ impl Planner {
             })
             .collect();
         self.velocity = limited(wanted + too_much * BODY_GAIN, SPEED);
-        let (vx, vy) = pose.turned_back(self.velocity.x, self.velocity.y);
-        let turn = (HEADING_GAIN * wrapped(self.heading - pose.heading)).clamp(-0.1, 0.1);
-        Orders { velocity: Vector2::new(vx, vy), turn, corrections }
+        let heading = pose.ground.heading;
+        let turn = (HEADING_GAIN * pose::wrapped(self.heading - heading)).clamp(-0.1, 0.1);
+        Orders { velocity: rotated(self.velocity, -heading), turn, corrections }
     }
 
     /// The two rules for one leg: away from what is high, higher over what is low. What of the shift is too much for the leg, in the frame
@@ -176,8 +175,8 @@ impl Planner {
             }
             false => 0.0,
         };
-        let (x, y) = pose.turned_back(shift.x, shift.y);
-        (Vector3::new(x, y, lift), away - shift)
+        let in_robot = rotated(shift, -pose.ground.heading);
+        (in_robot.push(lift), away - shift)
     }
 }
 

@@ -3,8 +3,10 @@
 //! Source: Gois and Hiller, section 3. The map keeps the directions of the axes of the robot's odometry and is shifted by whole
 //! cells, so that nothing is ever resampled (our choice).
 
+use crate::grid::{Frame, Grid};
 use crate::inverse::{SonarModel, SonarPose};
 use crate::math;
+use crate::pose::Point;
 use crate::tsk::{Activation, Partition, Settings, Tsk};
 
 /// A square of ground whose middle cell is the one that the body is in.
@@ -101,6 +103,16 @@ impl LocalMap {
         })
     }
 
+    /// The map as a grid of what `value` makes of its cells, in the frame of the odometry.
+    pub fn grid<T>(&self, value: impl Fn(&Patch) -> T) -> Grid<T> {
+        let partition = *self.tsk.partition();
+        let (column, row) = partition.low;
+        let origin = Point::new(column as f64 * partition.cell, row as f64 * partition.cell);
+        let frame = Frame::new(origin, partition.cell, partition.columns, partition.rows);
+        let patches: Vec<Patch> = self.patches().collect();
+        Grid::from_fn(frame, |cell| value(&patches[cell.row * partition.columns + cell.column]))
+    }
+
     /// The surface.
     pub fn surface(&self) -> &Tsk {
         &self.tsk
@@ -128,6 +140,7 @@ mod tests {
         assert!((height - 0.6).abs() < 0.1, "{height}");
         map.follow(9.4, -3.2);
         assert_eq!(map.height(11.1, -2.9), Some(height), "the same cell");
+        assert_eq!(map.grid(|patch| patch.z).at(Point::new(11.1, -2.9)), Some(&height), "in the grid too");
         map.follow(7.0, -3.2);
         assert_eq!(map.height(11.1, -2.9), None, "fell out");
         map.follow(10.1, -3.2);
