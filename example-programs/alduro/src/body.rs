@@ -38,7 +38,8 @@ const RING_PITCH: f64 = 25.0 / 180.0 * PI;
 /// Where those sit that look down, m ahead of and beside the middle.
 const CORNER: (f64, f64) = (1.5, 0.9);
 
-/// Radius of a circle about the middle within which feet, legs and body stay, m.
+/// Radius of a circle about the middle within which feet, legs and body stay, m. What is high has outlines on the map that are about a cell
+/// too wide, which is margin enough.
 pub const RADIUS: f64 = 1.6;
 
 /// The sonar with this number, counted from 0.

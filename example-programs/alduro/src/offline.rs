@@ -135,9 +135,13 @@ impl Ground {
     }
 }
 
+/// Places of the robot where nothing high should be, m ahead of and to the left of its middle: as far as feet come, and more.
+const UNDER: [(f64, f64); 9] =
+    [(0.0, 0.0), (1.5, 1.0), (1.5, 0.0), (1.5, -1.0), (0.0, 1.0), (0.0, -1.0), (-1.5, 1.0), (-1.5, 0.0), (-1.5, -1.0)];
+
 struct Outcome {
     length: f64,
-    /// The highest that stood under a foot or the body's middle, m.
+    /// The highest that stood there, m.
     under: f64,
     left: f64,
 }
@@ -171,8 +175,8 @@ fn walk(ground: &Ground, numbers: &mut Numbers) -> Outcome {
         pose.ground.position += 0.25 * rotated(orders.velocity, pose.ground.heading);
         pose.ground.heading += 0.25 * orders.turn + 0.004 * numbers.normal();
         outcome.length += 0.25 * orders.velocity.norm();
-        for foot in feet.into_iter().chain([(0.0, 0.0)]) {
-            let place = pose.ground.position + rotated(Vector2::new(foot.0, foot.1), pose.ground.heading);
+        for (x, y) in UNDER {
+            let place = pose.ground.position + rotated(Vector2::new(x, y), pose.ground.heading);
             outcome.under = outcome.under.max(ground.height(place));
         }
     }
@@ -181,13 +185,13 @@ fn walk(ground: &Ground, numbers: &mut Numbers) -> Outcome {
 
 #[test]
 fn it_arrives_between_boulders_without_treading_on_a_high_one() {
-    for seed in 0..10 {
+    for seed in 0..6 {
         let mut numbers = Numbers::new(seed);
         let ground = Ground::new(&mut numbers, 18);
         let shortest = ground.shortest().expect("a way with room");
         let Outcome { length, under, left } = walk(&ground, &mut numbers);
         assert!(left < 0.5, "seed {seed}: {left:.1} m left");
-        assert!(under < 0.5, "seed {seed}: {under:.2} m under a foot");
-        assert!(length < 2.0 * shortest, "seed {seed}: {length:.1} m, {shortest:.1} m at best");
+        assert!(under < 0.5, "seed {seed}: {under:.2} m under it");
+        assert!(length < 1.5 * shortest, "seed {seed}: {length:.1} m, {shortest:.1} m at best");
     }
 }

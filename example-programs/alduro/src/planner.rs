@@ -48,8 +48,6 @@ const SPEED: f64 = 0.3;
 const LEAST_SPEED: f64 = 0.06;
 /// The heading is held with so many rad/s for each rad.
 const HEADING_GAIN: f64 = 0.8;
-/// What is kept clear around the robot, m.
-const MARGIN: f64 = 0.35;
 
 /// A leg as it is now, in the frame of the robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,8 +102,8 @@ impl Planner {
             forgetting: 0.98,
             ..Settings::default()
         };
-        // Of the skirts of its beam a single reading tells little.
-        let model = SonarModel { least: 0.15, ..SonarModel::srf08() };
+        // Of the skirts of its beam a single reading tells little, and would close gaps.
+        let model = SonarModel { least: 0.25, ..SonarModel::srf08() };
         let map = LocalMap::new(CELL, REACH, model, settings);
         Self { map, heading, velocity: Vector2::zeros() }
     }
@@ -135,9 +133,8 @@ impl Planner {
     pub fn plan(&mut self, pose: &Pose, bearing: f64, distance: f64, legs: &[LegState]) -> Orders {
         let is_high = self.map.grid(|patch| HEIGHTS.high(patch.z - pose.lift) >= BLOCKS);
         let goal = pose.ground.position + direction(bearing) * distance;
-        let needed = body::RADIUS + MARGIN;
-        let command = operator::look(&is_high, pose.ground.position, goal, needed);
-        let speed = (SPEED * command.room / needed).clamp(LEAST_SPEED, SPEED).min(distance);
+        let command = operator::look(&is_high, pose.ground.position, goal, body::RADIUS);
+        let speed = (SPEED * command.room / body::RADIUS).clamp(LEAST_SPEED, SPEED).min(distance);
         let wanted = direction(command.direction) * speed;
 
         let patches: Vec<Patch> = self.map.patches().collect();

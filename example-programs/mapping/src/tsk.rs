@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use crate::inverse::{Side, SonarModel, SonarPose};
+use crate::math;
 use crate::rls::Rls;
 
 /// Points in which a cell is looked at along each side for the greatest membership within it.
@@ -171,16 +172,28 @@ pub fn activations(
     let offset = |look: usize| ((look as f64 + 0.5) / LOOKS as f64 - 0.5) * partition.cell;
     let look_at = |place: Place| {
         let slot = partition.slot(place)?;
-        let (x, y) = partition.centre(place);
-        (0..LOOKS * LOOKS)
-            .filter_map(|look| {
-                let (x, y) = (x + offset(look % LOOKS), y + offset(look / LOOKS));
+        let centre = partition.centre(place);
+        let within = (0..LOOKS * LOOKS).map(|look| (centre.0 + offset(look % LOOKS), centre.1 + offset(look / LOOKS)));
+        // The rim of the cap is where a level sonar hears best, and its band is narrower than what lies between two looks.
+        let rim = rim(sonar, measured, centre).filter(|(x, y)| partition.place(*x, *y) == place);
+        within
+            .chain(rim)
+            .filter_map(|(x, y)| {
                 let shadow = model.shadow(sonar, measured, x, y, side)?;
                 Some(Activation { place, slot, weight: shadow.membership, x, y, height: shadow.height })
             })
             .max_by(|a, b| a.weight.total_cmp(&b.weight))
     };
     partition.places_around(sonar.origin.x, sonar.origin.y, measured).filter_map(look_at).collect()
+}
+
+/// The point of the plane that is as far from a sonar as it measured, towards a place; `None` where that is at the sonar.
+fn rim(sonar: &SonarPose, measured: f64, (x, y): (f64, f64)) -> Option<(f64, f64)> {
+    let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
+    let length = math::hypot(dx, dy);
+    // A little less: on the rim itself rounding decides whether the cap is met.
+    let scale = measured * (1.0 - 1e-9) / length;
+    (length > 0.0).then(|| (sonar.origin.x + scale * dx, sonar.origin.y + scale * dy))
 }
 
 /// The surface.

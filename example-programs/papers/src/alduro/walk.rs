@@ -31,6 +31,8 @@ const OBSTACLE: f64 = 0.5;
 const CLEARANCE: f64 = 2.0;
 /// The goal is reached when the robot's true place is as near, m.
 const ARRIVED: f64 = 1.0;
+/// Height of the fence around the terrain, m.
+const FENCE: f64 = 1.0;
 /// Cells in which A* searches, m.
 const CELL: f64 = 0.2;
 /// A walk is given so long, s.
@@ -80,9 +82,9 @@ pub fn add(job: &Job, page: &mut Page, terrains: usize) -> anyhow::Result<()> {
     page.heading("The walk from (1, 5) to (9, 1)");
     page.text(format!(
         "The map's unit is {UNIT} m (our choice, the paper gives none). {terrains} random terrains of {0} m x {0} m; {without} others were left out, on which A* on the \
-         true heights found no path that keeps {CLEARANCE} m from the robot's middle to everything above {OBSTACLE} m. All errors are those of `real`. The operator on board \
-         sees the goal: its bearing to whole degrees and its distance come from the true pose; map and planner know odometry, legs and sonars alone. Where the way to the \
-         goal is blocked on the local map, the free direction next to it is taken, on the side on which the obstacle is being passed.",
+         true heights found no path that keeps {CLEARANCE} m from the robot's middle to everything above {OBSTACLE} m; a fence stands around each. All errors are those of `real`. The operator on board \
+         sees the goal: its bearing to whole degrees and its distance come from the true pose; map and planner know odometry, legs and sonars alone. The direction is that \
+         of the cheapest way over the local map, on which room is dear.",
         SIDE * UNIT
     ));
     page.text(
@@ -171,6 +173,7 @@ fn scene(terrain: &Terrain, robi: &str) -> String {
     let (start, goal) = (START * UNIT, GOAL * UNIT);
     let heading = mapping::math::atan2(goal.y - start.y, goal.x - start.x).to_degrees();
     let mut text = format!("[scene]\nuntil_s = {UNTIL_S}\n\n{}\n", terrain.world());
+    text.push_str(&fence());
     // Writing to a string cannot fail.
     let _ = write!(
         text,
@@ -182,6 +185,17 @@ fn scene(terrain: &Terrain, robi: &str) -> String {
         start.y * 1e3
     );
     text
+}
+
+/// Walls around the terrain: beyond it there is nothing that a sonar could hear.
+fn fence() -> String {
+    let side = SIDE * UNIT * 1e3;
+    let corners = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]];
+    let wall = |index: usize| {
+        let ([x0, y0], [x1, y1]) = (corners[index], corners[(index + 1) % corners.len()]);
+        format!("[[world.wall]]\nfrom_mm = [{x0}, {y0}]\nto_mm = [{x1}, {y1}]\nheight_mm = {}\n\n", FENCE * 1e3)
+    };
+    (0..corners.len()).map(wall).collect()
 }
 
 fn walk(job: &Job, ways: &[Way], robi: &str) -> anyhow::Result<Vec<Walk>> {
