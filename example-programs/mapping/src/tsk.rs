@@ -133,7 +133,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             order: Order::Zero,
-            fusion: Fusion::Cells { above: 0.03 },
+            fusion: Fusion::Cells { above: 0.003 },
             height: 0.0,
             height_sigma: 1.0,
             slope_sigma: 0.5,

@@ -82,8 +82,9 @@ fn draw(
          <rect x=\"{left}\" y=\"{top}\" width=\"{size}\" height=\"{size}\" fill=\"none\" stroke=\"#444\"/>",
         top - 5.0
     );
-    for part in 0..=4 {
-        let share = part as f64 / 4.0;
+    // Fifths of 10 and of 40 m are whole numbers.
+    for part in 0..=5 {
+        let share = part as f64 / 5.0;
         let (value, x, y) = (share * side, left + share * size, top + (1.0 - share) * size);
         let _ = writeln!(
             svg,

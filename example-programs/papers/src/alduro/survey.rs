@@ -56,7 +56,8 @@ enum Method {
     Grid { is_likeliest: bool },
 }
 
-const CELLS: Fusion = Fusion::Cells { above: 0.03 };
+/// Of 0.03, 0.01, 0.003 and 0.001 the share that is good with few readings and with many.
+const CELLS: Fusion = Fusion::Cells { above: 0.003 };
 const METHODS: [(Method, &str); 7] = [
     (Method::Tsk(Order::Zero, CELLS), "TSK constants"),
     (Method::Tsk(Order::One, CELLS), "TSK planes"),
@@ -152,7 +153,7 @@ pub fn add(job: &Job, page: &mut Page, terrains: usize) -> anyhow::Result<()> {
          and r exchanged; both are put right here."
     ));
     page.text(
-        "TSK in the two first rows: one equation for each rule that a reading activates, in which what would raise the ground counts 3 %: the ground touches the \
+        "TSK in the two first rows: one equation for each rule that a reading activates, in which what would raise the ground counts 0.3 %: the ground touches the \
          cap of a reading somewhere and lies below it everywhere else. `Symmetric` leaves that out. `Eq. 3 as it stands` has one equation a reading, of the \
          average over all its cells: a wide beam hears the nearest thing, not the average, and what the average leaves open goes to the noise.",
     );
@@ -399,12 +400,14 @@ fn claims(scores: &[Score]) -> Vec<Claim> {
     ));
     let joint = [5, 6].map(|method| scores.iter().find(|s| (s.method, s.cells, s.thinned) == (method, 12, all)));
     if let [Some(constants), Some(planes)] = joint {
+        let is_slower = planes.time > 1.5 * constants.time;
         claims.push(claim(
             "4",
             "planes are much slower than constants, since the matrices grow with the number of parameters",
-            "time a reading of 12 x 12 rules estimated together, planes over constants".to_owned(),
-            format!("{:.1}", planes.time / constants.time),
-            planes.time > 1.5 * constants.time,
+            "time a reading of 12 x 12 rules estimated together, planes against constants".to_owned(),
+            // Times are not the same in every run, tables are.
+            format!("{} than 1.5 times", if is_slower { "more" } else { "no more" }),
+            is_slower,
             Weight::Told,
         ));
     }
