@@ -33,16 +33,19 @@ const RING_HEIGHT: f64 = 0.6;
 const CORNER_HEIGHT: f64 = 1.2;
 /// How far from the middle those sit that look around, m.
 const RING: f64 = 0.8;
-/// They look up by as much, so that they hear neither level ground nor what a step overcomes, rad.
+/// They look up by as much, so that they do not hear level ground, rad.
 const RING_PITCH: f64 = 25.0 / 180.0 * PI;
 /// Where those sit that look down, m ahead of and beside the middle.
 const CORNER: (f64, f64) = (1.5, 0.9);
 
-/// Radius of a circle about the middle within which feet, legs and body stay, m. What is high has outlines on the map that are about a cell
-/// too wide, which is margin enough.
+/// The room about the middle that the operator asks for, m. Feet reach out to 1.5 m ahead and behind, with corrections to 1.9 m; what is high
+/// has outlines on the map that are about a cell (0.5 m) too wide.
 pub const RADIUS: f64 = 1.6;
 
 /// The sonar with this number, counted from 0.
+///
+/// # Panics
+/// From [`SONARS`] on.
 pub fn mount(number: usize) -> Mount {
     if number < AROUND {
         let yaw = number as f64 * 2.0 * PI / AROUND as f64;
@@ -50,7 +53,7 @@ pub fn mount(number: usize) -> Mount {
         return Mount { place, yaw, pitch: RING_PITCH };
     }
     let (x, y) = CORNER;
-    let [x, y] = [[x, y], [x, -y], [-x, y], [-x, -y]][number % 4];
+    let [x, y] = [[x, y], [x, -y], [-x, y], [-x, -y]][number - AROUND];
     Mount { place: Vector3::new(x, y, CORNER_HEIGHT), yaw: 0.0, pitch: -FRAC_PI_2 }
 }
 
@@ -64,5 +67,38 @@ impl Pose {
     /// Where a sonar is.
     pub fn sonar(&self, mount: &Mount) -> SonarPose {
         SonarPose::new(self.place(&mount.place), self.ground.heading + mount.yaw, mount.pitch)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use toml::Value;
+
+    use super::*;
+    use crate::SHANK;
+
+    #[test]
+    fn the_robis_have_what_the_program_knows() {
+        for name in ["alduro", "alduro-wheels"] {
+            let path = format!("{}/../../robis/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+            let robi: toml::Table = std::fs::read_to_string(&path).unwrap().parse().unwrap();
+            let number = |table: &Value, key: &str| {
+                let value = table.get(key).unwrap_or(&Value::Integer(0));
+                value.as_float().unwrap_or_else(|| value.as_integer().unwrap() as f64)
+            };
+            let sonars = robi["sonar"].as_array().unwrap();
+            assert_eq!(sonars.len(), SONARS);
+            for sonar in sonars {
+                let mount = mount(number(sonar, "id") as usize - 1);
+                let place = ["x_mm", "y_mm", "z_mm"].map(|key| number(sonar, key) / 1e3);
+                assert!((mount.place - Vector3::from(place)).norm() < 1e-3, "{path}: {sonar} is at {mount:?}");
+                let turn = math::sin((mount.yaw - number(sonar, "yaw_deg").to_radians()) / 2.0);
+                let tilt = mount.pitch - number(sonar, "pitch_deg").to_radians();
+                assert!(turn.abs() < 1e-9 && tilt.abs() < 1e-9, "{path}: {sonar} looks to {mount:?}");
+            }
+            for leg in robi["leg"].as_array().unwrap() {
+                assert_eq!(number(leg, "shank_mm"), SHANK * 1e3, "{path}");
+            }
+        }
     }
 }

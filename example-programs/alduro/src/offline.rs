@@ -135,7 +135,7 @@ impl Ground {
     }
 }
 
-/// Places of the robot where nothing high should be, m ahead of and to the left of its middle: as far as feet come, and more.
+/// Places of the robot where nothing high should be, m ahead of and to the left of its middle: about as far as feet come.
 const UNDER: [(f64, f64); 9] =
     [(0.0, 0.0), (1.5, 1.0), (1.5, 0.0), (1.5, -1.0), (0.0, 1.0), (0.0, -1.0), (-1.5, 1.0), (-1.5, 0.0), (-1.5, -1.0)];
 
@@ -146,22 +146,23 @@ struct Outcome {
     left: f64,
 }
 
-/// A walk with 1 % of the echoes lost, 0.5 % of error and a heading that odometry does not know.
+/// A walk with 1 % of the echoes lost, 0.5 % of error, and a heading that drifts without the odometry's knowledge.
 fn walk(ground: &Ground, numbers: &mut Numbers) -> Outcome {
     let mut planner = Planner::new(0.0);
-    let mut pose = Pose { ground: pose::Pose { position: START, heading: 0.0 }, lift: 0.0 };
+    let mut truth = Pose { ground: pose::Pose { position: START, heading: 0.0 }, lift: 0.0 };
+    let mut believed = truth;
     let mut outcome = Outcome { length: 0.0, under: 0.0, left: 36.0 };
     let feet = [(1.2, 0.8), (1.2, -0.8), (-1.2, 0.8), (-1.2, -0.8)];
     for _ in 0..1200 {
         let readings: Vec<Reading> = (0..SONARS)
             .map(|sonar| {
-                let distance = heard(&ground.0, &pose.sonar(&body::mount(sonar)));
+                let distance = heard(&ground.0, &truth.sonar(&body::mount(sonar)));
                 let distance = distance.filter(|_| numbers.next() > 0.01).map(|d| d * (1.0 + 0.005 * numbers.normal()));
-                Reading { sonar, pose, distance }
+                Reading { sonar, pose: believed, distance }
             })
             .collect();
         planner.observe(&readings);
-        let way = GOAL - pose.ground.position;
+        let way = GOAL - truth.ground.position;
         outcome.left = way.norm();
         if outcome.left < 0.5 {
             break;
@@ -171,12 +172,16 @@ fn walk(ground: &Ground, numbers: &mut Numbers) -> Outcome {
             tip: Vector3::new(x, y, 0.0),
             is_in_the_air: true,
         });
-        let orders = planner.plan(&pose, math::atan2(way.y, way.x), outcome.left, &legs);
-        pose.ground.position += 0.25 * rotated(orders.velocity, pose.ground.heading);
-        pose.ground.heading += 0.25 * orders.turn + 0.004 * numbers.normal();
+        let bearing = math::atan2(way.y, way.x) - truth.ground.heading;
+        let orders = planner.plan(&believed, believed.ground.heading + bearing, outcome.left, &legs);
+        for pose in [&mut truth.ground, &mut believed.ground] {
+            pose.position += 0.25 * rotated(orders.velocity, pose.heading);
+            pose.heading += 0.25 * orders.turn;
+        }
+        truth.ground.heading += 0.004 * numbers.normal();
         outcome.length += 0.25 * orders.velocity.norm();
         for (x, y) in UNDER {
-            let place = pose.ground.position + rotated(Vector2::new(x, y), pose.ground.heading);
+            let place = truth.ground.position + rotated(Vector2::new(x, y), truth.ground.heading);
             outcome.under = outcome.under.max(ground.height(place));
         }
     }

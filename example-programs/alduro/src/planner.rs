@@ -17,16 +17,19 @@ use crate::perception::{self, Heights};
 const CELL: f64 = 0.5;
 /// How far the map reaches to every side, m: twice as far as the sonars, or the robot would forget why it turned back.
 const REACH: f64 = 14.0;
-/// What a step overcomes and what not, m. A ring of sonars at 0.6 m tells no more of what is higher.
+/// Estimated heights of what a step overcomes and of what it does not, m. Rocks come out lower than they are: a ring of sonars at 0.6 m tells
+/// no more of what is higher, and the surface blunts it.
 const HEIGHTS: Heights = Heights { low: (0.08, 0.2), high: (0.2, 0.4) };
 /// The operator keeps away from a point whose membership in `high` is as much.
 const BLOCKS: f64 = 0.5;
-/// To both sides of its line of sight a sonar surely hears what is high, rad: half of what lies between two of them, and a little.
+/// To both sides of its line of sight a sonar surely hears what is high, rad: a little less than half of what lies between two of them. What is
+/// between is cleared when the robot has gone on.
 const CLEAR_ANGLE: f64 = 12.0 / 180.0 * PI;
 /// Up to so far it surely does, m; and so far if it hears nothing at all, which may be a mistake.
 const SURE: f64 = 3.5;
 const SILENT: f64 = 2.0;
-/// What is lower than this the sonars that look around do not hear, m.
+/// What is lower than this the sonars that look around do not hear, m: what they clear comes down to it, and so to the border of what blocks. A doubt
+/// is left of what has echoed once.
 const UNHEARD: f64 = 0.3;
 /// l_max of Eq. 4, m from a shank.
 const HIGH_REACH: f64 = 1.6;
@@ -46,8 +49,9 @@ const LIFT: f64 = 0.4;
 const SPEED: f64 = 0.3;
 /// Least speed, m/s, however near something high is: slowly it may still find out that nothing is there.
 const LEAST_SPEED: f64 = 0.06;
-/// The heading is held with so many rad/s for each rad.
+/// The first heading is held with so many rad/s for each rad, and with no more than so many rad/s.
 const HEADING_GAIN: f64 = 0.8;
+const TURN: f64 = 0.1;
 
 /// A leg as it is now, in the frame of the robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,12 +91,15 @@ pub struct Planner {
     map: LocalMap,
     /// The heading that is held, rad.
     heading: f64,
+    /// The last order, in the frame of the odometry, m/s.
     velocity: Vector2<f64>,
 }
 
 impl Planner {
     /// Knows nothing yet; will hold `heading`, rad.
     pub fn new(heading: f64) -> Self {
+        // Not the most exact surface but one that rises quickly where something may stand: a rock ahead is heard some times only before the robot is
+        // there. Odometry drifts, so what is old is forgotten.
         let settings = Settings {
             order: Order::Zero,
             fusion: Fusion::Cells { above: 0.3 },
@@ -149,7 +156,7 @@ impl Planner {
             .collect();
         self.velocity = limited(wanted + too_much * BODY_GAIN, SPEED);
         let heading = pose.ground.heading;
-        let turn = (HEADING_GAIN * pose::wrapped(self.heading - heading)).clamp(-0.1, 0.1);
+        let turn = (HEADING_GAIN * pose::wrapped(self.heading - heading)).clamp(-TURN, TURN);
         Orders { velocity: rotated(self.velocity, -heading), turn, corrections }
     }
 
@@ -181,4 +188,64 @@ impl Planner {
 fn limited(vector: Vector2<f64>, most: f64) -> Vector2<f64> {
     let length = vector.norm();
     if length > most { vector * (most / length) } else { vector }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use mapping::pose::Pose as Planar;
+
+    use super::*;
+
+    /// Where the odometry's x axis is to the robot's right.
+    fn pose() -> Pose {
+        Pose { ground: Planar::new(5.0, 2.0, FRAC_PI_2), lift: 0.1 }
+    }
+
+    fn leg(is_in_the_air: bool) -> LegState {
+        LegState { shank: Vector3::new(1.0, 0.5, 0.6), tip: Vector3::new(1.0, 0.5, 0.1), is_in_the_air }
+    }
+
+    /// A patch of the map at a place of the robot's frame.
+    fn patch(x: f64, y: f64, z: f64) -> Patch {
+        let place = pose().place(&Vector3::new(x, y, z));
+        Patch { x: place.x, y: place.y, z: place.z, sigma: 0.1 }
+    }
+
+    #[test]
+    fn a_foothold_goes_away_from_what_is_high_and_the_body_takes_the_rest() {
+        let (correction, rest) = Planner::new(0.0).correct(&pose(), &leg(false), &[patch(1.0, 1.3, 0.8)]);
+        // P_H is (1.6 - 0.8) / 1.6 = 1/2 to the left: 0.3 m to the right, of which the leg takes 0.2 m.
+        assert!((correction - Vector3::new(0.0, -LEG_LIMIT, 0.0)).norm() < 1e-12, "{correction}");
+        assert!((rest - Vector2::new(0.1, 0.0)).norm() < 1e-12, "to the robot's right: {rest}");
+        let (correction, rest) = Planner::new(0.0).correct(&pose(), &leg(false), &[patch(1.0, 1.9, 0.8)]);
+        assert!((correction - Vector3::new(0.0, -0.075, 0.0)).norm() < 1e-12, "{correction}");
+        assert!(rest.norm() < 1e-12, "{rest}");
+    }
+
+    #[test]
+    fn a_foot_in_the_air_is_lifted_over_what_is_low() {
+        let low = [patch(1.5, 0.5, 0.19), patch(1.0, 0.5, 0.0)];
+        let (correction, rest) = Planner::new(0.0).correct(&pose(), &leg(true), &low);
+        assert!(correction.z > 0.1 && correction.xy().norm() == 0.0, "{correction}");
+        assert_eq!(rest, Vector2::zeros());
+        assert_eq!(Planner::new(0.0).correct(&pose(), &leg(false), &low).0, Vector3::zeros(), "on the ground");
+    }
+
+    #[test]
+    fn a_phantom_is_cleared_down_to_the_border_of_what_blocks() {
+        let mut planner = Planner::new(0.0);
+        let pose = Pose { ground: Planar::new(0.0, 0.0, 0.0), lift: 0.0 };
+        let reading = |distance| Reading { sonar: 0, pose, distance };
+        let height = |planner: &Planner| planner.map.height(2.3, 0.1).unwrap();
+        for _ in 0..20 {
+            planner.observe(&[reading(Some(1.5))]);
+        }
+        assert!(height(&planner) > 0.5, "{}", height(&planner));
+        for _ in 0..40 {
+            planner.observe(&[reading(Some(5.0))]);
+        }
+        assert!((height(&planner) - UNHEARD).abs() < 0.02, "{}", height(&planner));
+    }
 }

@@ -397,6 +397,22 @@ mod tests {
         SonarPose::new(Vector3::new(x, y, 2.0), 0.0, -FRAC_PI_2)
     }
 
+    /// Its band behind the rim is 2 cm wide here, less than what lies between two looks.
+    #[test]
+    fn a_level_sonar_is_heard_on_the_rim_of_its_cap() {
+        let partition = Partition { cell: 0.5, columns: 12, rows: 3, low: (0, -1) };
+        for (pitch, weight) in [(0.0, 1.0), (0.436, 0.32)] {
+            let sonar = SonarPose::new(Vector3::new(0.1, 0.25, 0.6), 0.0, pitch);
+            for measured in [1.97, 2.03, 2.16] {
+                let model = SonarModel { least: 0.25, ..SonarModel::srf08() };
+                let found = activations(&partition, &model, &sonar, measured, Side::Lower);
+                let ahead = found.iter().find(|one| one.place == (4, 0)).expect("the cell of the echo");
+                assert!((ahead.weight - weight).abs() < 0.01, "{measured}: {ahead:?}");
+                assert!((ahead.height - 0.6).abs() < 1e-3, "{measured}: {ahead:?}");
+            }
+        }
+    }
+
     #[test]
     fn places_have_slots_that_stay_when_the_partition_moves() {
         let before = partition();

@@ -25,7 +25,7 @@ const GOAL: DVec2 = DVec2::new(9.0, 1.0);
 const SIDE: f64 = 10.0;
 /// One in so many walks may fail.
 const MAY_FAIL: usize = 20;
-/// What is higher than this is an obstacle, m: a step overcomes what is lower.
+/// What is higher than this is an obstacle to A*, m.
 const OBSTACLE: f64 = 0.5;
 /// Clearance around the middle of the robot that a path needs, m.
 const CLEARANCE: f64 = 2.0;
@@ -55,8 +55,8 @@ struct Walk {
     length: f64,
     /// From the goal at the end, m.
     left: f64,
-    /// Parts that touched the terrain.
-    touches: Vec<String>,
+    /// How often a part touched the terrain.
+    touches: usize,
     contacts: usize,
     time: f64,
 }
@@ -67,7 +67,7 @@ impl Walk {
     }
 
     fn is_untouched(&self) -> bool {
-        self.touches.is_empty() && self.contacts == 0
+        self.touches == 0 && self.contacts == 0
     }
 }
 
@@ -83,7 +83,7 @@ pub fn add(job: &Job, page: &mut Page, terrains: usize) -> anyhow::Result<()> {
     page.text(format!(
         "The map's unit is {UNIT} m (our choice, the paper gives none). {terrains} random terrains of {0} m x {0} m; {without} others were left out, on which A* on the \
          true heights found no path that keeps {CLEARANCE} m from the robot's middle to everything above {OBSTACLE} m; a fence stands around each. All errors are those of `real`. The operator on board \
-         sees the goal: its bearing to whole degrees and its distance come from the true pose; map and planner know odometry, legs and sonars alone. The direction is that \
+         sees the goal: its bearing to whole degrees and its distance come from the true pose; map and planner know odometry, sonars and what the legs tell, their height above the floor among it. The direction is that \
          of the cheapest way over the local map, on which room is dear.",
         SIDE * UNIT
     ));
@@ -99,7 +99,8 @@ pub fn add(job: &Job, page: &mut Page, terrains: usize) -> anyhow::Result<()> {
         place: "5".to_owned(),
         paper: "the robot reaches the target and avoids what is in its way, on many unstructured terrains".to_owned(),
         ours: format!(
-            "reached on {arrived} of {terrains}, within {ARRIVED} m; without a touch of shanks, thighs or body"
+            "reached on {arrived} of {terrains}, within {ARRIVED} m; without a touch of shanks, thighs or body, on at least {}",
+            terrains - terrains / MAY_FAIL
         ),
         number: format!("{both} of {terrains}"),
         holds: both >= terrains - terrains / MAY_FAIL,
@@ -120,7 +121,7 @@ fn add_wheels(job: &Job, page: &mut Page) -> anyhow::Result<()> {
         ours: format!(
             "the same program, wheels behind, relief of 0.1 m between boulders: {}, {} touches",
             if walk.has_arrived() { "arrives" } else { "does not arrive" },
-            walk.touches.len() + walk.contacts
+            walk.touches + walk.contacts
         ),
         number: format!("{:.1} m, {:.0} s", walk.length, walk.time),
         holds: walk.has_arrived() && walk.is_untouched(),
@@ -211,11 +212,11 @@ fn walk(job: &Job, ways: &[Way], robi: &str) -> anyhow::Result<Vec<Walk>> {
 
 fn outcome(trace: &Trace) -> anyhow::Result<Walk> {
     let mut path = vec![(START.x * UNIT, START.y * UNIT)];
-    let (mut touches, mut contacts, mut time) = (Vec::new(), 0, trace.end);
+    let (mut touches, mut contacts, mut time) = (0, 0, trace.end);
     for entry in trace.of_robot(1) {
         match &entry.event {
             Event::Pose { x_m, y_m, .. } => path.push((*x_m, *y_m)),
-            Event::Touch { fields } => touches.push(serde_json::Value::Object(fields.clone()).to_string()),
+            Event::Touch { .. } => touches += 1,
             Event::Contact { .. } => contacts += 1,
             Event::ProgramEnded { .. } => time = entry.at,
             _ => {}
@@ -239,7 +240,7 @@ fn table(ways: &[Way], walks: &[Walk]) -> Table {
             format!("{:.2}", walk.length / way.length),
             format!("{:.0}", walk.time),
             format!("{:.1}{}", walk.left, if walk.has_arrived() { "" } else { " not reached" }),
-            (walk.touches.len() + walk.contacts).to_string(),
+            (walk.touches + walk.contacts).to_string(),
         ]);
     }
     table
@@ -267,7 +268,8 @@ fn figure(ways: &[Way], walks: &[Walk]) -> anyhow::Result<Figure> {
         label: "Figure 4".to_owned(),
         caption: format!(
             "Paths of the robot (red) and of A* (white) from (1, 5) to (9, 1) over the terrains on which the robot went farthest; axes in m, {UNIT} m a unit of the \
-             paper's map. A* goes along eight directions, so that its paths are up to 8 % longer than need be."
+             paper's map. A* goes along eight directions and keeps its clearance everywhere, \
+             the robot passes nearer where it must: its path may be the shorter one."
         ),
         claim: "The robot finds its way by its local map; mean length against A*, which knows the terrain".to_owned(),
         number: format!("{mean:.2}"),
