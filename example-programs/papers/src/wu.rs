@@ -77,8 +77,9 @@ pub fn run(job: &Job) -> anyhow::Result<Page> {
     Ok(page)
 }
 
+/// A share in percent; `-` for that of nothing.
 fn percent(share: f64) -> String {
-    format!("{:.1} %", 100.0 * share)
+    if share.is_nan() { "-".to_owned() } else { format!("{:.1} %", 100.0 * share) }
 }
 
 fn claim(place: &str, paper: &str, ours: &str, number: String, holds: bool, weight: Weight) -> Claim {
