@@ -33,7 +33,7 @@ impl Doc {
     /// Puts the tables of a paper into their places.
     ///
     /// # Errors
-    /// As for [`Doc::places`].
+    /// No place for the claims; a place for a table that the paper does not have, or without an end.
     pub fn set(&mut self, paper: &str, page: &Page) -> anyhow::Result<()> {
         // From the last to the first, so that those that follow stay where they are.
         for (place, table) in self.places(paper, page)?.into_iter().rev() {
@@ -45,7 +45,7 @@ impl Doc {
     /// The lines in which the tables of a paper differ from what stands in their places, a message each.
     ///
     /// # Errors
-    /// As for [`Doc::places`].
+    /// No place for the claims; a place for a table that the paper does not have, or without an end.
     pub fn differences(&self, paper: &str, page: &Page) -> anyhow::Result<Vec<String>> {
         let path = self.path.display();
         let mut differences = Vec::new();
