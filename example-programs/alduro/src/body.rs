@@ -27,7 +27,7 @@ pub struct Pose {
 pub const SONARS: usize = 16;
 /// Those that look around; the others look down at the corners.
 const AROUND: usize = 12;
-/// Height of those that look around, m: a little more than what a step overcomes.
+/// Height of those that look around, m: as high as a foot is lifted at most.
 const RING_HEIGHT: f64 = 0.6;
 /// Height of those that look down, m.
 const CORNER_HEIGHT: f64 = 1.2;

@@ -4,7 +4,7 @@
 //!
 //! Arguments `X Y`: the goal in the world, in metres. The operator on board sees it and says in which direction it lies, to whole
 //! degrees, and when it is reached: the direction comes from the true pose, for odometry is lost after tens of metres. The map and
-//! all else know odometry, legs and sonars alone.
+//! all else know odometry, sonars and what the legs tell.
 
 mod body;
 #[cfg(test)]

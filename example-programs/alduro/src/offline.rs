@@ -141,7 +141,7 @@ const UNDER: [(f64, f64); 9] =
 
 struct Outcome {
     length: f64,
-    /// The highest that stood there, m.
+    /// The highest that stood at those places, m.
     under: f64,
     left: f64,
 }

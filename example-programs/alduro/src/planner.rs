@@ -138,18 +138,18 @@ impl Planner {
 
     /// What to do now, for a goal that is `distance` m away to `bearing` (rad, in the frame of the odometry).
     pub fn plan(&mut self, pose: &Pose, bearing: f64, distance: f64, legs: &[LegState]) -> Orders {
-        let is_high = self.map.grid(|patch| HEIGHTS.high(patch.z - pose.lift) >= BLOCKS);
+        let patches = self.map.grid();
+        let is_high = patches.map(|patch| HEIGHTS.high(patch.z - pose.lift) >= BLOCKS);
         let goal = pose.ground.position + direction(bearing) * distance;
         let command = operator::look(&is_high, pose.ground.position, goal, body::RADIUS);
         let speed = (SPEED * command.room / body::RADIUS).clamp(LEAST_SPEED, SPEED).min(distance);
         let wanted = direction(command.direction) * speed;
 
-        let patches: Vec<Patch> = self.map.patches().collect();
         let mut too_much = Vector2::zeros();
         let corrections = legs
             .iter()
             .map(|leg| {
-                let (correction, rest) = self.correct(pose, leg, &patches);
+                let (correction, rest) = self.correct(pose, leg, patches.values());
                 too_much += rest;
                 correction
             })

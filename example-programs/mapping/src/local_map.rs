@@ -103,14 +103,14 @@ impl LocalMap {
         })
     }
 
-    /// The map as a grid of what `value` makes of its cells, in the frame of the odometry.
-    pub fn grid<T>(&self, value: impl Fn(&Patch) -> T) -> Grid<T> {
+    /// All cells as a grid in the frame of the odometry.
+    pub fn grid(&self) -> Grid<Patch> {
         let partition = *self.tsk.partition();
         let (column, row) = partition.low;
         let origin = Point::new(column as f64 * partition.cell, row as f64 * partition.cell);
         let frame = Frame::new(origin, partition.cell, partition.columns, partition.rows);
         let patches: Vec<Patch> = self.patches().collect();
-        Grid::from_fn(frame, |cell| value(&patches[cell.row * partition.columns + cell.column]))
+        Grid::from_fn(frame, |cell| patches[cell.row * partition.columns + cell.column])
     }
 
     /// The surface.
@@ -140,7 +140,8 @@ mod tests {
         assert!((height - 0.6).abs() < 0.1, "{height}");
         map.follow(9.4, -3.2);
         assert_eq!(map.height(11.1, -2.9), Some(height), "the same cell");
-        assert_eq!(map.grid(|patch| patch.z).at(Point::new(11.1, -2.9)), Some(&height), "in the grid too");
+        let patch = *map.grid().at(Point::new(11.1, -2.9)).unwrap();
+        assert_eq!((patch.x, patch.y, patch.z), (11.25, -2.75, height), "in the grid too");
         map.follow(7.0, -3.2);
         assert_eq!(map.height(11.1, -2.9), None, "fell out");
         map.follow(10.1, -3.2);

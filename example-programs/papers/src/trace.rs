@@ -80,11 +80,8 @@ pub enum Event {
         x_m: f64,
         y_m: f64,
     },
-    /// A leg or the body touches something; all fields as the trace has them.
-    Touch {
-        #[serde(flatten)]
-        fields: serde_json::Map<String, serde_json::Value>,
-    },
+    /// A leg or the body touches something.
+    Touch,
     Stdout {
         text: String,
     },

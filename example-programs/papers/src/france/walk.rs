@@ -295,8 +295,7 @@ impl Truth {
         let footfalls = trace
             .of_robot(ROBOT)
             .filter(|entry| matches!(&entry.event, Event::Footfall { leg, .. } if Some(leg) == foot.as_ref()));
-        let touches =
-            trace.entries.iter().filter(|entry| matches!(entry.event, Event::Contact { .. } | Event::Touch { .. }));
+        let touches = trace.entries.iter().filter(|entry| matches!(entry.event, Event::Contact { .. } | Event::Touch));
         let end = moments.last().map_or(0.0, |moment| moment.pose.position.x - self.start.position.x);
         Ok(Walk {
             samples,
