@@ -167,6 +167,23 @@ test("a sensor that is switched off sees nothing", { skip }, async () => {
     await control("sensor-PSD_FRONT").check();
     await heard.until("it is on", () => isOn() && heard.reading(KEYS, "PSD_FRONT").value !== null);
   }
+  // Twice at once: it stays as it was put last, whatever states come in between.
+  const seen = await control("sensor-PSD_FRONT").evaluate((box) => {
+    const seen = new Set();
+    const end = performance.now() + 500;
+    box.click();
+    box.click();
+    return new Promise((resolve) => {
+      const look = () => {
+        seen.add(box.checked);
+        if (performance.now() < end) requestAnimationFrame(look);
+        else resolve([...seen]);
+      };
+      look();
+    });
+  });
+  assert.deepEqual(seen, [true]);
+  await heard.until("it is on", () => isOn() && heard.reading(KEYS, "PSD_FRONT").value !== null);
 });
 
 test("RoBIOS calls are listed while somebody looks, filtered and copied", { skip }, async () => {

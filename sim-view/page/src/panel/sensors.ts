@@ -5,7 +5,7 @@ import type { Model } from "../model";
 import { section, setText, whileOpen } from "./control";
 import { act, onRights, whyNot } from "./notice";
 
-/** An answer may come before the state that it speaks of: for so long a switch stays where it was put. */
+/** Until the state agrees, which may be after the answer, a switch stays where it was put: for so long. */
 const HOLDS_MS = 1000;
 
 export function sensorsPanel(model: Model): HTMLElement {
@@ -13,6 +13,7 @@ export function sensorsPanel(model: Model): HTMLElement {
   const none = element("p", { className: "muted" });
   const panel = section("Sensors on and off", "sensors-panel", false, [none, list]);
   const boxes = new Map<string, HTMLInputElement>();
+  const held = new Map<HTMLInputElement, ReturnType<typeof setTimeout>>();
   let key = "";
   const soon = whileOpen(panel, draw);
   for (const topic of ["detail", "chosen"] as const) model.subscribe(topic, soon);
@@ -29,8 +30,7 @@ export function sensorsPanel(model: Model): HTMLElement {
     const why = whyNot(model);
     for (const { name, is_on } of sensors) {
       const box = boxes.get(name);
-      if (box?.checked === is_on) delete box.dataset["waits"];
-      else if (box && !box.dataset["waits"]) box.checked = is_on;
+      if (box && !held.has(box)) box.checked = is_on;
     }
     for (const box of boxes.values()) {
       box.disabled = why !== "";
@@ -53,14 +53,16 @@ export function sensorsPanel(model: Model): HTMLElement {
 
   async function change(sensor: string, box: HTMLInputElement): Promise<void> {
     if (model.chosen === null) return;
-    box.dataset["waits"] = "1";
-    const on = box.checked;
-    const isDone = await act(model, { do: "switch_sensor", robot: model.chosen, sensor, on });
     const release = () => {
-      delete box.dataset["waits"];
+      clearTimeout(held.get(box));
+      held.delete(box);
       soon();
     };
-    if (isDone) setTimeout(release, HOLDS_MS);
-    else release();
+    clearTimeout(held.get(box));
+    const timer = setTimeout(release, HOLDS_MS);
+    held.set(box, timer);
+    const isDone = await act(model, { do: "switch_sensor", robot: model.chosen, sensor, on: box.checked });
+    // What was switched again meanwhile is held for that.
+    if (!isDone && held.get(box) === timer) release();
   }
 }
