@@ -14,6 +14,7 @@ pub mod noise;
 pub mod object;
 pub mod pose;
 pub mod radio;
+pub mod record;
 pub mod scene;
 pub mod sensor;
 pub mod time;

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use parking_lot::Mutex;
 use serde_json::Value;
 use sim_core::format::{Loaded, SceneSpec, load_scene};
+use sim_core::record::{Action, KindSet, Outcome, Recorder};
 use sim_core::time::Time;
 use sim_host::executive::gate::{Boundary, Gate, Intervention, Pass};
 use sim_host::executive::program::Exec;
@@ -15,12 +16,11 @@ use sim_host::executive::thread::ThreadExecutor;
 use sim_host::files::DiskFiles;
 use sim_host::program::{Builder, Cache, Kits, SearchPath, Tools};
 use sim_host::record::trace::TraceHeader;
-use sim_host::record::{Outcome, Recorder, Trace};
+use sim_host::record::{Sinks, Trace};
 use sim_host::robios::cost::Costs;
 use sim_host::scenery::LazyScenery;
 use sim_host::setup::{Programs, RobotOptions};
 use sim_host::workshop::Workshop;
-use sim_view::protocol::Action;
 
 const ROBI: &str = "diameter 200\nspeed 600\nturn 300\npsd PSD_FRONT -200 60 0 30 0\ncamera 0 0 80 0 0 80 60\n\
                     wheel 54 3600 1100 90\n\
@@ -161,7 +161,8 @@ fn run((folder, scene): &(tempfile::TempDir, SceneSpec), lanes: usize, actions: 
         programs: loaded,
         workshop: Some(workshop),
         costs: Costs::default(),
-        recorder: Recorder::new(0, slot, vec![Box::new(trace)]),
+        recorder: Recorder::new(0, slot, KindSet::ALL),
+        sinks: Sinks::one(trace),
         gate: Some(Box::new(gate)),
     };
     let ended = Run::execute(parts, &limits, |_| ()).expect("a run");

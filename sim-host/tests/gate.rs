@@ -6,14 +6,13 @@ use std::sync::Arc;
 
 use parking_lot::Mutex;
 use sim_core::RobotId;
+use sim_core::record::{Action, Digest, Event, Kind, KindSet, Outcome, Record};
 use sim_core::time::Time;
 use sim_host::cli::run::{Built, Company, RunArgs};
 use sim_host::executive::conductor::End;
 use sim_host::executive::gate::{Boundary, Gate, Intervention, Pass};
 use sim_host::executive::run::Ended;
-use sim_host::record::event::KindSet;
-use sim_host::record::{Digest, Event, Kind, Outcome, Record, RecordError, Sink};
-use sim_view::protocol::Action;
+use sim_host::record::{RecordError, Sink};
 
 const WAIT: &str = r#"
 #include "eyebot.h"

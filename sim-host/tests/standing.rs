@@ -5,6 +5,7 @@ use std::process::Command;
 use std::sync::Arc;
 
 use sim_core::format::{Loaded, SceneSpec, load_scene};
+use sim_core::record::{Outcome, Recorder};
 use sim_core::time::Time;
 use sim_host::executive::conductor::End;
 use sim_host::executive::program::Exec;
@@ -13,7 +14,7 @@ use sim_host::executive::thread::ThreadExecutor;
 use sim_host::files::DiskFiles;
 use sim_host::program::{Builder, Cache, Kits, SearchPath, Tools};
 use sim_host::record::trace::TraceHeader;
-use sim_host::record::{Outcome, Recorder, Trace};
+use sim_host::record::{Sink as _, Sinks, Trace};
 use sim_host::robios::cost::Costs;
 use sim_host::setup::{Programs, RobotOptions, build_world};
 
@@ -85,9 +86,10 @@ fn run(folder: &Path, scene: &SceneSpec, lanes: usize) -> Ended {
     let header = TraceHeader { seed: 0, slot_us: slot.0, robots: Vec::new(), run: Vec::new(), inputs: Vec::new() };
     let trace = Trace::create(&folder.join("trace.jsonl"), &header).expect("a trace");
     let executor = Box::new(ThreadExecutor::new(robots.len(), programs.iter().count(), lanes));
-    let recorder = Recorder::new(0, slot, vec![Box::new(trace)]);
+    let sinks = Sinks::one(trace);
+    let recorder = Recorder::new(0, slot, sinks.interest());
     let costs = Costs::default();
-    let parts = Parts { world, robots, programs: loaded, workshop: None, executor, costs, recorder, gate: None };
+    let parts = Parts { world, robots, programs: loaded, workshop: None, executor, costs, recorder, sinks, gate: None };
     Run::execute(parts, &limits, |_| ()).expect("a run")
 }
 

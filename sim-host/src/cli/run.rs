@@ -24,8 +24,9 @@ use crate::executive::program::Exec;
 use crate::executive::run::Ended;
 use crate::files::slashed;
 use crate::program::Generation;
-use crate::record::{Outcome, Report};
+use crate::record::Report;
 use crate::setup::Debug;
+use sim_core::record::Outcome;
 
 pub use outcome::Ran;
 pub use sink::trace_header;

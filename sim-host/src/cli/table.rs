@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 
 use console::{Style, Term, measure_text_width, truncate_str};
 
-use crate::record::Outcome;
 use crate::record::log::Printable;
 use crate::record::report::{PlanarPose, Report, RobotReport};
+use sim_core::record::Outcome;
 
 /// With more robots than this, only the first and those with something to say are shown.
 const MAX_ROWS: usize = 24;
@@ -282,8 +282,8 @@ fn paint(style: Style, screen: Screen, text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::Digest;
     use crate::record::report::REPORT_SCHEMA;
+    use sim_core::record::Digest;
 
     fn robot(id: u32, outcome: Outcome) -> RobotReport {
         let lcd = ["Square", "", "", "", "", "side 4", "GO          END"].map(str::to_owned).to_vec();

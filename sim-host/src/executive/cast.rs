@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use sim_core::contact::Thing;
 use sim_core::format::ObjectSpec;
+use sim_core::record::Action;
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId, build};
-use sim_view::protocol::Action;
 
 use super::intervene::{Effect, Refusal, object_of, pose_of, present_robots, robot_of};
 use super::run::{Member, Run};

@@ -19,10 +19,10 @@ use super::intervene::{self, Effect, Refusal};
 use super::radio::Traffic;
 use super::run::Run;
 use super::signal;
-use crate::record::event::WORLD;
-use crate::record::{ActionText, Event, Journal, RecordError, Recorder};
+use crate::record::{RecordError, Sink as _, Sinks};
 use crate::robios::robot::Robot;
 use crate::robios::truth::{Placeable, Placement};
+use sim_core::record::{ActionText, Digest, Event, Journal, Recorder, WORLD};
 
 /// Who runs, who waits until when, and where the run's record goes.
 pub struct Conductor {
@@ -46,7 +46,9 @@ pub struct Conductor {
     gate: Option<Box<dyn Gate>>,
     /// Somebody has acted since the last slot: the present one is due.
     has_acted: bool,
-    recorder: Recorder<'static>,
+    recorder: Recorder,
+    /// Who wants to see the record.
+    sinks: Sinks<'static>,
     /// Where is recorded what belongs to no robot.
     journal: Journal,
     /// The movable objects have been recorded where they start.
@@ -113,7 +115,7 @@ pub struct Plan {
 
 impl Conductor {
     /// The slot loop before the first slot: all robots with programs are due at 0.
-    pub fn new(plan: &Plan, recorder: Recorder<'static>, gate: Option<Box<dyn Gate>>) -> Self {
+    pub fn new(plan: &Plan, recorder: Recorder, sinks: Sinks<'static>, gate: Option<Box<dyn Gate>>) -> Self {
         let count = plan.has_program.len();
         let ids = |has_program| {
             let robots = plan.has_program.iter().enumerate().filter(move |(_, has)| **has == has_program);
@@ -135,6 +137,7 @@ impl Conductor {
             gate,
             has_acted: false,
             recorder,
+            sinks,
             journal: Journal::new(WORLD, false),
             has_recorded_starts: false,
             traffic: Traffic::default(),
@@ -162,8 +165,15 @@ impl Conductor {
     }
 
     /// Where events go.
-    pub fn recorder(&mut self) -> &mut Recorder<'static> {
+    pub fn recorder(&mut self) -> &mut Recorder {
         &mut self.recorder
+    }
+
+    /// Completes the record at the end of the run, `time`: its digest, and what kept it from being complete.
+    pub fn finish_record(&mut self, time: Time) -> (Digest, Result<(), RecordError>) {
+        let ended = self.sinks.take_slot(&mut self.recorder, time);
+        let digest = self.recorder.digest();
+        (digest, ended.and_then(|()| self.sinks.finish(time, digest)))
     }
 
     /// Gives what is left of the world's own record to the recorder, at the very end.
@@ -446,7 +456,7 @@ impl Conductor {
             }
             self.recorder.collect(&mut robot.journal);
         }
-        self.recorder.end_slot(slot_end)
+        self.sinks.take_slot(&mut self.recorder, slot_end)
     }
 
     /// Puts a robot or an object elsewhere, at the slot's end.

@@ -1,8 +1,8 @@
 //! The door through which somebody outside paces a run, ends it or takes part in it: between two slots, while nobody runs.
 
+use sim_core::record::Action;
 use sim_core::time::Time;
 use sim_core::world::World;
-use sim_view::protocol::Action;
 
 use super::conductor::End;
 use super::intervene::Refusal;

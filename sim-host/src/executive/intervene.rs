@@ -3,15 +3,13 @@
 use sim_core::format::ParameterError;
 use sim_core::noise::Profile;
 use sim_core::pose::Pose;
+use sim_core::record::{Action, Event, Journal, WORLD};
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
-use sim_view::protocol::Action;
 
 use super::cast;
 use super::run::Run;
-use crate::record::event::WORLD;
-use crate::record::{Event, Journal};
 use crate::robios::key::{ScriptError, Touch, parse_touch};
 use crate::robios::robot::Robot;
 

@@ -19,7 +19,7 @@ use super::gate::Gate;
 use super::program::{RobotProgram, Site};
 use super::standing::{Finish, Senders, Standing};
 use super::{signal, standing, watchdog};
-use crate::record::{Digest, Outcome, Recorder};
+use crate::record::Sinks;
 use crate::robios::caller::{Call, Caller};
 use crate::robios::cost::Costs;
 use crate::robios::panel::Panel;
@@ -27,6 +27,7 @@ use crate::robios::radio;
 use crate::robios::robot::{Ending, Robot};
 use crate::robios::task::MAIN;
 use crate::workshop::Workshop;
+use sim_core::record::{Digest, Outcome, Recorder};
 
 /// Everything that the robots' flows share.
 pub struct Run {
@@ -83,7 +84,9 @@ pub struct Parts {
     /// What calls cost.
     pub costs: Costs,
     /// Where events go.
-    pub recorder: Recorder<'static>,
+    pub recorder: Recorder,
+    /// Who wants to see them.
+    pub sinks: Sinks<'static>,
     /// Who decides when the run goes on; none where it goes as fast as possible and nobody takes part.
     pub gate: Option<Box<dyn Gate>>,
 }
@@ -174,7 +177,7 @@ impl Run {
                 .map(|(robot, program)| Member::new(robot, program))
                 .collect(),
             workshop: Mutex::new(parts.workshop),
-            conductor: Mutex::new(Conductor::new(&plan, parts.recorder, parts.gate)),
+            conductor: Mutex::new(Conductor::new(&plan, parts.recorder, parts.sinks, parts.gate)),
             executor: parts.executor,
             lost: Mutex::default(),
             costs: parts.costs,
@@ -552,12 +555,8 @@ impl Run {
                 exit_code: standing.exit_code,
             });
         }
-        let recorder = conductor.recorder();
-        let digest = recorder.end_slot(time).and_then(|()| recorder.finish(time));
-        let (end, digest) = match digest {
-            Ok(digest) => (end, digest),
-            Err(error) => (End::Record(error), recorder.digest()),
-        };
+        let (digest, completed) = conductor.finish_record(time);
+        let end = completed.map_or_else(End::Record, |()| end);
         signal::uninstall();
         let world = self.world.read();
         let objects =

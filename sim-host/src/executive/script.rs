@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use parking_lot::Mutex;
+use sim_core::record::Action;
 use sim_core::time::Time;
-use sim_view::protocol::Action;
 
 use super::conductor::End;
 use super::gate::{Boundary, Gate, Intervention, Pass};

@@ -6,9 +6,9 @@ use sim_core::time::Time;
 use super::conductor::End;
 use super::fault::Broken;
 use super::program::RobotProgram;
-use crate::record::Outcome;
 use crate::robios::caller::Call;
 use crate::robios::robot::{Ending, Robot, Waiting, Waits};
+use sim_core::record::Outcome;
 
 /// How a program stands.
 pub struct Standing {

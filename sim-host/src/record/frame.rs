@@ -8,12 +8,10 @@ use sim_core::RobotId;
 use sim_core::pose::Pose3;
 use sim_core::time::Time;
 
-use super::Record;
-use super::digest::Digest;
-use super::event::KindSet;
 use super::png;
-use super::recorder::{RecordError, Sink};
 use super::report::write_whole;
+use super::sink::{RecordError, Sink};
+use sim_core::record::{Digest, KindSet, Record};
 
 /// An image that a program gets.
 #[derive(Clone, Copy, Debug)]

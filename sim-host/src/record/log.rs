@@ -9,9 +9,8 @@ use std::io::{self, Write};
 use sim_core::RobotId;
 use sim_core::time::Time;
 
-use super::digest::Digest;
-use super::event::{Event, Kind, KindSet, Record};
-use super::recorder::{RecordError, Sink};
+use super::sink::{RecordError, Sink};
+use sim_core::record::{Digest, Event, Kind, KindSet, Record};
 
 /// Which lines are shown.
 #[derive(Clone, Debug, Default)]

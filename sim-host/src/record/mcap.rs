@@ -19,14 +19,13 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{McapError, WriteOptions, Writer};
 use serde_json::{Value, json};
 use sim_core::pose::Pose;
+use sim_core::record::{Action, Digest, Event, Kind, KindSet, Record, WORLD};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
-use sim_view::protocol::{Action, Point, Scene};
+use sim_view::protocol::{Point, Scene};
 
-use super::digest::Digest;
-use super::event::{Event, Kind, KindSet, Record, WORLD};
 use super::frame::{Frames, Kept, KeptFrame, KeptScan};
-use super::recorder::{RecordError, Sink};
+use super::sink::{RecordError, Sink};
 use schema::Content;
 
 /// What a recording begins with.
@@ -394,9 +393,9 @@ mod tests {
 
     use super::super::trace::tests::every_event;
     use super::*;
-    use crate::record::event::ActionText;
+    use crate::record::Sinks;
     use crate::record::frame::{Frame, Pixels};
-    use crate::record::{Journal, Recorder};
+    use sim_core::record::{ActionText, Journal, Recorder};
 
     const SLOT: Time = Time::from_millis(50);
 
@@ -458,7 +457,7 @@ mod tests {
 
     /// Records a slot with everything in it.
     fn record_everything(mcap: &mut Mcap, frames: &Frames, is_finished: bool) -> Digest {
-        let mut recorder = Recorder::new(42, SLOT, vec![Box::new(mcap)]);
+        let (mut recorder, mut sinks) = (Recorder::new(42, SLOT, KindSet::ALL), Sinks::one(mcap));
         let mut of_world = Journal::new(WORLD, true);
         for action in [
             r#"{"do":"add_robot","kind":"eve","program_of":null,"x_m":1.5,"y_m":2.5,"phi_rad":0.0}"#,
@@ -483,8 +482,11 @@ mod tests {
         });
         recorder.collect(&mut of_world);
         recorder.collect(&mut journal);
-        recorder.end_slot(SLOT).unwrap();
-        if is_finished { recorder.finish(SLOT).unwrap() } else { recorder.digest() }
+        sinks.take_slot(&mut recorder, SLOT).unwrap();
+        if is_finished {
+            sinks.finish(SLOT, recorder.digest()).unwrap();
+        }
+        recorder.digest()
     }
 
     /// Topic, schema, time and content of each message.

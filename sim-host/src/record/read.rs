@@ -8,11 +8,9 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use serde_json::Value;
+use sim_core::record::{Action, Digest, Kind, Outcome};
 use sim_core::time::Time;
-use sim_view::protocol::Action;
 
-use super::digest::Digest;
-use super::event::{Kind, Outcome};
 use super::trace::{TRACE_SCHEMA, TraceHeader};
 
 /// Length in bytes of the longest line that is read: more than any that is written.

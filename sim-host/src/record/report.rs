@@ -8,9 +8,8 @@ use serde::{Deserialize, Serialize, Serializer};
 use sha2::{Digest as _, Sha256};
 use sim_core::pose::Pose;
 
-use super::digest::Digest;
-use super::event::Outcome;
-use super::recorder::RecordError;
+use super::sink::RecordError;
+use sim_core::record::{Digest, Outcome};
 
 /// Version of the report's schema.
 pub const REPORT_SCHEMA: u32 = 1;

@@ -13,10 +13,9 @@ use serde::{Deserialize, Serialize};
 use sim_core::RobotId;
 use sim_core::time::Time;
 
-use super::digest::Digest;
-use super::event::{Event, Kind, KindSet, Record};
-use super::recorder::{RecordError, Sink};
+use super::sink::{RecordError, Sink};
 use super::trace::{Trace, TraceHeader};
+use sim_core::record::{Digest, Event, Kind, KindSet, Record};
 
 /// Bytes that are kept of one run.
 const MOST_BYTES: u64 = 128 << 20;

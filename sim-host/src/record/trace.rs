@@ -11,10 +11,9 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use sim_core::time::Time;
 
-use super::digest::Digest;
-use super::event::{Kind, KindSet, Record};
-use super::recorder::{RecordError, Sink};
 use super::report::Input;
+use super::sink::{RecordError, Sink};
+use sim_core::record::{Digest, Kind, KindSet, Record};
 
 /// Version of the trace's schema.
 pub const TRACE_SCHEMA: u32 = 1;
@@ -143,8 +142,8 @@ pub(super) mod tests {
     use sim_core::RobotId;
 
     use super::*;
-    use crate::record::event::{ActionText, Event, Numbers, Obstacle, Outcome};
-    use crate::record::{Journal, Recorder};
+    use crate::record::Sinks;
+    use sim_core::record::{ActionText, Event, Journal, Numbers, Obstacle, Outcome, Recorder};
 
     /// Memory that tests can look at while the trace writes to it.
     #[derive(Clone, Default)]
@@ -265,14 +264,14 @@ pub(super) mod tests {
         let mut trace = Trace::new(Box::new(shared.clone()), Path::new("t.jsonl"), &header()).unwrap();
         let mut journal = Journal::new(RobotId(1), true);
         let slot = Time::from_millis(50);
-        let mut recorder = Recorder::new(42, slot, vec![Box::new(&mut trace)]);
+        let (mut recorder, mut sinks) = (Recorder::new(42, slot, KindSet::ALL), Sinks::one(&mut trace));
         for event in every_event() {
             journal.record(Time(2_350), &event);
         }
         recorder.collect(&mut journal);
-        recorder.end_slot(slot).unwrap();
-        recorder.end_slot(slot + slot).unwrap();
-        recorder.finish(slot + slot).unwrap();
+        sinks.take_slot(&mut recorder, slot).unwrap();
+        sinks.take_slot(&mut recorder, slot + slot).unwrap();
+        sinks.finish(slot + slot, recorder.digest()).unwrap();
         shared.text()
     }
 
@@ -296,11 +295,11 @@ pub(super) mod tests {
         let mut trace = Trace::new(Box::new(shared.clone()), Path::new("t.jsonl"), &header()).unwrap();
         assert_eq!(shared.text().lines().count(), 1);
         let slot = Time::from_millis(50);
-        let mut recorder = Recorder::new(42, slot, vec![Box::new(&mut trace)]);
+        let (mut recorder, mut sinks) = (Recorder::new(42, slot, KindSet::ALL), Sinks::one(&mut trace));
         let mut journal = Journal::new(RobotId(1), false);
         journal.record(Time(1), &Event::Beep {});
         recorder.collect(&mut journal);
-        recorder.end_slot(slot).unwrap();
+        sinks.take_slot(&mut recorder, slot).unwrap();
         assert_eq!(shared.text().lines().count(), 3);
     }
 
@@ -332,11 +331,11 @@ pub(super) mod tests {
             }
         }
         let trace = Trace::new(Box::new(Full(false)), Path::new("t.jsonl"), &header()).unwrap();
-        let mut recorder = Recorder::new(42, Time(1), vec![Box::new(trace)]);
+        let (mut recorder, mut sinks) = (Recorder::new(42, Time(1), KindSet::ALL), Sinks::one(trace));
         let mut journal = Journal::new(RobotId(1), false);
         journal.record(Time(0), &Event::Beep {});
         recorder.collect(&mut journal);
-        let message = recorder.end_slot(Time(1)).unwrap_err().to_string();
+        let message = sinks.take_slot(&mut recorder, Time(1)).unwrap_err().to_string();
         assert_eq!(message, "cannot write the trace `t.jsonl`: no storage space");
     }
 

@@ -8,9 +8,8 @@ use sim_core::math;
 use sim_core::pose::Pose;
 use sim_core::time::Time;
 
-use super::digest::Digest;
-use super::event::{Event, Kind, KindSet, Record};
-use super::recorder::{RecordError, Sink};
+use super::sink::{RecordError, Sink};
+use sim_core::record::{Digest, Event, Kind, KindSet, Record};
 
 /// How far a trail may be from the recorded positions at first, in metres.
 const TOLERANCE: f64 = 1e-3;

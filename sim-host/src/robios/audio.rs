@@ -8,7 +8,7 @@ use sim_core::time::Time;
 
 use super::caller::Call;
 use super::robot::Robot;
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// Frequencies that `AUTone` plays, in Hz. Source: RoBIOS 6 library.
 pub const TONE_HZ: std::ops::RangeInclusive<i32> = 65..=21_000;

@@ -11,7 +11,7 @@ use super::handle::Handles;
 use super::os;
 use super::robot::Robot;
 use super::switch::Sensor;
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// The bumpers of a robot.
 #[derive(Clone, Debug, Default)]

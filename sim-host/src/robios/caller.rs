@@ -17,7 +17,7 @@ use super::task::NextThread;
 use super::task::scheduler::Next;
 use crate::executive::program::Site;
 use crate::executive::run::Run;
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// The handle that a robot's program is given: its robot in its run.
 pub struct Caller {

@@ -29,8 +29,8 @@ use super::servo::Servos;
 use super::switch::Sensor;
 use super::truth::{Census, Counted, Placeable};
 use crate::record::frame::{Frame, Frames, Pixels};
-use crate::record::{Digest, Event};
 use crate::scenery::LazyScenery;
+use sim_core::record::{Digest, Event};
 
 /// How long before the end of its call an image is exposed: what a sensor of 60 images a second takes to hand one over.
 /// World and servos remember for longer.

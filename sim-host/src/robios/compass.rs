@@ -15,7 +15,7 @@ use sim_core::unit;
 use super::cycle::Cycle;
 use super::robot::Robot;
 use super::switch::Sensor;
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// Length of a measuring cycle.
 pub const CYCLE: Time = Time::from_millis(100);

@@ -8,7 +8,7 @@ use robios_sys::{Out, Robios6Call as Call};
 use super::lcd::{Ink, Lcd, OffDisplay};
 use super::robot::Robot;
 use super::{image, text};
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// Columns of the part of an image that is shown.
 const SHOWN_COLUMNS: usize = 80;

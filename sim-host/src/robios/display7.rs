@@ -16,7 +16,7 @@ use super::screen::font::{Family, Size, Variation};
 use super::screen::list::Line;
 use super::screen::menu::Entry;
 use super::text;
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// `LCDPrintf`
 pub fn put(robot: &mut Robot, call: Call, characters: Option<&[u8]>) -> i32 {

@@ -13,7 +13,7 @@ use sim_core::world::World;
 use super::range::Sight;
 use super::robot::Robot;
 use super::switch::Sensor;
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// Where each infrared sensor of the robot looks from at `at`, in the world, and how far away what it sees is.
 pub fn sights(robot: &mut Robot, world: &World, at: Time) -> Vec<Sight> {

@@ -16,7 +16,7 @@ use sim_core::time::Time;
 
 use super::caller::Poll;
 use super::robot::{Robot, Waits};
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// Keys of a remote control: their names and codes.
 const KEYS: [(&str, i32); 20] = [

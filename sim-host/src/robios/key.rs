@@ -18,7 +18,7 @@ use super::caller::Poll;
 use super::robot::{Robot, Waits};
 use super::screen::Screen;
 use super::{Devices, irtv};
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// The keys from left to right: their names and codes, one bit each.
 pub const KEYS: [(&str, i32); 4] = [("KEY1", KEY1), ("KEY2", KEY2), ("KEY3", KEY3), ("KEY4", KEY4)];

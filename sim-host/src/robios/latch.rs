@@ -6,7 +6,7 @@ use robios_sys::Robios6Call as Call;
 use sim_core::format::InputSpec;
 
 use super::robot::Robot;
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// Input latches, and output latches, numbered from 0; our choice.
 pub const LATCHES: usize = 4;

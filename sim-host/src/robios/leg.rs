@@ -15,7 +15,7 @@ use sim_core::world::World;
 use super::caller::Call;
 use super::robot::Robot;
 use super::unit7::{metres, radians};
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// The answer of what cannot be done.
 const FAILURE: i32 = -1;

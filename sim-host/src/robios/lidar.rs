@@ -19,8 +19,8 @@ use super::range::Scanner;
 use super::robot::Robot;
 use super::switch::Sensor;
 use super::unit7::radians;
-use crate::record::Event;
 use crate::record::frame::KeptScan;
+use sim_core::record::Event;
 
 /// The scanner of a robot.
 #[derive(Clone, Debug, Default)]

@@ -79,12 +79,12 @@ use sim_core::noise::{AngleErrors, Profile};
 use sim_core::time::Time;
 use sim_core::world::World;
 
-use crate::record::Event;
 use caller::Call;
 use hint::Mistake;
 use panel::{Panel, PanelRef};
 use robot::Robot;
 use screen::Screen;
+use sim_core::record::Event;
 
 /// The devices of one robot, as RoBIOS shows them.
 #[derive(Default)]

@@ -12,7 +12,7 @@ use sim_core::world::World;
 
 use super::handle::Handles;
 use super::robot::Robot;
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// Part of a tick that may be missing for the tick to count: far more than rounding, far less than can be driven.
 const EDGE: f64 = 1e-9;

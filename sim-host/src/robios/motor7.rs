@@ -12,7 +12,7 @@ use sim_core::world::World;
 
 use super::motor;
 use super::robot::Robot;
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// Greatest number of `MOTORDriveRaw`.
 const FULL_RAW: i32 = 127;

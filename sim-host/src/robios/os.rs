@@ -9,7 +9,7 @@ use sim_core::time::{TICK, Time};
 use super::caller::{Caller, Poll};
 use super::robot::{Ending, Robot, Waits};
 use super::{caller, display, display7, key, text};
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// Version of RoBIOS that is imitated: the last one for which a manual is known.
 pub const VERSION: &str = "6.5";

@@ -10,7 +10,7 @@ use sim_core::time::Time;
 
 use super::robot::Robot;
 use super::timer::MILLISECOND;
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// Digital lines, numbered from 1.
 const LINES: usize = 16;

@@ -18,7 +18,7 @@ use super::hint::Mistake;
 use super::os;
 use super::robot::Robot;
 use super::switch::Sensor;
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// Length of a measuring cycle. Source: RoBIOS manual, about 60 ms.
 pub const CYCLE: Time = Time::from_millis(60);

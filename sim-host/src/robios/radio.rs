@@ -12,7 +12,7 @@ use sim_core::world::World;
 use super::caller::{Call, Poll};
 use super::hint::Mistake;
 use super::robot::{Robot, Waits};
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// The radio of one robot.
 #[derive(Clone, Debug, Default)]

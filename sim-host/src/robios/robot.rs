@@ -25,7 +25,7 @@ use super::truth::Placement;
 use crate::executive::fault::Broken;
 use crate::executive::program::Site;
 use crate::executive::standing::Standing;
-use crate::record::{Event, Journal, Numbers, Obstacle};
+use sim_core::record::{Event, Journal, Numbers, Obstacle};
 
 /// One robot, as its calls and the slot loop see it; one lock guards it all.
 pub struct Robot {

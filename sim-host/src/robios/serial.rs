@@ -15,7 +15,7 @@ use sim_core::time::Time;
 
 use super::caller::{Call, Poll};
 use super::robot::{Robot, Waits};
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// Names of the interfaces from 1 on, as they are recorded.
 const NAMES: [&str; 16] = [

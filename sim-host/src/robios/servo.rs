@@ -12,7 +12,7 @@ use sim_core::world::World;
 
 use super::handle::Handles;
 use super::robot::Robot;
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// The servos of a robot.
 #[derive(Clone, Debug, Default)]

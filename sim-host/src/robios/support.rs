@@ -11,7 +11,7 @@ use sim_core::time::Time;
 use super::caller::{Caller, Poll};
 use super::robot::{Ending, Robot, Waits};
 use super::task::TaskWait;
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// The generators that a program draws from, one for each purpose.
 #[derive(Clone, Debug)]

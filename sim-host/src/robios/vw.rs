@@ -13,7 +13,7 @@ use sim_core::world::World;
 use super::caller::Poll;
 use super::hint::{LONG_DRIVE, LONG_TURN, Mistake};
 use super::robot::{Robot, Waits};
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// The one handle: a number that no other family hands out, so that a mixed-up handle is noticed.
 pub const HANDLE: i32 = 0x56;

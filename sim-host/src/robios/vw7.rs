@@ -13,7 +13,7 @@ use super::hint::Mistake;
 use super::robot::Robot;
 use super::unit7::{degrees, left, metres, mm, pose_numbers, radians};
 use super::vw::{self, Refusal};
-use crate::record::Event;
+use sim_core::record::Event;
 
 /// A drive that replaces another so soon after its beginning is one that nobody waited for.
 const AT_ONCE: Time = Time::from_millis(20);

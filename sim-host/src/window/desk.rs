@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use sim_view::protocol::{Command, Seed};
 use sim_view::window::{Asked, Window};
 
+use super::action::action_from_page;
 use super::control::Control;
 use crate::executive::gate::Intervention;
 use crate::executive::intervene::Refusal;
@@ -116,7 +117,7 @@ fn obey(asked: Asked, control: &Control, starter: &mut impl Starter) {
                 Ok(()) => asked.accept(),
                 Err(refusal) => asked.refuse(refusal.to_string()),
             });
-            wishes.actions.push(Intervention { action, answer });
+            wishes.actions.push(Intervention { action: action_from_page(action), answer });
         }),
     }
 }

@@ -8,10 +8,9 @@ use sim_core::RobotId;
 use sim_core::time::Time;
 use sim_view::protocol::{self, Reading};
 
-use crate::record::digest::Digest;
-use crate::record::event::{Event, Kind, KindSet, Record, WORLD};
 use crate::record::log::Printable;
 use crate::record::{RecordError, Sink};
+use sim_core::record::{Digest, Event, Kind, KindSet, Record, WORLD};
 
 /// Most events between two looks at the feed; what comes beyond is counted and left out, so that a run at full speed is not slowed.
 const MOST_EVENTS: usize = 200;
@@ -319,7 +318,7 @@ fn plain_words(kind: &str, fields: &serde_json::Value) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::event::{ActionText, Obstacle};
+    use sim_core::record::{ActionText, Obstacle};
 
     fn record(event: Event<'_>) -> Record<'_> {
         Record { time: Time(1_500_000), robot: RobotId(2), sequence: Some(7), event }

@@ -4,13 +4,13 @@
 //! happens. Watching draws no random number and changes nothing.
 #![forbid(unsafe_code)]
 
+mod action;
 pub mod control;
 pub mod desk;
 pub mod detail;
 mod device;
 pub mod feed;
 pub mod gate;
-
 pub mod recording;
 pub mod scene;
 pub mod show;

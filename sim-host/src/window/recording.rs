@@ -6,12 +6,12 @@ use std::io::BufRead;
 
 use sim_core::build;
 use sim_core::format::SceneSpec;
+use sim_core::record::{Action, Kind};
 use sim_core::time::Time;
-use sim_view::protocol::{Action, Life, Recording, Scene, Shown, Standing, Stood, Track};
+use sim_view::protocol::{Life, Recording, Scene, Shown, Standing, Stood, Track};
 
 use super::feed::{event_of, is_told};
 use super::planar;
-use crate::record::Kind;
 use crate::record::read::{Line, RecordedEvent, TraceError, TraceReader};
 use crate::robios::lcd::{self, Lcd};
 

@@ -44,20 +44,13 @@ pub fn trace_header(
     }
 }
 
-/// Whoever wants to see the records of a run.
-pub(super) struct Sinks {
-    pub(super) all: Vec<Box<dyn Sink>>,
-    /// The one of them that the plot shows at the end.
-    pub(super) trails: Option<Arc<Mutex<Trails>>>,
-}
-
-/// The sinks that the arguments ask for.
+/// The sinks that the arguments ask for, and the one of them that the plot shows at the end.
 pub(super) fn sinks(
     args: &RunArgs,
     options: &Options,
     scene: &SceneSpec,
     progress: &Progress,
-) -> anyhow::Result<Sinks> {
+) -> (Vec<Box<dyn Sink>>, Option<Arc<Mutex<Trails>>>) {
     let mut all: Vec<Box<dyn Sink>> = Vec::new();
     if !args.is_silent {
         all.push(Box::new(Log::new(options.filter.clone(), progress.stdout(), progress.stderr())));
@@ -68,7 +61,7 @@ pub(super) fn sinks(
         Arc::new(Mutex::new(Trails::new(&starts, &objects)))
     });
     all.extend(trails.iter().map(|trails| Box::new(Arc::clone(trails)) as Box<dyn Sink>));
-    Ok(Sinks { all, trails })
+    (all, trails)
 }
 
 /// The recording at `path`, of what `frames` keeps beside the events.

@@ -14,7 +14,7 @@ use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::outcome::{Ran, report};
-use super::sink::{Sinks, recording, sinks, trace_header};
+use super::sink::{recording, sinks, trace_header};
 use super::{DEFAULT_UNTIL, RunArgs, Speed};
 use crate::cli::check;
 use crate::cli::diagnostic::{self, Colour, Format};
@@ -30,14 +30,14 @@ use crate::executive::thread::ThreadExecutor;
 use crate::files::{DiskFiles, slashed};
 use crate::plot;
 use crate::program::{Builder, Cache, Kits, SearchPath, Tools};
-use crate::record::event::KindSet;
 use crate::record::frame::{FrameFailures, Frames};
 use crate::record::report::Input;
-use crate::record::{Digest, Record, RecordError, Recorded, Recorder, Sink, Trace};
+use crate::record::{RecordError, Recorded, Sink, Sinks, Trace};
 use crate::robios::robot::Robot;
 use crate::scenery::LazyScenery;
 use crate::setup::{Programs, RobotOptions};
 use crate::workshop::Workshop;
+use sim_core::record::{Digest, KindSet, Record, Recorder};
 
 /// A scene whose programs have been built.
 pub struct Built {
@@ -213,7 +213,7 @@ impl Ready {
         let until = options.until.or(company.until).unwrap_or(Time::from_seconds_ceil(DEFAULT_UNTIL));
         let is_hidden = args.verbose || args.quiet || company.is_quiet;
         let mut progress = if is_hidden { Progress::hidden() } else { Progress::new(until) };
-        let Sinks { mut all, trails } = sinks(args, &options, &scene, &progress)?;
+        let (mut all, trails) = sinks(args, &options, &scene, &progress);
         if let Some(path) = &args.trace {
             let header = trace_header(args, &options, &scene, until, &inputs);
             all.push(Box::new(Trace::create(path, &header)?));
@@ -230,6 +230,7 @@ impl Ready {
         all.insert(0, Box::new(remarks));
         all.extend(frames.map(|frames| Box::new(FrameFailures(frames)) as Box<dyn Sink>));
         all.extend(company.sinks);
+        let sinks: Sinks<'_> = all.into_iter().collect();
         let limits = Limits {
             lanes: args.threads.map_or_else(processors, NonZeroUsize::get),
             until,
@@ -243,7 +244,8 @@ impl Ready {
             robots,
             workshop: Some(workshop),
             costs: options.costs.clone(),
-            recorder: Recorder::new(options.seed, options.slot, all),
+            recorder: Recorder::new(options.seed, options.slot, sinks.interest()),
+            sinks,
             gate: company.gate,
         };
         let ended = Run::execute(parts, &limits, |run| progress.update(run.slot_start(), || counts(run)))

@@ -20,10 +20,10 @@ use super::EXIT_PROGRAM;
 use super::options::index_of;
 use super::output::check_outputs;
 use super::run::{self, Ran, RunArgs, carry_out, parse_seconds};
-use crate::record::Outcome;
 use crate::record::frame::Pixels;
 use crate::record::report::write_whole;
 use crate::robios::camera::NoImage;
+use sim_core::record::Outcome;
 
 /// Arguments of `eyesim shot`: those of a run, and what the picture shows.
 #[derive(Args)]

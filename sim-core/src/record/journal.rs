@@ -1,8 +1,8 @@
 //! A robot's own list of events of the slot in progress.
 
+use crate::RobotId;
+use crate::time::Time;
 use serde::Serialize;
-use sim_core::RobotId;
-use sim_core::time::Time;
 
 use super::digest;
 use super::event::{Event, Kind, KindSet, Record};
@@ -15,7 +15,7 @@ const CHAIN_LEN: usize = 32;
 /// Events are kept in their canonical form (postcard of time and event), which is what the digest covers and what the
 /// sinks decode. Only the robot's own thread writes while a slot runs; between slots the slot loop adds poses and contacts
 /// and gives the journal to [`super::Recorder::collect`].
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Journal {
     robot: RobotId,
     next_sequence: u64,
@@ -25,7 +25,7 @@ pub struct Journal {
 }
 
 /// The buffers of a journal, which the recorder may keep for as long as it merges.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Page {
     /// The chain value before the slot, then the canonical form of the events: hashed as a whole.
     events: Vec<u8>,

@@ -11,10 +11,10 @@
 
 use std::fmt;
 
+use crate::RobotId;
+use crate::time::Time;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use sim_core::RobotId;
-use sim_core::time::Time;
 
 /// Names the construction; to be changed with it or with the events.
 const DOMAIN: &[u8] = b"eyesim record 1";
@@ -65,7 +65,7 @@ pub(super) fn chain_start(robot: RobotId) -> [u8; 32] {
 }
 
 /// Combines the robots' chains, slot after slot.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct RunDigest {
     /// The digest so far, then what the slot in progress adds: one hash without a copy.
     bytes: Vec<u8>,

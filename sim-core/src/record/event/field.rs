@@ -1,7 +1,7 @@
 //! What the fields of events hold.
 
+use crate::record::Action;
 use serde::{Deserialize, Serialize, Serializer};
-use sim_view::protocol::Action;
 
 /// How a robot's program stands at the end of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

@@ -1,9 +1,9 @@
 //! An event with its time and its robot: a line of the trace.
 
+use crate::RobotId;
+use crate::time::Time;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
-use sim_core::RobotId;
-use sim_core::time::Time;
 
 use super::Event;
 

@@ -1,0 +1,138 @@
+//! Interventions: what people do to a simulation from outside.
+
+use serde::{Deserialize, Serialize};
+
+/// An intervention: one thing that a person does to a simulation, at the start of a slot.
+///
+/// Its JSON is the canonical text that the digest covers and that traces hold, so that a run can be repeated: names and order of
+/// variants and fields are frozen. Other words for it, such as those of a page, are translated by whoever speaks them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Action {
+    /// Presses a key of a robot, touches its display or uses a remote control.
+    Press {
+        /// Number of the robot.
+        robot: u32,
+        /// As in a script of `--keys`: `KEY1` to `KEY4`, `TOUCH(120,40)`, `IRTV_OK`.
+        key: String,
+    },
+    /// Puts a robot elsewhere.
+    PlaceRobot {
+        /// Number of the robot.
+        robot: u32,
+        /// World coordinate to the right.
+        x_m: f64,
+        /// World coordinate upwards.
+        y_m: f64,
+        /// Heading, counter-clockwise from x.
+        phi_rad: f64,
+    },
+    /// Puts a movable object elsewhere, at rest.
+    PlaceObject {
+        /// Number of the object.
+        object: u32,
+        /// World coordinate to the right.
+        x_m: f64,
+        /// World coordinate upwards.
+        y_m: f64,
+        /// Heading, counter-clockwise from x.
+        phi_rad: f64,
+    },
+    /// Sets a number of the error models.
+    SetNoise {
+        /// Number of the robot; none for all.
+        robot: Option<u32>,
+        /// Table and key of the noise profile, such as `psd.sigma_mm`.
+        parameter: String,
+        /// In the profile's unit.
+        value: f64,
+    },
+    /// Switches a sensor off, which then sees nothing, or on again.
+    SwitchSensor {
+        /// Number of the robot.
+        robot: u32,
+        /// Name of the sensor.
+        sensor: String,
+        /// Off or on.
+        on: bool,
+    },
+    /// Adds a robot of a type that the scene knows.
+    AddRobot {
+        /// Name of the type, as the scene knows it.
+        kind: String,
+        /// The program of the robot that has this number; none for one that only stands there.
+        program_of: Option<u32>,
+        /// World coordinate to the right.
+        x_m: f64,
+        /// World coordinate upwards.
+        y_m: f64,
+        /// Heading, counter-clockwise from x.
+        phi_rad: f64,
+    },
+    /// Takes a robot out of the world; its program ends, its number is not used again.
+    RemoveRobot {
+        /// Number of the robot.
+        robot: u32,
+    },
+    /// Adds a movable object of a type that the scene knows.
+    AddObject {
+        /// Name of the type, as the scene knows it.
+        kind: String,
+        /// World coordinate to the right.
+        x_m: f64,
+        /// World coordinate upwards.
+        y_m: f64,
+        /// Heading, counter-clockwise from x.
+        phi_rad: f64,
+    },
+    /// Takes a movable object out of the world; its number is not used again.
+    RemoveObject {
+        /// Number of the object.
+        object: u32,
+    },
+    /// Ends the run.
+    End {},
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_canonical_text_is_frozen() {
+        let canonical = [
+            (Action::Press { robot: 1, key: "KEY1".into() }, r#"{"do":"press","robot":1,"key":"KEY1"}"#),
+            (
+                Action::PlaceRobot { robot: 2, x_m: 1.0, y_m: 0.1, phi_rad: -0.5 },
+                r#"{"do":"place_robot","robot":2,"x_m":1.0,"y_m":0.1,"phi_rad":-0.5}"#,
+            ),
+            (
+                Action::PlaceObject { object: 3, x_m: 1e-7, y_m: 0.0, phi_rad: 0.0 },
+                r#"{"do":"place_object","object":3,"x_m":1e-7,"y_m":0.0,"phi_rad":0.0}"#,
+            ),
+            (
+                Action::SetNoise { robot: None, parameter: "psd.sigma_mm".into(), value: 20.0 },
+                r#"{"do":"set_noise","robot":null,"parameter":"psd.sigma_mm","value":20.0}"#,
+            ),
+            (
+                Action::SwitchSensor { robot: 1, sensor: "PSD_FRONT".into(), on: false },
+                r#"{"do":"switch_sensor","robot":1,"sensor":"PSD_FRONT","on":false}"#,
+            ),
+            (
+                Action::AddRobot { kind: "S4".into(), program_of: Some(1), x_m: 0.0, y_m: 0.0, phi_rad: 0.0 },
+                r#"{"do":"add_robot","kind":"S4","program_of":1,"x_m":0.0,"y_m":0.0,"phi_rad":0.0}"#,
+            ),
+            (Action::RemoveRobot { robot: 4 }, r#"{"do":"remove_robot","robot":4}"#),
+            (
+                Action::AddObject { kind: "Can".into(), x_m: 0.0, y_m: 0.0, phi_rad: 0.0 },
+                r#"{"do":"add_object","kind":"Can","x_m":0.0,"y_m":0.0,"phi_rad":0.0}"#,
+            ),
+            (Action::RemoveObject { object: 5 }, r#"{"do":"remove_object","object":5}"#),
+            (Action::End {}, r#"{"do":"end"}"#),
+        ];
+        for (action, text) in canonical {
+            assert_eq!(serde_json::to_string(&action).unwrap(), text);
+            assert_eq!(serde_json::from_str::<Action>(text).unwrap(), action);
+        }
+    }
+}

@@ -1,0 +1,23 @@
+//! Interventions in the page's words and in the simulation's.
+
+use sim_core::record::Action;
+use sim_view::protocol;
+
+/// What a page asks to be done.
+pub fn action_from_page(action: protocol::Action) -> Action {
+    use protocol::Action as Page;
+    match action {
+        Page::Press { robot, key } => Action::Press { robot, key },
+        Page::PlaceRobot { robot, x_m, y_m, phi_rad } => Action::PlaceRobot { robot, x_m, y_m, phi_rad },
+        Page::PlaceObject { object, x_m, y_m, phi_rad } => Action::PlaceObject { object, x_m, y_m, phi_rad },
+        Page::SetNoise { robot, parameter, value } => Action::SetNoise { robot, parameter, value },
+        Page::SwitchSensor { robot, sensor, on } => Action::SwitchSensor { robot, sensor, on },
+        Page::AddRobot { kind, program_of, x_m, y_m, phi_rad } => {
+            Action::AddRobot { kind, program_of, x_m, y_m, phi_rad }
+        }
+        Page::RemoveRobot { robot } => Action::RemoveRobot { robot },
+        Page::AddObject { kind, x_m, y_m, phi_rad } => Action::AddObject { kind, x_m, y_m, phi_rad },
+        Page::RemoveObject { object } => Action::RemoveObject { object },
+        Page::End {} => Action::End {},
+    }
+}
