@@ -13,10 +13,11 @@ use sim_core::RobotId;
 use sim_core::build;
 use sim_core::camera::{Camera, Lens, Light, Still, View};
 use sim_core::drive::Motion;
-use sim_core::format::{FileError, Files, MeshReader, RobotSpec, SceneSpec, load_maze, load_scene, load_world};
 use sim_core::pose::Pose3;
+use sim_core::spec::{RobotSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_core::world::World;
+use sim_format::{FileError, Files, MeshReader, load_maze, load_scene, load_world};
 
 /// Views of each sample world.
 const VIEWS: usize = 100;

@@ -8,12 +8,13 @@ use std::sync::Arc;
 use accuracy::statistics::{Moments, binomial, chi_squared, kolmogorov, normal_cdf, uncorrelated};
 use sim_core::RobotId;
 use sim_core::drive::{self, Command, DriveKind, Imperfection, Model, TwistNoise};
-use sim_core::format::Preset;
 use sim_core::math::{hypot, sin};
 use sim_core::noise::{Angle, AngleErrors, Events, Image, ImageErrors, Motion, Purpose, Range, RangeErrors, RangeKind};
 use sim_core::pose::{Pose, Twist};
 use sim_core::scene::Walls;
+use sim_core::spec::Preset;
 use sim_core::time::{TICK, Time};
+use sim_format::{PRESETS, preset};
 
 /// Some hundred p-values are looked at: by chance the least of them would be below this once in a hundred choices of the seed.
 const LEAST: f64 = 1e-4;
@@ -45,6 +46,11 @@ fn normality(sample: &mut [f64], mean: f64, sigma: f64) -> f64 {
     let of_variance = moments.variance_is(sigma * sigma);
     let of_distribution = kolmogorov(sample, |x| normal_cdf((x - mean) / sigma));
     of_mean.min(of_variance).min(of_distribution)
+}
+
+/// All presets, from the least errors to the most.
+fn presets() -> impl Iterator<Item = Preset> {
+    PRESETS.into_iter().filter_map(preset)
 }
 
 #[test]
@@ -252,13 +258,13 @@ fn a_drift_moves_the_mean_alone() {
 #[test]
 fn every_kind_of_every_preset_reads_as_it_says() {
     const EXACT: f64 = 5.0;
-    for preset in Preset::ALL {
-        let profile = preset.spec().profile();
+    for preset in presets() {
+        let profile = preset.profile();
         for kind in RangeKind::ALL {
-            let what = format!("{} of {}", kind.name(), preset.name());
+            let what = format!("{} of {}", kind.name(), preset.name);
             let model = profile.range(kind, "");
             let errors = sensor(model);
-            if preset == Preset::None {
+            if preset == Preset::default() {
                 assert_eq!((model, errors.reading(3, Time::ZERO, WIDE, Some(EXACT))), (Range::default(), Some(EXACT)));
                 continue;
             }
@@ -306,15 +312,15 @@ fn every_kind_of_every_preset_reads_as_it_says() {
 
 #[test]
 fn compasses_of_every_preset_read_as_they_say() {
-    for preset in Preset::ALL.into_iter().skip(1) {
-        let model = preset.spec().profile().compass;
+    for preset in presets().skip(1) {
+        let model = preset.profile().compass;
         let smooth = Angle { step: 0.0, bias_sigma: 0.0, ..model };
         let errors = AngleErrors::new(smooth, SEED, ROBOT, "COMPASS");
         let mut sample: Vec<f64> = (0..MILLION).map(|index| errors.reading(index, 1.0)).collect();
-        passes(preset.name(), normality(&mut sample, 1.0 + model.bias, model.sigma));
+        passes(preset.name, normality(&mut sample, 1.0 + model.bias, model.sigma));
         let stepped = AngleErrors::new(Angle { bias_sigma: 0.0, ..model }, SEED, ROBOT, "COMPASS");
         let sample: Vec<f64> = (0..MILLION).map(|index| stepped.reading(index, 1.0)).collect();
-        passes(preset.name(), cells(&sample, model.step, |x| normal_cdf((x - 1.0 - model.bias) / model.sigma)));
+        passes(preset.name, cells(&sample, model.step, |x| normal_cdf((x - 1.0 - model.bias) / model.sigma)));
     }
 }
 
@@ -329,7 +335,7 @@ fn the_bias_of_the_making_is_normal_between_compasses() {
 #[test]
 fn images_of_every_preset_are_as_they_say() {
     const GREY: u8 = 128;
-    let of_presets = Preset::ALL.into_iter().skip(1).map(|preset| preset.spec().profile().camera);
+    let of_presets = presets().skip(1).map(|preset| preset.profile().camera);
     let all = Image { blur: 2.0, sigma: 10.0, salt_and_pepper: 0.02, salt: 0.3, hundreds_and_thousands: 0.03 };
     let count = 1_000_000;
     for model in of_presets.chain([all]) {
@@ -384,7 +390,7 @@ fn middle_weight(t: f64) -> f64 {
 #[test]
 fn the_blur_of_every_preset_is_as_it_says() {
     const DEVIATION: f64 = 30.0;
-    let of_presets = Preset::ALL.into_iter().map(|preset| preset.spec().profile().camera.blur);
+    let of_presets = presets().map(|preset| preset.profile().camera.blur);
     for blur in of_presets.chain([2.0, 5.0]) {
         // White noise, of which a filter leaves the sum of its squared weights in each direction; of a discrete Gaussian that sum is
         // the middle weight of one of twice the variance.
@@ -408,11 +414,11 @@ fn the_blur_of_every_preset_is_as_it_says() {
 
 #[test]
 fn wheels_of_every_preset_are_as_they_say() {
-    for preset in Preset::ALL.into_iter().skip(1) {
-        let motion: Motion = preset.spec().profile().motion;
+    for preset in presets().skip(1) {
+        let motion: Motion = preset.profile().motion;
         let of = |robot| motion.imperfection(DriveKind::Omni, SEED, RobotId(robot)).diameters;
         let mut sample: Vec<f64> = (1..=250_000).flat_map(of).collect();
-        passes(preset.name(), normality(&mut sample, motion.left, motion.diameter_sigma));
+        passes(preset.name, normality(&mut sample, motion.left, motion.diameter_sigma));
     }
 }
 
@@ -494,12 +500,12 @@ fn check_twists(what: &str, twists: &[Twist], mean: Twist, noise: TwistNoise) {
 
 #[test]
 fn drives_and_odometry_of_every_preset_err_as_they_say() {
-    for preset in Preset::ALL {
-        let Motion { command, odometry, .. } = preset.spec().profile().motion;
+    for preset in presets() {
+        let Motion { command, odometry, .. } = preset.profile().motion;
         let [truth, belief] =
             ticks(DriveKind::Differential, ORDER, Imperfection { command, odometry, ..Imperfection::default() });
-        check_twists(&format!("command of {}", preset.name()), &truth, ORDER, command);
-        check_twists(&format!("odometry of {}", preset.name()), &belief, ORDER, odometry);
+        check_twists(&format!("command of {}", preset.name), &truth, ORDER, command);
+        check_twists(&format!("odometry of {}", preset.name), &belief, ORDER, odometry);
         let (ways, beliefs): (Vec<f64>, Vec<f64>) =
             truth.iter().zip(&belief).map(|(truth, belief)| (truth.vx, belief.vx)).unzip();
         if odometry != TwistNoise::default() {
@@ -520,10 +526,10 @@ fn twists_of_an_omni_drive_err_along_all_axes() {
 
 #[test]
 fn wheels_of_every_preset_slip_as_they_say() {
-    for preset in Preset::ALL {
-        let Motion { slip, slip_sigma, .. } = preset.spec().profile().motion;
+    for preset in presets() {
+        let Motion { slip, slip_sigma, .. } = preset.profile().motion;
         if slip_sigma == 0.0 {
-            assert_eq!(slip, 0.0, "{}", preset.name());
+            assert_eq!(slip, 0.0, "{}", preset.name);
             continue;
         }
         let imperfection = Imperfection { slip, slip_deviation: slip_sigma, ..Imperfection::default() };
@@ -534,7 +540,7 @@ fn wheels_of_every_preset_slip_as_they_say() {
             truth.iter().map(|twist| 1.0 - of(twist) / of(&ORDER)).collect::<Vec<_>>()
         });
         passes("left and right", uncorrelated(&left, &right));
-        passes(&format!("left wheel of {}", preset.name()), normality(&mut left, slip, slip_sigma));
-        passes(&format!("right wheel of {}", preset.name()), normality(&mut right, slip, slip_sigma));
+        passes(&format!("left wheel of {}", preset.name), normality(&mut left, slip, slip_sigma));
+        passes(&format!("right wheel of {}", preset.name), normality(&mut right, slip, slip_sigma));
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use sim_core::format::{FileError, Files};
+use sim_format::{FileError, Files};
 
 /// Folder of the installation in an archive.
 const HOME: &str = "/home/eyesim";

@@ -1,80 +1,82 @@
 //! One function a reader: what it returns for an input is checked.
 
 use glam::DVec3;
-use sim_core::format::{self, Diagnostic, MeshReader, ModelSpec, PathRef, RobiSpec, Span, WorldSpec};
+use sim_core::build::MeshSource;
+use sim_core::spec::{ModelSpec, PathRef, RobiSpec, Span, WorldSpec};
+use sim_format::{Diagnostic, MeshReader};
 
 use crate::archive::Archive;
 use crate::text::Lines;
 use crate::{spec, text};
 
 pub fn world(input: &[u8]) {
-    plane(input, "a.wld", format::read_world);
+    plane(input, "a.wld", sim_format::read_world);
 }
 
 pub fn maze(input: &[u8]) {
-    plane(input, "a.maz", format::read_maze);
+    plane(input, "a.maz", sim_format::read_maze);
 }
 
 fn plane(input: &[u8], file: &str, read: fn(&str, &str) -> (WorldSpec, Vec<Diagnostic>)) {
-    let (content, _) = format::decode(input);
+    let (content, _) = sim_format::decode(input);
     let (world, diagnostics) = read(file, &content);
     text::check(&content, &diagnostics);
     spec::world(&world, &Lines::new(&content));
 }
 
 pub fn robi(input: &[u8]) {
-    let (content, _) = format::decode(input);
-    let (robi, diagnostics) = format::read_robi("a.robi", &content);
+    let (content, _) = sim_format::decode(input);
+    let (robi, diagnostics) = sim_format::read_robi("a.robi", &content);
     text::check(&content, &diagnostics);
     spec::robi(&robi);
 }
 
 pub fn esobj(input: &[u8]) {
-    let (content, _) = format::decode(input);
-    let (object, diagnostics) = format::read_esobj("a.esObj", &content);
+    let (content, _) = sim_format::decode(input);
+    let (object, diagnostics) = sim_format::read_esobj("a.esObj", &content);
     text::check(&content, &diagnostics);
     spec::object_type(&object);
 }
 
 pub fn companion(input: &[u8]) {
-    let (content, _) = format::decode(input);
+    let (content, _) = sim_format::decode(input);
     let mut robi = RobiSpec::with_defaults("a.robi");
-    let diagnostics = format::read_companion("a.toml", &content, &mut robi);
+    let diagnostics = sim_format::read_companion("a.toml", &content, &mut robi);
     text::check(&content, &diagnostics);
     spec::robi(&robi);
 }
 
 pub fn sim(input: &[u8]) {
-    let (content, _) = format::decode(input);
-    let (sim, diagnostics) = format::read_sim("a.sim", &content);
+    let (content, _) = sim_format::decode(input);
+    let (sim, diagnostics) = sim_format::read_sim("a.sim", &content);
     text::check(&content, &diagnostics);
     spec::sim(&sim, &Lines::new(&content));
 }
 
 pub fn scene(input: &[u8]) {
-    let (content, _) = format::decode(input);
-    let (sim, diagnostics) = format::read_scene("a.scene.toml", &content);
+    let (content, _) = sim_format::decode(input);
+    let (sim, diagnostics) = sim_format::read_scene("a.scene.toml", &content);
     text::check(&content, &diagnostics);
     spec::sim(&sim, &Lines::new(&content));
 }
 
 pub fn costs(input: &[u8]) {
-    let (content, _) = format::decode(input);
-    let (costs, diagnostics) = format::read_costs("costs.toml", &content);
+    let (content, _) = sim_format::decode(input);
+    let (costs, diagnostics) = sim_format::read_costs("costs.toml", &content);
     text::check(&content, &diagnostics);
     spec::costs(&costs, &Lines::new(&content));
 }
 
 pub fn noise(input: &[u8]) {
-    let (content, _) = format::decode(input);
-    let (noise, diagnostics) = format::read_noise("a.noise.toml", &content);
+    let (content, _) = sim_format::decode(input);
+    let (noise, diagnostics) = sim_format::read_noise("a.noise.toml", &content);
     text::check(&content, &diagnostics);
     spec::noise(&noise, &Lines::new(&content));
 }
 
 pub fn load_scene(input: &[u8]) {
     let archive = Archive::new(input);
-    let loaded = format::load_scene(archive.first(), &archive);
+    let loaded = sim_format::load_scene(archive.first(), &archive);
     spec::scene(&loaded.scene);
     for robot in &loaded.scene.robots {
         spec::robi(&robot.robi);
@@ -103,7 +105,7 @@ fn diagnostics(archive: &Archive, diagnostics: &[Diagnostic]) {
     for diagnostic in diagnostics {
         text::words(diagnostic);
         let Some(bytes) = archive.bytes(&diagnostic.file) else { continue };
-        let (content, _) = format::decode(bytes);
+        let (content, _) = sim_format::decode(bytes);
         Lines::new(&content).check(diagnostic.span, diagnostic);
     }
 }

@@ -6,14 +6,14 @@ use std::fmt::{self, Debug, Write};
 use glam::{DVec2, DVec3};
 use sim_core::RobotId;
 use sim_core::build;
-use sim_core::format::{
-    Collider, CostTable, CostsRef, DriveKind, JointSpec, Layout, Lens, LightSpec, MAX_LENGTH, MAX_SAMPLES, ModelSpec,
-    NoiseRef, NoiseSpec, ObjectLine, ObjectType, RobiSpec, SceneSpec, SimSpec, Span, StartRef, WorldSpec,
-};
 use sim_core::noise::{RangeErrors, RangeKind};
 use sim_core::pose::Pose;
 use sim_core::radio::Model;
 use sim_core::scene::Mesh;
+use sim_core::spec::{
+    Collider, CostTable, CostsRef, DriveKind, JointSpec, Layout, Lens, LightSpec, MAX_LENGTH, MAX_SAMPLES, ModelSpec,
+    NoiseRef, NoiseSpec, ObjectLine, ObjectType, RobiSpec, SceneSpec, SimSpec, Span, StartRef, WorldSpec,
+};
 use sim_core::time::Time;
 
 use crate::text::Lines;

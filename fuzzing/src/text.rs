@@ -1,6 +1,7 @@
 //! What holds for the diagnostics of any text.
 
-use sim_core::format::{Code, Diagnostic, Span};
+use sim_core::spec::Span;
+use sim_format::{Code, Diagnostic};
 
 /// Diagnostics of one file that are kept at most: 1000, and one that counts the others.
 const MAX_KEPT: usize = 1001;

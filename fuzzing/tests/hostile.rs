@@ -9,7 +9,7 @@ use std::fmt::Write;
 
 use fuzzing::archive::Archive;
 use fuzzing::{TARGETS, check};
-use sim_core::format::{self, Code, FileError, Files, Loaded};
+use sim_format::{Code, FileError, Files, Loaded};
 
 const MANY: usize = 100_000;
 
@@ -311,7 +311,7 @@ impl Files for Counted {
 
 fn load(text: &str) -> (Loaded, usize) {
     let files = Counted { archive: Archive::new(text.as_bytes()), asked: Cell::new(0) };
-    let loaded = format::load_scene(files.archive.first(), &files);
+    let loaded = sim_format::load_scene(files.archive.first(), &files);
     (loaded, files.asked.get())
 }
 

@@ -1,15 +1,15 @@
 //! The simulation as a pure library: no files, threads, clock or `unsafe`, and no knowledge of RoBIOS.
 //!
 //! SI units and `f64` throughout; the frames and signs are those of `docs/conventions.md`. Millimetres and degrees exist
-//! only in [`mod@format`], which turns the texts of EyeSim files into specs through [`mod@unit`].
+//! only in [`mod@unit`] and in what people are told. Scenes come as plain data ([`mod@spec`]), which `sim-format` reads from texts.
 #![forbid(unsafe_code)]
 
 pub mod build;
 pub mod camera;
 pub mod contact;
 pub mod drive;
-pub mod format;
 pub mod math;
+pub mod nearest;
 pub mod noise;
 pub mod object;
 pub mod pose;
@@ -17,6 +17,7 @@ pub mod radio;
 pub mod record;
 pub mod scene;
 pub mod sensor;
+pub mod spec;
 pub mod time;
 pub mod unit;
 pub mod world;

@@ -3,14 +3,14 @@
 use std::{f64::consts::PI, sync::Arc};
 
 use accuracy::world::Random;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use sim_core::{
     RobotId,
     build::range_sensors,
-    format::read_robi,
     pose::Pose,
     scene::{Bounds, Segment, Walls},
     sensor::{Beam, Mount, Posture},
+    spec::{DEFAULT_PSD_RANGE, PsdSpec, RobiSpec, Span},
     time::Time,
     world::World,
 };
@@ -65,15 +65,23 @@ fn a_level_psd_of_a_robi_sees_what_its_beam_sees_to_the_bit() {
     let world = room(DVec2::ZERO);
     let mut random = Random::new(6);
     for _ in 0..2_000 {
-        let [x, y, angle] = [random.between(-90.0, 90.0), random.between(-90.0, 90.0), random.between(-800.0, 800.0)];
-        let lines = format!("psd P 1 {x} {y} 60 {angle}\nwheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE A B C D\n");
-        let robi = read_robi("r.robi", &lines).0;
+        let psd = PsdSpec {
+            name: "P".to_owned(),
+            id: Some(1),
+            position: DVec3::new(random.between(-0.09, 0.09), random.between(-0.09, 0.09), 0.06),
+            angle: random.between(-14.0, 14.0),
+            pitch: 0.0,
+            on: None,
+            range: DEFAULT_PSD_RANGE,
+            span: Span::default(),
+        };
+        let robi = RobiSpec { psds: vec![psd], ..RobiSpec::with_defaults("r.robi") };
         let psd = &robi.psds[0];
         let beam = Beam { mount: Mount::new(psd.position.x, psd.position.y, psd.angle), range: psd.range };
         let world_from_robot = Pose::new(random.between(0.3, 3.7), random.between(0.3, 2.7), random.between(-9.0, 9.0));
         let posture = Posture { world_from_robot, ..Posture::default() };
         let reading = range_sensors(&robi)[0].read(&world, RobotId(1), &posture, Time::ZERO, 0.0);
         let seen = beam.distance(&world, RobotId(1), &world_from_robot, Time::ZERO);
-        assert_eq!(reading.distance.map(f64::to_bits), seen.map(f64::to_bits), "{lines}");
+        assert_eq!(reading.distance.map(f64::to_bits), seen.map(f64::to_bits), "{psd:?}");
     }
 }

@@ -5,7 +5,7 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use sim_core::format::{FileError, Files};
+use sim_format::{FileError, Files};
 
 /// The environment variable that names the installation's folder, which `%sim%` stands for.
 pub const HOME_VARIABLE: &str = "EYESIM_HOME";

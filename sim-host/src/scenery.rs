@@ -5,8 +5,9 @@ use std::sync::{Arc, OnceLock};
 use parking_lot::Mutex;
 use sim_core::build::{self, Looks};
 use sim_core::camera::{Light, Scenery, Sky};
-use sim_core::format::{Diagnostic, Files, InputFile, MeshReader, ObjectType, RobiSpec, SceneSpec};
+use sim_core::spec::{ObjectType, RobiSpec, SceneSpec};
 use sim_core::{ObjectId, RobotId};
+use sim_format::{Diagnostic, Files, InputFile, MeshReader};
 
 /// The scenery of a run, which a run without cameras never builds: no mesh or image is read for it then.
 ///

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
-use sim_core::format::{NoiseRef, ObjectSpec, PathRef, RobotSpec, SceneSpec, Span};
 use sim_core::noise::Profile;
+use sim_core::spec::{NoiseRef, ObjectSpec, PathRef, RobotSpec, SceneSpec, Span};
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};

@@ -6,9 +6,10 @@ use std::sync::Arc;
 
 use parking_lot::Mutex;
 use serde_json::Value;
-use sim_core::format::{Loaded, SceneSpec, load_scene};
 use sim_core::record::{Action, KindSet, Outcome, Recorder};
+use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
+use sim_format::{Loaded, load_scene};
 use sim_host::executive::gate::{Boundary, Gate, Intervention, Pass};
 use sim_host::executive::program::Exec;
 use sim_host::executive::run::{Ended, Limits, Parts, Run};

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 
-use sim_core::format::load_scene;
+use sim_format::load_scene;
 use sim_host::files::DiskFiles;
 use sim_host::program::{Builder, Cache, Kits, Loader, Prepared, SearchPath, Tools, find_program, prepare};
 

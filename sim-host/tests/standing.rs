@@ -4,9 +4,10 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 
-use sim_core::format::{Loaded, SceneSpec, load_scene};
 use sim_core::record::{Outcome, Recorder};
+use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
+use sim_format::{Loaded, load_scene};
 use sim_host::executive::conductor::End;
 use sim_host::executive::program::Exec;
 use sim_host::executive::run::{Ended, Limits, Parts, Run};

@@ -10,17 +10,17 @@ use glam::DVec3;
 
 use crate::drive::legged::{Gait, Leg, Legs};
 use crate::drive::{DriveKind, Model};
-use crate::format::{
-    self, Axis, Collider, DEFAULT_DUTY, DEFAULT_PERIOD, GaitSpec, LegSpec, LegsSpec, LidarSpec, LinkSpec, MountSpec,
-    ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec, TerrainShape, WorldSpec,
-};
 use crate::object::{Figure, Part, Properties, Resistance, Shape, Solid};
 use crate::pose::{Pose, Pose3};
 use crate::scene::{Ground, HeightField, Mesh, MeshIndex, Segment, Surface, WallId, Walls};
 use crate::sensor::{Link, RangeModel, RangeSensor};
+use crate::spec::{
+    self, Axis, Collider, DEFAULT_DUTY, DEFAULT_PERIOD, GaitSpec, LegSpec, LegsSpec, LidarSpec, LinkSpec, MountSpec,
+    ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec, TerrainShape, WorldSpec,
+};
 use crate::time::Time;
 use crate::world::{Block, Space};
-pub use scenery::{Looks, MARKER_RADIUS, ROBOT_COLOURS, WALL_COLOUR, scenery, scenery_with, wheel_places};
+pub use scenery::{Looks, MARKER_RADIUS, MeshSource, ROBOT_COLOURS, WALL_COLOUR, scenery, scenery_with, wheel_places};
 
 /// Friction of an object against walls, robots and other objects. Source: our choice.
 const CONTACT_FRICTION: f64 = 0.3;
@@ -128,7 +128,7 @@ pub fn robot_figure(robi: &RobiSpec) -> Figure {
 /// its footprint.
 pub fn figure(kind: &ObjectType) -> Figure {
     let solids = match &kind.solid {
-        format::Solid::Mesh(Some(mesh)) => vec![Solid::Mesh(index(mesh))],
+        spec::Solid::Mesh(Some(mesh)) => vec![Solid::Mesh(index(mesh))],
         _ if kind.colliders.is_empty() => {
             let Part { shape: footprint, object_from_part: body_from_footprint } = no_shape();
             vec![Solid::Prism { footprint, body_from_footprint, bottom: 0.0, top: f64::INFINITY }]

@@ -3,8 +3,10 @@
 mod angle;
 mod blur;
 mod image;
+pub mod keys;
 mod motion;
 mod normal;
+mod parameter;
 mod profile;
 mod radio;
 mod range;
@@ -15,6 +17,7 @@ pub use blur::blur;
 pub use image::{Image, ImageErrors};
 pub use motion::Motion;
 pub use normal::normal_quantile;
+pub use parameter::{Parameter, ParameterError};
 pub use profile::{Place, Profile, RangeKind};
 pub use radio::Radio;
 pub use range::{Range, RangeErrors, ScanErrors};

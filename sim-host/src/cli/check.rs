@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use sim_core::format::{
-    self, Code, CostTable, CostsRef, Diagnostic, Files, InputFile, Loaded, MeshReader, RobotSpec, SceneSpec, Severity,
-    Span,
-};
+use sim_core::build::MeshSource;
+use sim_core::spec::{CostTable, CostsRef, RobotSpec, SceneSpec, Span};
+use sim_format::{Code, Diagnostic, Files, InputFile, Loaded, MeshReader, Severity};
 
 use super::cc::parse_api;
 use super::diagnostic::{self, Colour, Format, Screen, plural};
@@ -120,7 +119,7 @@ impl Checked {
 
 /// True when `diagnostics` are such that a scene is not run: errors, or when `strict` anything.
 pub fn is_rejected(diagnostics: &[Diagnostic], strict: bool) -> bool {
-    format::has_errors(diagnostics) || strict && !diagnostics.is_empty()
+    sim_format::has_errors(diagnostics) || strict && !diagnostics.is_empty()
 }
 
 /// Checks the files `names` with all that they name.
@@ -142,15 +141,15 @@ fn check_one(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> L
     let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
     match extension.to_lowercase().as_str() {
         "sim" => check_sim(name, files, find_program),
-        "wld" => with_looks(format::load_world(name, files), files, |_| ()),
-        "maz" | "maze" => format::load_maze(name, files),
+        "wld" => with_looks(sim_format::load_world(name, files), files, |_| ()),
+        "maz" | "maze" => sim_format::load_maze(name, files),
         "esobj" => {
-            let (object, loaded) = format::load_object(name, files);
+            let (object, loaded) = sim_format::load_object(name, files);
             with_looks(loaded, files, |reader| object.iter().for_each(|object| drop(reader.object(object))))
         }
         "robi" => check_robi(name, files),
         "toml" if is_scene(name, files) => check_sim(name, files, find_program),
-        "toml" if is_noise(name, files) => format::load_noise(name, files).1,
+        "toml" if is_noise(name, files) => sim_format::load_noise(name, files).1,
         "toml" => check_robi(&format!("{stem}.robi"), files),
         _ => Loaded { diagnostics: vec![unknown_kind(name)], ..Loaded::default() },
     }
@@ -158,21 +157,21 @@ fn check_one(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> L
 
 /// Whether the file is a scene in TOML; one that cannot be read is what its name says.
 pub(super) fn is_scene(name: &str, files: &dyn Files) -> bool {
-    let text = files.read(name).map_or(String::new(), |bytes| format::decode(&bytes).0);
-    format::is_scene(name, &text)
+    let text = files.read(name).map_or(String::new(), |bytes| sim_format::decode(&bytes).0);
+    sim_format::is_scene(name, &text)
 }
 
 /// Whether the file is a noise profile.
 fn is_noise(name: &str, files: &dyn Files) -> bool {
-    let text = files.read(name).map_or(String::new(), |bytes| format::decode(&bytes).0);
-    format::is_noise(name, &text)
+    let text = files.read(name).map_or(String::new(), |bytes| sim_format::decode(&bytes).0);
+    sim_format::is_noise(name, &text)
 }
 
 /// Extensions of the files that are taken from a folder, besides `.scene.toml` and `.noise.toml`. A companion is read with its robi.
 const EXTENSIONS: [&str; 6] = ["sim", "wld", "maz", "maze", "robi", "esObj"];
 
 fn check_sim(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
-    let mut loaded = with_looks(format::load_scene(name, files), files, |_| ());
+    let mut loaded = with_looks(sim_format::load_scene(name, files), files, |_| ());
     // EyeSim reads the file and places the robot all the same.
     let missing = missing_programs(&loaded.scene, Severity::Warning, find_program);
     loaded.diagnostics.extend(missing);
@@ -183,7 +182,7 @@ fn check_sim(name: &str, files: &dyn Files, find_program: &FindProgram<'_>) -> L
 }
 
 fn check_robi(name: &str, files: &dyn Files) -> Loaded {
-    let (robi, loaded) = format::load_robi(name, files);
+    let (robi, loaded) = sim_format::load_robi(name, files);
     with_looks(loaded, files, |reader| robi.iter().for_each(|robi| drop(reader.robot(robi))))
 }
 
@@ -314,8 +313,8 @@ fn walk(folder: &Path, file: &mut dyn FnMut(&Path), unreadable: &mut dyn FnMut(&
 /// True for a file that its name alone shows to be of a known kind.
 fn is_known(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    name.ends_with(format::SCENE_EXTENSION)
-        || name.ends_with(format::NOISE_EXTENSION)
+    name.ends_with(sim_format::SCENE_EXTENSION)
+        || name.ends_with(sim_format::NOISE_EXTENSION)
         || path
             .extension()
             .is_some_and(|extension| EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known)))
@@ -400,7 +399,7 @@ mod tests {
 
     #[test]
     fn json_has_the_documented_keys() {
-        let (_, diagnostics) = format::read_world("a.wld", "floor 1 1\nush 1 2 3\n");
+        let (_, diagnostics) = sim_format::read_world("a.wld", "floor 1 1\nush 1 2 3\n");
         let json = serde_json::to_value(&diagnostics).expect("diagnostics are plain data");
         let expected = serde_json::json!([{
             "severity": "warning",

@@ -5,8 +5,8 @@ use std::process::ExitCode;
 
 use anyhow::{Context, bail};
 use clap::Args;
-use sim_core::format::print::scene_schema;
-use sim_core::format::{Converted, convert, has_errors};
+use sim_format::print::scene_schema;
+use sim_format::{Converted, convert, has_errors};
 
 use super::EXIT_USAGE;
 use super::diagnostic::{self, Colour, Format, Screen};

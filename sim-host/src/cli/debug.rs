@@ -7,8 +7,8 @@ use std::process::ExitCode;
 use anyhow::{Context as _, bail, ensure};
 use clap::Args;
 use sim_core::RobotId;
-use sim_core::format::load_scene_with;
 use sim_core::time::Time;
+use sim_format::load_scene_with;
 
 use super::options::{ProgramOption, index_of};
 use super::run::{self, RunArgs, parse_seconds};

@@ -8,7 +8,7 @@ use clap::ValueEnum;
 use console::Term;
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, SourceCode, ThemeCharacters, ThemeStyles};
 use owo_colors::{OwoColorize, Style};
-use sim_core::format::{self, Diagnostic, InputFile, Severity};
+use sim_format::{Diagnostic, InputFile, Severity};
 
 use super::excerpt::{Excerpt, printable};
 
@@ -172,7 +172,7 @@ fn human(diagnostics: &[Diagnostic], inputs: &[InputFile], screen: Screen) -> St
     for diagnostic in shown {
         let text = texts.entry(&diagnostic.file).or_insert_with(|| {
             let input = inputs.iter().find(|input| input.path == diagnostic.file);
-            input.map(|input| format::decode(&input.bytes).0)
+            input.map(|input| sim_format::decode(&input.bytes).0)
         });
         let text = text.as_deref().filter(|_| diagnostic.span.line > 0);
         let excerpt = text.map(|text| Excerpt::new(&diagnostic.file, text, diagnostic.span, screen.width));
@@ -279,7 +279,8 @@ impl miette::Diagnostic for Report<'_> {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use sim_core::format::{Code, Span};
+    use sim_core::spec::Span;
+    use sim_format::Code;
 
     use super::*;
 
@@ -290,7 +291,7 @@ mod tests {
     }
 
     fn of_world(text: &str) -> Vec<Diagnostic> {
-        format::read_world("a.wld", text).1
+        sim_format::read_world("a.wld", text).1
     }
 
     fn shown(text: &str, screen: Screen) -> String {

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use console::measure_text_width;
 use miette::{MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
-use sim_core::format::Span;
+use sim_core::spec::Span;
 
 /// Columns from one tab stop to the next.
 const TAB: usize = 4;

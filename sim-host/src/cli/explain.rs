@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use owo_colors::{OwoColorize, Style};
-use sim_core::format::{Code, Severity, UnknownCode};
+use sim_format::{Code, Severity, UnknownCode};
 
 use super::EXIT_USAGE;
 use super::diagnostic::{Colour, Screen, print};

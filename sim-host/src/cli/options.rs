@@ -5,10 +5,9 @@ use std::path::Path;
 
 use anyhow::{Context, anyhow, bail, ensure};
 use sim_core::RobotId;
-use sim_core::format::{
-    CostsRef, InputFile, Loaded, NoiseRef, Preset, RobotSpec, SceneSpec, load_noise, unknown_sensors,
-};
+use sim_core::spec::{CostsRef, NoiseRef, Preset, RobotSpec, SceneSpec};
 use sim_core::time::Time;
+use sim_format::{InputFile, Loaded, PRESETS, load_noise, preset, unknown_sensors};
 
 use super::run::RunArgs;
 use crate::files::{DiskFiles, slashed};
@@ -176,7 +175,7 @@ pub fn give_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> anyhow
 /// # Errors
 /// A name that is neither. What is wrong in the file is among the scene's diagnostics.
 pub fn give_noise(loaded: &mut Loaded, name: &str, files: &mut DiskFiles) -> anyhow::Result<()> {
-    let noise = match Preset::of_name(name) {
+    let noise = match preset(name) {
         Some(preset) => NoiseRef::Preset(preset),
         None => {
             let path = Path::new(name);
@@ -184,7 +183,7 @@ pub fn give_noise(loaded: &mut Loaded, name: &str, files: &mut DiskFiles) -> any
             ensure!(
                 is_file,
                 "`{name}` is no noise profile: expected one of {}, or a file NAME.toml",
-                Preset::ALL.map(Preset::name).join(", ")
+                PRESETS.join(", ")
             );
             let (noise, read) = load_noise(&files.name(path), files);
             loaded.diagnostics.extend(read.diagnostics);
@@ -192,7 +191,7 @@ pub fn give_noise(loaded: &mut Loaded, name: &str, files: &mut DiskFiles) -> any
             let is_new = |input: &InputFile| loaded.inputs.iter().all(|known| known.path != input.path);
             let new: Vec<InputFile> = read.inputs.into_iter().filter(is_new).collect();
             loaded.inputs.extend(new);
-            noise.unwrap_or(NoiseRef::Preset(Preset::None))
+            noise.unwrap_or(NoiseRef::Preset(Preset::default()))
         }
     };
     let robots = &mut loaded.scene.robots;
@@ -320,8 +319,9 @@ fn costs_of(scene: &SceneSpec) -> anyhow::Result<Costs> {
 mod tests {
     use std::sync::Arc;
 
-    use sim_core::format::{PathRef, Span, read_robi};
     use sim_core::pose::Pose;
+    use sim_core::spec::{PathRef, Span};
+    use sim_format::read_robi;
 
     use super::*;
 

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::bail;
 use clap::Args;
-use sim_core::format::{self, Loaded, MeshReader};
+use sim_format::{Loaded, MeshReader};
 
 use super::EXIT_USAGE;
 use super::check::is_scene;
@@ -58,14 +58,14 @@ fn draw(name: &str, files: &DiskFiles) -> anyhow::Result<(Option<Drawing>, Loade
     let mut looks = MeshReader::new(files);
     let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
     let (drawing, mut loaded) = match extension.to_lowercase().as_str() {
-        "sim" => draw_scene(format::load_scene(name, files), &mut looks),
-        "toml" if is_scene(name, files) => draw_scene(format::load_scene(name, files), &mut looks),
-        "wld" => draw_scene(format::load_world(name, files), &mut looks),
-        "maz" | "maze" => draw_scene(format::load_maze(name, files), &mut looks),
+        "sim" => draw_scene(sim_format::load_scene(name, files), &mut looks),
+        "toml" if is_scene(name, files) => draw_scene(sim_format::load_scene(name, files), &mut looks),
+        "wld" => draw_scene(sim_format::load_world(name, files), &mut looks),
+        "maz" | "maze" => draw_scene(sim_format::load_maze(name, files), &mut looks),
         "robi" => draw_robi(name, files, &mut looks),
         "toml" => draw_robi(&format!("{stem}.robi"), files, &mut looks),
         "esobj" => {
-            let (object, loaded) = format::load_object(name, files);
+            let (object, loaded) = sim_format::load_object(name, files);
             (object.map(|object| plot::draw_object_type(&object, &mut looks)), loaded)
         }
         _ => {
@@ -86,7 +86,7 @@ fn draw_scene(loaded: Loaded, looks: &mut MeshReader<'_>) -> (Option<Drawing>, L
 }
 
 fn draw_robi(name: &str, files: &DiskFiles, looks: &mut MeshReader<'_>) -> (Option<Drawing>, Loaded) {
-    let (robi, loaded) = format::load_robi(name, files);
+    let (robi, loaded) = sim_format::load_robi(name, files);
     (robi.map(|robi| plot::draw_robi(&robi, looks)), loaded)
 }
 

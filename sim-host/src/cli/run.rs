@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, ensure};
 use clap::{Args, FromArgMatches as _};
-use sim_core::format::SceneSpec;
+use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 
 use super::cc::parse_api;

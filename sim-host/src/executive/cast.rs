@@ -6,8 +6,8 @@
 use std::sync::Arc;
 
 use sim_core::contact::Thing;
-use sim_core::format::ObjectSpec;
 use sim_core::record::Action;
+use sim_core::spec::ObjectSpec;
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId, build};

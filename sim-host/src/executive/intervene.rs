@@ -1,6 +1,6 @@
 //! What a hand does to a run, at the start of a slot, while nobody runs: first checked, then recorded, then carried out.
 
-use sim_core::format::ParameterError;
+use sim_core::noise::ParameterError;
 use sim_core::noise::Profile;
 use sim_core::pose::Pose;
 use sim_core::record::{Action, Event, Journal, WORLD};

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::DVec2;
 use plotters::style::RGBColor;
 use sim_core::build::MARKER_RADIUS;
-use sim_core::format::{MarkerSpec, StartSpec, WallSpec, WorldSpec};
 use sim_core::scene::{Segment, Texture};
+use sim_core::spec::{MarkerSpec, StartSpec, WallSpec, WorldSpec};
 
 use super::colour::{FLOOR, INK, SHADE, WALL};
 use super::drawing::{Backdrop, Drawing, Form, Label, Line, Paint, Shape, Symbol};

@@ -2,10 +2,10 @@
 
 use glam::{DVec2, DVec3};
 use plotters::style::RGBColor;
-use sim_core::format::{Axis, Collider, ObjectType};
 use sim_core::math;
 use sim_core::pose::Pose;
 use sim_core::scene::Mesh;
+use sim_core::spec::{Axis, Collider, ObjectType};
 
 use super::colour::{INK, OBJECT, SHADE};
 use super::drawing::{Drawing, Form, Line, Paint, Shape, Symbol};

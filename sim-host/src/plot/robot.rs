@@ -5,11 +5,11 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec2;
 use plotters::style::RGBColor;
 use sim_core::build;
-use sim_core::format::{JointSpec, LidarSpec, RobiSpec};
 use sim_core::math;
 use sim_core::pose::{Pose, Pose3};
 use sim_core::scene::{Mesh, Walls};
 use sim_core::sensor::{Posture, RangeModel, RangeSensor};
+use sim_core::spec::{JointSpec, LidarSpec, RobiSpec};
 
 use super::colour::{BUMPER, CAMERA, INFRARED, INK, LIDAR, PSD, RANGE, WHEEL};
 use super::drawing::{Drawing, Form, Label, Line, Paint, Shape, Symbol};

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use glam::DVec2;
-use sim_core::format::{MarkerSpec, ObjectType, RobiSpec, WorldSpec};
 use sim_core::pose::Pose;
+use sim_core::spec::{MarkerSpec, ObjectType, RobiSpec, WorldSpec};
 
 use super::colour::{self, INK, SHADE};
 use super::drawing::{Drawing, Form, Line, Paint, Shape, Symbol};

@@ -4,10 +4,12 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 use sim_core::build;
-use sim_core::format::path;
-use sim_core::format::{MeshReader, ObjectType, RobiSpec, SceneSpec};
+use sim_core::build::MeshSource;
 use sim_core::pose::Pose;
 use sim_core::scene::Walls;
+use sim_core::spec::{ObjectType, RobiSpec, SceneSpec};
+use sim_format::MeshReader;
+use sim_format::path;
 
 use super::drawing::{Drawing, Form, Label, Line, Paint, Shape, Symbol};
 use super::frame::metres;

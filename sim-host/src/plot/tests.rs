@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use glam::DVec2;
-use sim_core::format::{RobiSpec, WorldSpec, read_esobj, read_robi, read_world};
 use sim_core::math;
 use sim_core::pose::Pose;
+use sim_core::spec::{RobiSpec, WorldSpec};
+use sim_format::{read_esobj, read_robi, read_world};
 
 use super::frame::Frame;
 use super::run::{RunObject, RunPicture, RunRobot, draw_run};

@@ -13,10 +13,10 @@ use robios_sys::{OutFloats, OutInts};
 use sim_core::RobotId;
 use sim_core::camera::{Camera as Renderer, Label, Lens, Picture, Scenery, View, ViewError};
 use sim_core::drive::HISTORY;
-use sim_core::format::{CameraSpec, JointSpec, RobiSpec};
 use sim_core::math;
 use sim_core::noise::{ImageErrors, Profile};
 use sim_core::pose::Pose3;
+use sim_core::spec::{CameraSpec, JointSpec, RobiSpec};
 use sim_core::time::Time;
 use sim_core::unit::mm_from_metres;
 use sim_core::world::World;
@@ -397,8 +397,8 @@ mod tests {
     use sim_core::ObjectId;
     use sim_core::build;
     use sim_core::drive::{Command, Motion};
-    use sim_core::format::read_robi;
     use sim_core::pose::{Pose, Twist};
+    use sim_format::read_robi;
 
     use super::super::robot::RobotParts;
     use super::super::{Devices, key, servo};

@@ -6,9 +6,9 @@
 use robios_sys::Robios6Call as Call;
 use robios_sys::robios6::hdt_type::HDT_COMPASS;
 use sim_core::drive::Motion;
-use sim_core::format::CompassSpec;
 use sim_core::noise::{AngleErrors, Events};
 use sim_core::pose::Heading;
+use sim_core::spec::CompassSpec;
 use sim_core::time::Time;
 use sim_core::unit;
 

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use robios_sys::{Robios6Call, Robios7Call};
-use sim_core::format::{CostEntry, CostTable};
+use sim_core::spec::{CostEntry, CostTable};
 use sim_core::time::Time;
 use toml::Spanned;
 

@@ -4,9 +4,9 @@
 
 use robios_sys::Robios6Call as Call;
 use robios_sys::robios6::hdt_type::HDT_IR;
-use sim_core::format::InfraredSpec;
 use sim_core::pose::Pose3;
 use sim_core::sensor::{Beam, Mount};
+use sim_core::spec::InfraredSpec;
 use sim_core::time::Time;
 use sim_core::world::World;
 

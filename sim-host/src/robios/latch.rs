@@ -3,7 +3,7 @@
 //! Source: RoBIOS 6 library, latches and A/D converter; the numbers of latches and channels are those of the EyeBot.
 
 use robios_sys::Robios6Call as Call;
-use sim_core::format::InputSpec;
+use sim_core::spec::InputSpec;
 
 use super::robot::Robot;
 use sim_core::record::Event;

@@ -74,8 +74,8 @@ use robios_sys::Robios7Call as Call7;
 use robios_sys::robios6::semantics::SEMANTICS;
 use sim_core::RobotId;
 use sim_core::drive::{Command, CommandError};
-use sim_core::format::RobiSpec;
 use sim_core::noise::{AngleErrors, Profile};
+use sim_core::spec::RobiSpec;
 use sim_core::time::Time;
 use sim_core::world::World;
 

@@ -5,7 +5,7 @@
 
 use robios_sys::robios7::Char;
 use robios_sys::{OutBytes, Robios7Call as Call};
-use sim_core::format::InputSpec;
+use sim_core::spec::InputSpec;
 use sim_core::time::Time;
 
 use super::robot::Robot;

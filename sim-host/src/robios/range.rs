@@ -7,10 +7,10 @@ use sim_core::RobotId;
 use sim_core::build;
 use sim_core::drive::Motion;
 use sim_core::drive::legged::Stance;
-use sim_core::format::{LIDAR, LidarSpec, RobiSpec};
 use sim_core::noise::{Events, Profile, RangeErrors, RangeKind};
 use sim_core::pose::Pose3;
 use sim_core::sensor::{Fan, Link, Mount, Posture, RangeSensor, Reading, Scan};
+use sim_core::spec::{LIDAR, LidarSpec, RobiSpec};
 use sim_core::time::Time;
 use sim_core::world::World;
 

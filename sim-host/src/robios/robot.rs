@@ -7,9 +7,10 @@ use sim_core::RobotId;
 use sim_core::contact::Thing;
 use sim_core::drive::legged::{Footfall, Stance, Touching};
 use sim_core::drive::{Command, HISTORY, ModelError, Motion};
-use sim_core::format::{Parameter, RobiSpec};
+use sim_core::noise::Parameter;
 use sim_core::noise::{Profile, RangeKind};
 use sim_core::pose::Pose;
+use sim_core::spec::RobiSpec;
 use sim_core::time::Time;
 use sim_core::world::{Contact, LegTouch, Seen, World};
 

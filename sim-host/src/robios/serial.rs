@@ -10,7 +10,7 @@ use std::sync::Arc;
 use robios_sys::robios6::{NONE, RTSCTS, SER4800, SER9600, SER19200, SER38400, SER57600, SER115200};
 use robios_sys::robios7::{Char, Flag, MAX_SERIAL};
 use robios_sys::{Out, OutBytes, Robios6Call, Robios7Call};
-use sim_core::format::{SerialLine, SerialSpec};
+use sim_core::spec::{SerialLine, SerialSpec};
 use sim_core::time::Time;
 
 use super::caller::{Call, Poll};
@@ -302,7 +302,7 @@ mod tests {
     }
 
     fn device(bytes: &[u8]) -> Serial {
-        let path = sim_core::format::PathRef { text: String::new(), span: sim_core::format::Span::default() };
+        let path = sim_core::spec::PathRef { text: String::new(), span: sim_core::spec::Span::default() };
         serial(SerialLine::File { path, bytes: bytes.into() })
     }
 

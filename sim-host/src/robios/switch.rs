@@ -4,7 +4,7 @@
 
 use std::collections::BTreeSet;
 
-use sim_core::format::{LIDAR, RobiSpec};
+use sim_core::spec::{LIDAR, RobiSpec};
 
 use super::camera;
 

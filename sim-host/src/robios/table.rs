@@ -7,7 +7,7 @@ use robios_sys::robios6::hdt_type::{
     HDT_BUMP, HDT_COMPASS, HDT_IR, HDT_IRTV, HDT_MOTOR, HDT_PSD, HDT_QUAD, HDT_SERVO, HDT_VW,
 };
 use robios_sys::robios6::semantics::SEMANTICS;
-use sim_core::format::RobiSpec;
+use sim_core::spec::RobiSpec;
 
 /// Greatest number of a device in RoBIOS-7: programs know 4 motors, 6 PSDs, 14 servos; 31 is our choice.
 pub const MAX_NUMBER: i32 = 31;
@@ -127,7 +127,7 @@ impl Table {
 
 #[cfg(test)]
 mod tests {
-    use sim_core::format::{read_companion, read_robi};
+    use sim_format::{read_companion, read_robi};
 
     use super::*;
 

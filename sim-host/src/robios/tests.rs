@@ -11,8 +11,8 @@ use robios_sys::{Out, OutBytes, Robios6Call as Call};
 use sim_core::RobotId;
 use sim_core::build;
 use sim_core::drive::Motion;
-use sim_core::format::{read_companion, read_robi, read_world};
 use sim_core::pose::Pose;
+use sim_format::{read_companion, read_robi, read_world};
 
 use super::caller::Poll;
 use super::key::{Keys, Touch};

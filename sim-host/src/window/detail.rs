@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use glam::DVec3;
 use sim_core::RobotId;
 use sim_core::camera::Camera;
-use sim_core::format::Parameter;
+use sim_core::noise::Parameter;
 use sim_core::world::World;
 use sim_view::protocol::{self, Detail, Picture, Scan, SensorState};
 

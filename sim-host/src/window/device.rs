@@ -2,10 +2,10 @@
 
 use sim_core::build;
 use sim_core::camera::Lens;
-use sim_core::format::{LIDAR, RobiSpec};
 use sim_core::math;
 use sim_core::pose::Pose3;
 use sim_core::sensor::{Posture, RangeModel};
+use sim_core::spec::{LIDAR, RobiSpec};
 use sim_view::protocol::{self, Sensor, SensorKind};
 
 use super::point;

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use std::io::BufRead;
 
 use sim_core::build;
-use sim_core::format::SceneSpec;
 use sim_core::record::{Action, Kind};
+use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 use sim_view::protocol::{Life, Recording, Scene, Shown, Standing, Stood, Track};
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::DVec2;
 use sim_core::build;
 use sim_core::camera::{self, Label, Place, Scenery};
-use sim_core::format::{ObjectType, RobiSpec, SceneSpec};
+use sim_core::spec::{ObjectType, RobiSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
 use sim_view::protocol::{self, Body, Lcd, Part};

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use parking_lot::Mutex;
-use sim_core::format::{SceneSpec, Standing};
+use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
+use sim_format::Standing;
 use sim_view::protocol::{Detail, RunState, Scene, Snapshot};
 use sim_view::window::{Look, Window};
 

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use sim_core::build;
-use sim_core::format::{ObjectType, RobiSpec, SceneSpec, builtin};
+use sim_core::spec::{ObjectType, RobiSpec, SceneSpec};
+use sim_format::builtin;
 use sim_view::protocol;
 
 /// What can be added to a run: the types of its scene, then those that are built in.

@@ -6,11 +6,12 @@ use anyhow::{Context as _, bail, ensure};
 use glam::{DVec2, DVec3};
 use sim_core::RobotId;
 use sim_core::build;
-use sim_core::format::{RobiSpec, SceneSpec, load_scene};
 use sim_core::pose::{Pose, Pose3};
 use sim_core::sensor::{Link, Posture, RangeSensor, incidence, link_pose};
+use sim_core::spec::{RobiSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_core::world::{Seen, World};
+use sim_format::load_scene;
 use sim_host::files::{DiskFiles, slashed};
 
 use crate::run::root;
@@ -187,7 +188,7 @@ impl Truth {
         let obstacle = scene.objects.iter().find(|object| object.kind.name == "Obstacle");
         let obstacle = obstacle.context("it has no obstacle")?;
         let size = match obstacle.kind.colliders[..] {
-            [sim_core::format::Collider::Box { size, .. }] => size,
+            [sim_core::spec::Collider::Box { size, .. }] => size,
             _ => bail!("the obstacle is no box"),
         };
         let slot = Time::from_millis(50);

@@ -14,7 +14,8 @@ use mapping::score::{Occupancy, Score, Truth};
 use mapping::sector::{Fan, Look, Raster, Reading, Relation, SectorMap, local_map};
 use mapping::sonar::{Beam, Echo};
 use mapping::sonar_grid::{Silence, SonarGrid};
-use sim_core::format::{SceneSpec, load_scene};
+use sim_core::spec::SceneSpec;
+use sim_format::load_scene;
 use sim_host::files::DiskFiles;
 
 use crate::run::root;

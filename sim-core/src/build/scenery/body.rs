@@ -13,10 +13,10 @@ use glam::{DVec2, DVec3};
 use super::sketch::{Paint, Round, Sketch, circle, direction};
 use crate::build;
 use crate::drive::DriveKind;
-use crate::format::{Axis, CameraSpec, Collider, JointSpec, RobiSpec};
 use crate::math;
 use crate::pose::Pose3;
 use crate::scene::{Mesh, Texture};
+use crate::spec::{Axis, CameraSpec, Collider, JointSpec, RobiSpec};
 
 /// Red, green, blue of robots' bodies by their numbers, again from the first after the last: blue, green, violet, yellow, cyan,
 /// pink. None is red or orange, the colours of the objects `Can` and `Soccer`. Source: our choice.

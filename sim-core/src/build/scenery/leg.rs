@@ -8,9 +8,9 @@ use glam::DVec3;
 use super::sketch::{Round, SIDES, Sketch};
 use crate::build;
 use crate::drive::legged::{Foot, Leg};
-use crate::format::{Axis, Collider, RobiSpec};
 use crate::pose::Pose3;
 use crate::scene::Mesh;
+use crate::spec::{Axis, Collider, RobiSpec};
 
 /// Red, green, blue of thighs, shanks and feet. Source: our choice.
 const COLOURS: [[u8; 3]; 3] = [[96, 100, 108], [150, 154, 160], [52, 54, 58]];

@@ -13,13 +13,12 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::camera::{Floor, Ground, Label, Light, Part, Place, Scenery, Sky, Spot};
-use crate::format::{
-    DEFAULT_FLOOR_COLOUR, LightSpec, MeshReader, ObjectSpec, ObjectType, RobiSpec, SceneSpec, SkySpec, WallSpec,
-    WorldSpec,
-};
 use crate::math;
 use crate::pose::Pose3;
-use crate::scene::{Mesh, Segment};
+use crate::scene::{Mesh, Segment, Texture};
+use crate::spec::{
+    DEFAULT_FLOOR_COLOUR, LightSpec, ObjectSpec, ObjectType, RobiSpec, SceneSpec, SkySpec, WallSpec, WorldSpec,
+};
 use crate::{ObjectId, RobotId};
 pub use body::{ROBOT_COLOURS, wheel_places};
 use sketch::Sketch;
@@ -32,6 +31,18 @@ pub const MARKER_RADIUS: f64 = 0.05;
 
 /// Share of the light that is not ambient which comes from the side opposite to the sun. Source: our choice.
 const FILL: f64 = 0.35;
+
+/// Where meshes and images of a scene come from. They are asked for when something is to be seen, not before.
+pub trait MeshSource {
+    /// The mesh of a robot type, in the robot's frame; `None` if it names none or none that can be read.
+    fn robot(&mut self, robi: &RobiSpec) -> Option<Arc<Mesh>>;
+
+    /// The mesh of an object type, in the object's frame; `None` if it names none or none that can be read.
+    fn object(&mut self, kind: &ObjectType) -> Option<Arc<Mesh>>;
+
+    /// The image on the floor, stretched over all of it; `None` if the world names none or none that can be read.
+    fn floor(&mut self, world: &WorldSpec) -> Option<Arc<Texture>>;
+}
 
 /// Meshes of types of robots and objects, each made once. Types are told apart by their addresses: who keeps this keeps them, too.
 #[derive(Debug, Default)]
@@ -47,17 +58,17 @@ pub struct Looks {
 
 impl Looks {
     /// What cameras see of a movable object of this type.
-    pub fn object(&mut self, id: ObjectId, kind: &Arc<ObjectType>, reader: &mut MeshReader<'_>) -> Part {
+    pub fn object(&mut self, id: ObjectId, kind: &Arc<ObjectType>, reader: &mut dyn MeshSource) -> Part {
         Part { mesh: self.of_type(kind, reader), label: Label::Object(id), place: Place::Object(id) }
     }
 
-    fn of_type(&mut self, kind: &Arc<ObjectType>, reader: &mut MeshReader<'_>) -> Arc<Mesh> {
+    fn of_type(&mut self, kind: &Arc<ObjectType>, reader: &mut dyn MeshSource) -> Arc<Mesh> {
         let looks = || reader.object(kind).unwrap_or_else(|| object::looks(kind));
         Arc::clone(self.of_objects.entry(Arc::as_ptr(kind).addr()).or_insert_with(looks))
     }
 
     /// What cameras see of a robot of this type.
-    pub fn robot(&mut self, id: RobotId, robi: &Arc<RobiSpec>, reader: &mut MeshReader<'_>) -> Part {
+    pub fn robot(&mut self, id: RobotId, robi: &Arc<RobiSpec>, reader: &mut dyn MeshSource) -> Part {
         let address = Arc::as_ptr(robi).addr();
         let own = self.of_robots.entry(address).or_insert_with(|| reader.robot(robi)).clone();
         let mesh = own.unwrap_or_else(|| {
@@ -82,14 +93,14 @@ impl Looks {
 
 /// All that cameras see of a scene: its ground, walls and objects, and its robots.
 ///
-/// Meshes and textures are read by `reader`, to which they say what is wrong in them. An object without a mesh is shown by its
+/// Meshes and textures come from `reader`. An object without a mesh is shown by its
 /// colliders, a robot without one gets a body with wheels, lamps and a nose, in a colour by its number.
-pub fn scenery(scene: &SceneSpec, reader: &mut MeshReader<'_>) -> Scenery {
+pub fn scenery(scene: &SceneSpec, reader: &mut dyn MeshSource) -> Scenery {
     scenery_with(scene, &mut Looks::default(), reader)
 }
 
 /// The same, with the looks of its types, which more of them can share.
-pub fn scenery_with(scene: &SceneSpec, looks: &mut Looks, reader: &mut MeshReader<'_>) -> Scenery {
+pub fn scenery_with(scene: &SceneSpec, looks: &mut Looks, reader: &mut dyn MeshSource) -> Scenery {
     let world = &scene.world;
     let mut parts: Vec<Part> = (0..).zip(&world.walls).map(|(number, wall)| part_of_wall(number, wall)).collect();
     let terrain = world.terrain.as_ref().and_then(|terrain| terrain.mesh.clone());
@@ -102,7 +113,7 @@ pub fn scenery_with(scene: &SceneSpec, looks: &mut Looks, reader: &mut MeshReade
     Scenery::new(parts, ground, light(&world.looks.light), sky(&world.looks.sky))
 }
 
-fn ground(scene: &SceneSpec, reader: &mut MeshReader<'_>) -> Ground {
+fn ground(scene: &SceneSpec, reader: &mut dyn MeshSource) -> Ground {
     let WorldSpec { floor: size, looks, .. } = &scene.world;
     let colour = looks.colour.unwrap_or(DEFAULT_FLOOR_COLOUR);
     let spots = scene.markers.iter().map(|marker| Spot {
@@ -144,7 +155,7 @@ fn part_of_wall(number: u32, wall: &WallSpec) -> Part {
     Part { mesh: sketch.finish(), label: Label::Wall(number), place: Place::Fixed(Pose3::IDENTITY) }
 }
 
-fn parts_of_objects(scene: &SceneSpec, looks: &mut Looks, reader: &mut MeshReader<'_>) -> Vec<Part> {
+fn parts_of_objects(scene: &SceneSpec, looks: &mut Looks, reader: &mut dyn MeshSource) -> Vec<Part> {
     let mut movable = 0;
     let part = |(number, object): (u32, &ObjectSpec)| {
         if object.kind.is_fixed {

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::sketch::{Round, SIDES, Sketch};
-use crate::format::{Collider, ObjectType, builtin};
 use crate::pose::Pose3;
 use crate::scene::{Mesh, Texture};
+use crate::spec::{BUILT_IN_OBJECTS, Collider, ObjectType};
 
 /// Red, green, blue of an object without a colour of its own: yellow. Source: our choice.
 const COLOUR: [u8; 3] = [240, 228, 66];
@@ -18,7 +18,7 @@ const METAL: [u8; 3] = [200, 202, 206];
 /// Shape and colour of an object's type.
 pub fn looks(kind: &ObjectType) -> Arc<Mesh> {
     let colour = kind.colour.unwrap_or(COLOUR);
-    let is_built_in = builtin::OBJECTS.contains(&kind.file.as_str());
+    let is_built_in = BUILT_IN_OBJECTS.contains(&kind.file.as_str());
     let mut sketch = Sketch::default();
     for collider in &kind.colliders {
         match *collider {

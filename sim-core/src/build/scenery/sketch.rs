@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-use crate::format::{Axis, Collider};
 use crate::math;
 use crate::pose::Pose3;
 use crate::scene::{Material, Mesh, Texture, Triangle};
+use crate::spec::{Axis, Collider};
 
 /// Sides of what is round. The outline of a circle of radius r is off by 0.43 % of r at most, half of it outwards and half
 /// inwards (see [`outer`]): a quarter of a pixel where the circle is 116 pixels wide. Source: our choice.

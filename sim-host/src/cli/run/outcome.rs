@@ -7,8 +7,8 @@ use glam::DVec2;
 use parking_lot::Mutex;
 use sim_core::ObjectId;
 use sim_core::build;
-use sim_core::format::{ObjectSpec, RobotSpec, SceneSpec};
 use sim_core::pose::Pose;
+use sim_core::spec::{ObjectSpec, RobotSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_core::world::Presence;
 

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use parking_lot::Mutex;
 use sim_core::ObjectId;
 use sim_core::build;
-use sim_core::format::{ObjectSpec, SceneSpec};
 use sim_core::pose::Pose;
+use sim_core::spec::{ObjectSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_view::protocol;
 
@@ -30,7 +30,7 @@ pub fn trace_header(
     until: Time,
     inputs: &[Input],
 ) -> TraceHeader {
-    let robot = |robot: &sim_core::format::RobotSpec| TraceRobot {
+    let robot = |robot: &sim_core::spec::RobotSpec| TraceRobot {
         id: robot.id.0,
         name: robot.robi.name.clone(),
         program: robot.program_name().to_owned(),
@@ -72,7 +72,7 @@ pub(super) fn recording(
     scenery: &LazyScenery,
     frames: Arc<Frames>,
 ) -> anyhow::Result<Mcap> {
-    let robot = |robot: &sim_core::format::RobotSpec| RobotSubject {
+    let robot = |robot: &sim_core::spec::RobotSpec| RobotSubject {
         id: robot.id,
         robi: Arc::clone(&robot.robi),
         program: robot.program_name().to_owned(),

@@ -7,11 +7,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context, bail, ensure};
-use sim_core::format::{
-    CostsRef, Diagnostic, Files, InputFile, SceneSpec, Severity, decode, is_scene, load_scene_with,
-};
+use sim_core::spec::{CostsRef, SceneSpec};
 use sim_core::time::Time;
 use sim_core::world::World;
+use sim_format::{Diagnostic, Files, InputFile, Severity, decode, is_scene, load_scene_with};
 
 use super::outcome::{Ran, report};
 use super::sink::{recording, sinks, trace_header};

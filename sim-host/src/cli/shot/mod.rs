@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use anyhow::{Context, bail};
 use clap::Args;
 use glam::DVec3;
-use sim_core::format::SceneSpec;
+use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 
 use self::display::Caption;

@@ -5,8 +5,8 @@ use glam::DVec3;
 use sim_core::RobotId;
 use sim_core::camera::{Camera, Lens, View};
 use sim_core::drive::HISTORY;
-use sim_core::format::{DEFAULT_LENS, MAX_FIELD_OF_VIEW_DEG};
 use sim_core::pose::Pose3;
+use sim_core::spec::{DEFAULT_LENS, MAX_FIELD_OF_VIEW_DEG};
 use sim_core::time::Time;
 
 use crate::cli::options::index_of;

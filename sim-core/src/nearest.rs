@@ -1,0 +1,37 @@
+//! What a misspelt name was meant to be.
+
+/// The keyword nearest to `word`, if it is near enough to be what was meant.
+pub fn nearest<'k>(word: &str, keywords: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
+    let word = word.to_lowercase();
+    // Longer words than any keyword are no misspelling of one, and would cost quadratic time.
+    if word.chars().count() > 40 {
+        return None;
+    }
+    keywords
+        .into_iter()
+        .map(|keyword| (strsim::osa_distance(&word, &keyword.to_lowercase()), keyword))
+        .filter(|(distance, keyword)| *distance <= 1 + keyword.len() / 5 && *distance < keyword.len().min(word.len()))
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, keyword)| keyword)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn misspelt_keywords_are_found() {
+        let keywords = ["push", "pop", "position", "floor", "floor_texture", "width"];
+        for (word, keyword) in [
+            ("ush", Some("push")),
+            ("Push", Some("push")),
+            ("psuh", Some("push")),
+            ("postion", Some("position")),
+            ("floor_textrue", Some("floor_texture")),
+            ("banana", None),
+            ("x", None),
+        ] {
+            assert_eq!(nearest(word, keywords), keyword, "{word}");
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! The numbers of a profile one by one, by the names of their tables and keys.
+
+use super::keys::{CAMERA, COMPASS, DRIVE, Key, Keys, ODOMETRY, OWN, RADIO, RANGE};
+use super::{Profile, RangeKind};
+use crate::nearest::nearest;
+use crate::unit::Quantity;
+
+/// A number of a noise profile.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its table, such as `psd`.
+    pub table: &'static str,
+    /// Its key, such as `sigma_mm`.
+    pub key: &'static str,
+    /// What it is, in a few words.
+    pub what: &'static str,
+    /// Its value, in its unit.
+    pub value: f64,
+    /// Least and greatest value, in its unit.
+    pub range: [f64; 2],
+    /// Such as `mm`; empty for a pure number.
+    pub unit: &'static str,
+}
+
+impl Parameter {
+    /// Table and key: `psd.sigma_mm`.
+    pub fn name(&self) -> String {
+        format!("{}.{}", self.table, self.key)
+    }
+}
+
+/// Why a number of a profile cannot be set.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ParameterError {
+    /// There is none of that name.
+    #[error("a noise profile has no number `{name}`{}", nearest.as_ref().map(|it| format!(": `{it}`?")).unwrap_or_default())]
+    Unknown {
+        /// The name.
+        name: String,
+        /// The one that is most like it.
+        nearest: Option<String>,
+    },
+    /// It cannot have that value.
+    #[error("`{name}` cannot be {value}: expected {expected}")]
+    Range {
+        /// The name.
+        name: String,
+        /// The value.
+        value: f64,
+        /// What it can be.
+        expected: String,
+    },
+}
+
+impl Profile {
+    /// All its numbers but those of single sensors, in the order of `docs/noise.md`.
+    pub fn parameters(&self) -> Vec<Parameter> {
+        let mut parameters = Vec::new();
+        for_each(&mut self.clone(), &mut |table, key, quantity, value| {
+            let unit = quantity.unit();
+            parameters.push(Parameter {
+                table,
+                key,
+                what: quantity.name,
+                value: quantity.in_own_unit(*value),
+                range: quantity.bounds(),
+                unit,
+            });
+        });
+        parameters
+    }
+
+    /// Sets the number `name`, such as `psd.sigma_mm`, to `value` in its unit.
+    ///
+    /// # Errors
+    /// [`ParameterError`]; nothing changes then.
+    pub fn set_parameter(&mut self, name: &str, value: f64) -> Result<(), ParameterError> {
+        let mut outcome = None;
+        for_each(self, &mut |table, key, quantity, place| {
+            if name.strip_prefix(table).and_then(|rest| rest.strip_prefix('.')) != Some(key) {
+                return;
+            }
+            outcome = Some(match quantity.check(value) {
+                Some(si) => {
+                    *place = si;
+                    Ok(())
+                }
+                None => Err(ParameterError::Range { name: name.to_owned(), value, expected: quantity.expected() }),
+            });
+        });
+        outcome.unwrap_or_else(|| {
+            let known: Vec<String> = self.parameters().iter().map(Parameter::name).collect();
+            let nearest = nearest(name, known.iter().map(String::as_str)).map(str::to_owned);
+            Err(ParameterError::Unknown { name: name.to_owned(), nearest })
+        })
+    }
+}
+
+/// Visits each number of a profile with its table, key and meaning.
+fn for_each(profile: &mut Profile, visit: &mut impl FnMut(&'static str, &'static str, &Quantity, &mut f64)) {
+    for kind in RangeKind::ALL {
+        let own: Keys<_> = if kind.has_own_noise() { OWN } else { &[] };
+        each(kind.name(), &[RANGE, own], &mut profile.ranges[kind as usize], visit);
+    }
+    each("compass", &[COMPASS], &mut profile.compass, visit);
+    each("camera", &[CAMERA], &mut profile.camera, visit);
+    each("drive", &[DRIVE], &mut profile.motion, visit);
+    each("odometry", &[ODOMETRY], &mut profile.motion, visit);
+    each("radio", &[RADIO], &mut profile.radio, visit);
+}
+
+fn each<M>(
+    table: &'static str,
+    keys: &[Keys<M>],
+    model: &mut M,
+    visit: &mut impl FnMut(&'static str, &'static str, &Quantity, &mut f64),
+) {
+    for Key { name, quantity, place } in keys.iter().copied().flatten() {
+        visit(table, name, quantity, place(model));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_number_has_a_name_of_its_own_and_stands_in_the_docs() {
+        let page = include_str!("../../../docs/noise.md");
+        let mut names: Vec<String> = Vec::new();
+        for parameter in Profile::default().parameters() {
+            assert!(page.contains(&format!("`{}`", parameter.key)), "{parameter:?}");
+            names.push(parameter.name());
+        }
+        let count = names.len();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), count);
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused_and_changes_nothing() {
+        let mut profile = Profile::default();
+        let before = profile.parameters();
+        for (name, value) in [("radio.packet_loss", 1.1), ("psd.sigma_mm", f64::NAN), ("psd.sigma_mm", -1.0)] {
+            assert!(matches!(profile.set_parameter(name, value), Err(ParameterError::Range { .. })), "{name} {value}");
+        }
+        let error = |name: &str| Profile::default().set_parameter(name, 0.0).expect_err("no number").to_string();
+        assert_eq!(error("psd.sigma_m"), "a noise profile has no number `psd.sigma_m`: `psd.sigma_mm`?");
+        for name in ["", "psd", "psd.", "psd.device", "sigma_mm", "sensor.PSD_FRONT.sigma_mm"] {
+            assert!(error(name).starts_with("a noise profile has no number"), "{name}");
+        }
+        assert_eq!(profile.parameters(), before);
+        let error = profile.set_parameter("psd.sigma_mm", 2e6).expect_err("too much").to_string();
+        assert_eq!(error, "`psd.sigma_mm` cannot be 2000000: expected a number in mm from 0 to 1000000");
+    }
+}

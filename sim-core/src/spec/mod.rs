@@ -1,0 +1,54 @@
+//! Scenes, robots, objects and their errors as plain data in SI units: metres, radians, seconds. The frames are those of
+//! `docs/conventions.md`. `sim-format` reads it from texts and prints it, [`build`](crate::build) makes of it what is simulated.
+//!
+//! Every value in a spec is a finite number within its documented range, whatever the text was.
+
+mod device;
+mod legs;
+mod looks;
+mod mount;
+mod noise;
+mod object;
+mod robi;
+mod scene;
+mod shape;
+mod span;
+mod world;
+
+pub use crate::camera::Lens;
+pub use crate::drive::DriveKind;
+pub use crate::scene::Surface;
+pub use device::*;
+pub use legs::*;
+pub use looks::*;
+pub use mount::*;
+pub use noise::*;
+pub use object::*;
+pub use robi::*;
+pub use scene::*;
+pub use shape::*;
+pub use span::*;
+pub use world::*;
+
+/// Largest coordinate or size that a file may have, in metres.
+pub const MAX_LENGTH: f64 = 1e6;
+
+/// A file named in another file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PathRef {
+    /// As written, without quotes.
+    pub text: String,
+    /// Where it is written.
+    pub span: Span,
+}
+
+/// The last part of a path.
+pub fn file_name(path: &str) -> &str {
+    path.rfind(['/', '\\']).map_or(path, |place| &path[place + 1..])
+}
+
+/// The last part of a path without its extension.
+pub fn stem(path: &str) -> &str {
+    let name = file_name(path);
+    name.rfind('.').filter(|place| *place > 0).map_or(name, |place| &name[..place])
+}

@@ -1,0 +1,133 @@
+//! What a noise profile says.
+
+use std::sync::Arc;
+
+use super::{PathRef, Span};
+use crate::noise::keys::{CAMERA, COMPASS, DRIVE, Keys, ODOMETRY, OWN, RADIO, RANGE};
+use crate::noise::{Profile, RangeKind};
+
+/// A profile that is compiled in: its name and its numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Preset {
+    /// Its name.
+    pub name: &'static str,
+    /// Its numbers, as those of a [`NoiseSpec`].
+    pub entries: Arc<[NoiseEntry]>,
+}
+
+impl Default for Preset {
+    /// No errors.
+    fn default() -> Self {
+        Self { name: "none", entries: Arc::new([]) }
+    }
+}
+
+impl Preset {
+    /// The errors of all devices.
+    pub fn profile(&self) -> Profile {
+        changed(Profile::default(), &self.entries)
+    }
+}
+
+/// Where a scene or a robot takes its noise profile from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NoiseRef {
+    /// A preset.
+    Preset(Preset),
+    /// A file.
+    File(PathRef),
+    /// The scene itself; or a file that was read.
+    Profile(Arc<NoiseSpec>),
+}
+
+impl NoiseRef {
+    /// The profile; `None` where there are no errors, or where it is a file that was not read.
+    pub fn profile(&self) -> Option<Profile> {
+        match self {
+            Self::Preset(preset) => (!preset.entries.is_empty()).then(|| preset.profile()),
+            Self::File(_) => None,
+            Self::Profile(spec) => {
+                let is_none = spec.base.entries.is_empty() && spec.entries.is_empty();
+                (!is_none).then(|| spec.profile())
+            }
+        }
+    }
+}
+
+/// A noise profile: a preset and what is different from it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NoiseSpec {
+    /// Name of the file.
+    pub file: String,
+    /// What it starts from.
+    pub base: Preset,
+    /// What it changes, in the order of the sections, single sensors last, by their names.
+    pub entries: Vec<NoiseEntry>,
+}
+
+/// One number of a profile.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NoiseEntry {
+    /// The section.
+    pub section: NoiseSection,
+    /// The key.
+    pub key: &'static str,
+    /// The number in SI units; a percentage is a share.
+    pub value: f64,
+    /// Where it is written.
+    pub span: Span,
+}
+
+/// A section of a profile.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum NoiseSection {
+    /// All sensors of distance of a kind.
+    Range(RangeKind),
+    /// The compass.
+    Compass,
+    /// The camera.
+    Camera,
+    /// What lies between command and motion.
+    Drive,
+    /// What lies between motion and odometry.
+    Odometry,
+    /// What the radio receives.
+    Radio,
+    /// The sensor of distance of this name.
+    Sensor(String),
+}
+
+impl NoiseSpec {
+    /// The errors of all devices.
+    pub fn profile(&self) -> Profile {
+        changed(self.base.profile(), &self.entries)
+    }
+}
+
+/// The profile with these numbers in the place of its own.
+fn changed(mut profile: Profile, entries: &[NoiseEntry]) -> Profile {
+    for NoiseEntry { section, key, value, .. } in entries {
+        let (key, value) = (*key, *value);
+        match section {
+            NoiseSection::Range(kind) => set(&[RANGE, OWN], &mut profile.ranges[*kind as usize], key, value),
+            NoiseSection::Compass => set(&[COMPASS], &mut profile.compass, key, value),
+            NoiseSection::Camera => set(&[CAMERA], &mut profile.camera, key, value),
+            NoiseSection::Drive => set(&[DRIVE], &mut profile.motion, key, value),
+            NoiseSection::Odometry => set(&[ODOMETRY], &mut profile.motion, key, value),
+            NoiseSection::Radio => set(&[RADIO], &mut profile.radio, key, value),
+            NoiseSection::Sensor(name) => {
+                let known = [RANGE, OWN].into_iter().flatten().find(|known| known.name == key);
+                let change = known.map(|known| (known.place, value));
+                profile.sensors.entry(name.clone()).or_default().extend(change);
+            }
+        }
+    }
+    profile
+}
+
+/// Sets the number of `model` for which `key` stands.
+fn set<M>(keys: &[Keys<M>], model: &mut M, key: &str, value: f64) {
+    if let Some(known) = keys.iter().copied().flatten().find(|known| known.name == key) {
+        *(known.place)(model) = value;
+    }
+}

@@ -1,0 +1,225 @@
+//! Robot types: body, drive, and all that is on them.
+
+use std::collections::BTreeMap;
+use std::collections::BTreeSet;
+
+use glam::DVec3;
+
+use super::{
+    BumperSpec, CameraSpec, Collider, CompassSpec, DriveKind, InfraredSpec, InputSpec, JointSpec, LcdSpec, LegsSpec,
+    LidarSpec, LinkSpec, ModelSpec, PsdSpec, RangeSpec, SerialSpec, ServoSpec, Surface, stem,
+};
+
+use crate::unit::radians_from_degrees;
+
+/// Mass of a robot type that does not say, in kg. Source: our choice.
+pub const DEFAULT_ROBOT_MASS: f64 = 1.0;
+
+/// Friction between wheels and floor of a robot type that does not say: rubber on a hard floor. Source: our choice.
+pub const DEFAULT_TRACTION: f64 = 0.6;
+
+/// Body of a robot that does not say, in metres. With the other defaults: a small robot with two wheels.
+const DEFAULT_DIAMETER: f64 = 0.18;
+const DEFAULT_MAX_SPEED: f64 = 0.6;
+const DEFAULT_MAX_TURN_DEG: f64 = 300.0;
+const DEFAULT_WHEEL_DIAMETER: f64 = 0.05;
+const DEFAULT_MAX_RATE_DEG: f64 = 3600.0;
+const DEFAULT_TICKS: f64 = 1000.0;
+const DEFAULT_TRACK: f64 = 0.09;
+const MAX_STEER_DEG: f64 = 45.0;
+
+/// A motor of the drive and what belongs to it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MotorSpec {
+    /// Name of the motor, `MOTOR_LEFT`.
+    pub motor: String,
+    /// Name of its encoder, `QUAD_LEFT`; `None` where the file names none.
+    pub encoder: Option<String>,
+}
+
+impl MotorSpec {
+    /// Motors with their encoders from names in turns.
+    pub fn pairs(names: &[&str]) -> Vec<Self> {
+        let motor =
+            |pair: &[&str]| MotorSpec { motor: pair[0].to_owned(), encoder: pair.get(1).map(|&name| name.to_owned()) };
+        names.chunks(2).map(motor).collect()
+    }
+}
+
+/// The drive: its kind and the names of its devices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DriveSpec {
+    /// How the robot drives.
+    pub kind: DriveKind,
+    /// Motors in the order that [`DriveKind`] gives.
+    pub motors: Vec<MotorSpec>,
+    /// Name of the servo that steers; only for [`DriveKind::Ackermann`].
+    pub steering: Option<String>,
+    /// Distance between front and rear axle in metres; for [`DriveKind::Differential`] without meaning.
+    pub wheelbase: f64,
+    /// Steering angle at the servo's ends (0 and 255), in radians; for [`DriveKind::Ackermann`].
+    pub max_steer: f64,
+    /// Time constant of the first-order lag between a wheel's command and its speed, in seconds; 0 for none.
+    pub wheel_lag: f64,
+}
+
+/// The wheels, all alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelSpec {
+    /// Diameter in metres.
+    pub diameter: f64,
+    /// Largest turning rate in rad/s.
+    pub max_rate: f64,
+    /// Encoder ticks per turn of the wheel.
+    pub ticks_per_turn: f64,
+    /// Distance between left and right wheels in metres.
+    pub track: f64,
+}
+
+/// A robot type: a `.robi` and the `.toml` beside it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobiSpec {
+    /// Name of the `.robi` file; of a built-in type, its name.
+    pub file: String,
+    /// Name of the robot type; the file's stem where it does not say.
+    pub name: String,
+    /// Diameter of the body, a circle about the robot's centre, in metres.
+    pub diameter: f64,
+    /// Largest speed in m/s.
+    pub max_speed: f64,
+    /// Largest turning speed in rad/s.
+    pub max_turn: f64,
+    /// Place of the wheel axis on the robot's x axis, in metres; positive: ahead of the centre.
+    pub axis_offset: f64,
+    /// The wheels.
+    pub wheel: WheelSpec,
+    /// The drive.
+    pub drive: DriveSpec,
+    /// Links in the order of the file; none hangs on itself.
+    pub links: Vec<LinkSpec>,
+    /// PSD sensors in the order of the file.
+    pub psds: Vec<PsdSpec>,
+    /// Range sensors beside the PSDs: lasers, ultrasonic, reflectance sensors, sonars, each in the order of the file.
+    pub ranges: Vec<RangeSpec>,
+    /// The camera.
+    pub camera: Option<CameraSpec>,
+    /// The laser scanner.
+    pub lidar: Option<LidarSpec>,
+    /// The body's looks.
+    pub model: Option<ModelSpec>,
+    /// The body's shape in space where the file gives it; contacts are those of the disc of `diameter`.
+    pub colliders: Vec<Collider>,
+    /// How the body reflects.
+    pub surface: Surface,
+    /// Mass in kg; positive.
+    pub mass: f64,
+    /// Centre of mass in the robot's frame, in metres.
+    pub centre_of_mass: DVec3,
+    /// Coefficient of friction between wheels and floor: what the robot can push with, over its weight.
+    pub traction: f64,
+    /// Legs, of a robot with [`DriveKind::Legged`]; `None` where no file describes them.
+    pub legs: Option<LegsSpec>,
+    /// Infrared switches.
+    pub infrareds: Vec<InfraredSpec>,
+    /// Bumpers.
+    pub bumpers: Vec<BumperSpec>,
+    /// Servos beyond those of camera and steering, and those two where the companion says more about them.
+    pub servos: Vec<ServoSpec>,
+    /// The compass.
+    pub compass: Option<CompassSpec>,
+    /// The colour display of RoBIOS-7.
+    pub lcd: LcdSpec,
+    /// What unconnected inputs read.
+    pub inputs: InputSpec,
+    /// What is connected to the serial interfaces, in order of their numbers; nothing where none is listed.
+    pub serials: Vec<SerialSpec>,
+    /// Further entries of the hardware description table: (name of a device, number under which programs ask for it), in
+    /// order of the names. They go before `hdt_sem.h`.
+    pub hdt: Vec<(String, i32)>,
+}
+
+/// A servo of a robot, wherever its files name it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ServoRef<'r> {
+    /// Its name.
+    pub name: &'r str,
+    /// Number under which programs ask for it, where the files give one.
+    pub id: Option<i32>,
+    /// Angles at positions 0 and 255, in radians.
+    pub swing: [f64; 2],
+}
+
+impl RobiSpec {
+    /// A robot type with the defaults for all that a file leaves out, named by the file's stem.
+    pub fn with_defaults(file: &str) -> Self {
+        Self {
+            file: file.to_owned(),
+            name: stem(file).to_owned(),
+            diameter: DEFAULT_DIAMETER,
+            max_speed: DEFAULT_MAX_SPEED,
+            max_turn: radians_from_degrees(DEFAULT_MAX_TURN_DEG),
+            axis_offset: 0.0,
+            wheel: WheelSpec {
+                diameter: DEFAULT_WHEEL_DIAMETER,
+                max_rate: radians_from_degrees(DEFAULT_MAX_RATE_DEG),
+                ticks_per_turn: DEFAULT_TICKS,
+                track: DEFAULT_TRACK,
+            },
+            drive: DriveSpec {
+                kind: DriveKind::Differential,
+                motors: MotorSpec::pairs(&["MOTOR_LEFT", "QUAD_LEFT", "MOTOR_RIGHT", "QUAD_RIGHT"]),
+                steering: None,
+                wheelbase: DEFAULT_TRACK,
+                max_steer: radians_from_degrees(MAX_STEER_DEG),
+                wheel_lag: 0.0,
+            },
+            links: Vec::new(),
+            legs: None,
+            psds: Vec::new(),
+            ranges: Vec::new(),
+            camera: None,
+            lidar: None,
+            colliders: Vec::new(),
+            surface: Surface::default(),
+            mass: DEFAULT_ROBOT_MASS,
+            centre_of_mass: DVec3::ZERO,
+            traction: DEFAULT_TRACTION,
+            model: None,
+            infrareds: Vec::new(),
+            bumpers: Vec::new(),
+            servos: Vec::new(),
+            compass: None,
+            lcd: LcdSpec::default(),
+            inputs: InputSpec::default(),
+            serials: Vec::new(),
+            hdt: Vec::new(),
+        }
+    }
+
+    /// All servos: that of the steering first, then those of the companion, then the camera's. That is the order in which
+    /// programs number them.
+    ///
+    /// Where a servo is named twice, what its own table says counts.
+    pub fn all_servos(&self) -> Vec<ServoRef<'_>> {
+        let camera = self.camera.iter().flat_map(|camera| [&camera.pan, &camera.tilt]);
+        let joints = camera.filter_map(|joint| match joint {
+            JointSpec::Servo { name, from, to } => Some((name.as_str(), [*from, *to])),
+            JointSpec::Fixed(_) => None,
+        });
+        // Position 0 steers to the left.
+        let steer = self.drive.max_steer;
+        let steering = self.drive.steering.iter().map(|name| (name.as_str(), [steer, -steer]));
+        let own = self.servos.iter().map(|servo| (servo.name.as_str(), [servo.from, servo.to]));
+        let mut servos: Vec<ServoRef<'_>> = Vec::new();
+        let mut places: BTreeSet<&str> = BTreeSet::new();
+        let tables: BTreeMap<&str, &ServoSpec> = self.servos.iter().rev().map(|servo| (&*servo.name, servo)).collect();
+        for (name, swing) in steering.chain(own).chain(joints) {
+            if places.insert(name) {
+                let table = tables.get(name);
+                let swing = table.map_or(swing, |servo| [servo.from, servo.to]);
+                servos.push(ServoRef { name, id: table.and_then(|servo| servo.id), swing });
+            }
+        }
+        servos
+    }
+}

@@ -1,0 +1,23 @@
+//! Places in texts.
+
+use serde::Serialize;
+
+/// A place in a text: bytes `start..end`, and line and column of its first character.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct Span {
+    /// First byte, counted in the decoded text (the file's own bytes unless it is not UTF-8).
+    pub start: usize,
+    /// Byte after the last.
+    pub end: usize,
+    /// Line, from 1; 0 when the span means a file as a whole.
+    pub line: u32,
+    /// Column in characters, from 1; a byte order mark does not count.
+    pub column: u32,
+}
+
+impl Span {
+    /// From the start of this span to the end of `last`, which begins on the same line or later.
+    pub fn to(self, last: Span) -> Span {
+        Span { end: last.end.max(self.end), ..self }
+    }
+}

@@ -1,0 +1,42 @@
+//! The one place where millimetres, degrees and hundredths of seconds meet SI units.
+//!
+//! Used by the readers of files, by the RoBIOS functions of the host and for the numbers of noise profiles, which people set in
+//! these units; nothing else in the core knows them.
+
+mod quantity;
+
+use std::f64::consts::PI;
+
+pub use quantity::Quantity;
+
+/// Metres from millimetres.
+pub fn metres_from_mm(mm: f64) -> f64 {
+    mm / 1000.0
+}
+
+/// Millimetres from metres.
+pub fn mm_from_metres(metres: f64) -> f64 {
+    metres * 1000.0
+}
+
+/// Radians from degrees; multiples of 90 give the double nearest to the exact angle.
+pub fn radians_from_degrees(degrees: f64) -> f64 {
+    degrees / 180.0 * PI
+}
+
+/// Degrees from radians.
+pub fn degrees_from_radians(radians: f64) -> f64 {
+    radians / PI * 180.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quarter_turns_are_the_nearest_doubles() {
+        assert_eq!(radians_from_degrees(90.0), PI / 2.0);
+        assert_eq!(radians_from_degrees(-180.0), -PI);
+        assert_eq!(degrees_from_radians(PI / 2.0), 90.0);
+    }
+}

@@ -1,0 +1,76 @@
+//! Types that exist without any file: the robots and objects that EyeSim VR has built in.
+//!
+//! Their texts are files of the usual kinds, compiled in. Sizes and devices are those of the robots as published; what has no
+//! source (masses, friction, colours, the sensor at the back) is our choice and stands in docs/formats.
+
+use super::spec::{ObjectType, RobiSpec};
+use super::{Diagnostic, read_companion, read_esobj, read_robi};
+
+/// Names of the built-in robot types.
+pub const ROBOTS: [&str; 2] = ["LabBot", "S4"];
+
+pub use sim_core::spec::BUILT_IN_OBJECTS as OBJECTS;
+
+/// The built-in robot type of this name, upper and lower case alike.
+pub fn robot(name: &str) -> Option<RobiSpec> {
+    read_robot(name).map(|(robi, _)| robi)
+}
+
+/// The built-in object type of this name, upper and lower case alike.
+pub fn object(name: &str) -> Option<ObjectType> {
+    read_object(name).map(|(object, _)| object)
+}
+
+fn read_robot(name: &str) -> Option<(RobiSpec, Vec<Diagnostic>)> {
+    let name = named(&ROBOTS, name)?;
+    let (robi, companion) = match name {
+        "LabBot" => (include_str!("builtin/labbot.robi"), include_str!("builtin/labbot.toml")),
+        _ => (include_str!("builtin/s4.robi"), include_str!("builtin/s4.toml")),
+    };
+    let (mut spec, mut diagnostics) = read_robi(name, robi);
+    diagnostics.extend(read_companion(name, companion, &mut spec));
+    Some((spec, diagnostics))
+}
+
+fn read_object(name: &str) -> Option<(ObjectType, Vec<Diagnostic>)> {
+    let name = named(&OBJECTS, name)?;
+    let text = match name {
+        "Can" => include_str!("builtin/can.esObj"),
+        "Soccer" => include_str!("builtin/soccer.esObj"),
+        "Crate" => include_str!("builtin/crate.esObj"),
+        _ => include_str!("builtin/golf.esObj"),
+    };
+    Some(read_esobj(name, text))
+}
+
+fn named(names: &[&'static str], name: &str) -> Option<&'static str> {
+    names.iter().copied().find(|known| known.eq_ignore_ascii_case(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_texts_have_no_mistakes() {
+        for name in ROBOTS {
+            let (robi, diagnostics) = read_robot(name).expect("a built-in robot");
+            assert_eq!((diagnostics, robi.name.as_str(), robi.file.as_str()), (vec![], name, name));
+            let ids: Vec<_> = robi.psds.iter().map(|psd| (psd.name.as_str(), psd.id)).collect();
+            let expected =
+                [("PSD_FRONT", Some(1)), ("PSD_LEFT", Some(2)), ("PSD_RIGHT", Some(3)), ("PSD_BACK", Some(4))];
+            assert_eq!(ids, expected);
+        }
+        for name in OBJECTS {
+            let (object, diagnostics) = read_object(name).expect("a built-in object");
+            assert_eq!((diagnostics, object.name.as_str(), object.colliders.len()), (vec![], name, 1));
+        }
+    }
+
+    #[test]
+    fn names_are_those_of_any_case() {
+        assert_eq!(robot("labbot").map(|robi| robi.diameter), Some(0.26));
+        assert_eq!(object("CRATE").map(|object| object.mass), Some(1.0));
+        assert_eq!((robot("Can"), object("S4")), (None, None));
+    }
+}

@@ -1,0 +1,518 @@
+//! From one form of a file to another: scenes between `.sim` and our own form; worlds, mazes and types to sections of it and back.
+
+use super::code::Code;
+use super::diagnostic::{Diagnostic, Sink};
+use super::load::{Files, Loaded};
+use super::print::{self, Printed};
+use super::spec::{
+    LooksSpec, ObjectLine, PathRef, RobotLine, SceneForm, SceneSpec, SimSpec, StartRef, TypeRef, WorldKind, WorldLine,
+};
+use sim_core::RobotId;
+use sim_core::pose::Pose;
+
+use super::{
+    Span, decode, load_maze, load_object, load_robi, load_scene, load_world, path, read_scene, read_sim, scene,
+};
+
+/// A file that a conversion writes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Output {
+    /// Where.
+    pub path: String,
+    /// What.
+    pub text: String,
+}
+
+/// What became of a conversion.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Converted {
+    /// The file asked for, then those that it needs beside it. None where there are errors.
+    pub outputs: Vec<Output>,
+    /// What is wrong with the source, and a warning for each thing that the target cannot hold.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The source and the files that it names.
+    pub inputs: Vec<super::InputFile>,
+}
+
+/// A body that is in a running world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Standing {
+    /// Its number: that of a robot, or that of a movable object.
+    pub number: u32,
+    /// Name of its type.
+    pub kind: String,
+    /// Where it stands.
+    pub pose: Pose,
+}
+
+/// The text of the scene `from` in our own form with its robots and movable objects as they stand in a run: each at its pose,
+/// those that have gone left out, those that have come added, these robots without a program. Robots are numbered anew.
+///
+/// References are those of the scene's own folder. Objects that the world's file places stay where it places them.
+///
+/// # Errors
+/// What is wrong with the scene, where that keeps it from being read.
+pub fn scene_as_it_stands(
+    from: &str,
+    files: &dyn Files,
+    robots: &[Standing],
+    objects: &[Standing],
+) -> Result<String, Vec<Diagnostic>> {
+    let loaded = load_scene(from, files);
+    if loaded.has_errors() {
+        return Err(loaded.diagnostics);
+    }
+    let mut sim = Conversion { from, to: from, files, lost: Sink::new(from), outputs: Vec::new() }.source();
+    settle_named(&mut sim, &loaded.scene);
+    if sim.world.is_none() && sim.inline.world.is_none() {
+        sim.inline.world = Some(loaded.scene.world.clone());
+    }
+    // Numbers have no gaps.
+    let ids = (0..).map(RobotId::from_index);
+    let lines =
+        ids.zip(robots).map(|(id, robot)| RobotLine { id: Some(id), ..line_of_robot(robot, &sim, &loaded.scene) });
+    sim.robots = lines.collect();
+    place_objects(&mut sim, &loaded.scene, objects);
+    Ok(print::print_scene(&sim))
+}
+
+/// The line of a robot that stands there.
+fn line_of_robot(robot: &Standing, sim: &SimSpec, scene: &SceneSpec) -> RobotLine {
+    let spec = scene.robots.iter().find(|spec| spec.id == RobotId(robot.number));
+    let line = spec.and_then(|spec| sim.robots.iter().find(|line| line.span == spec.span)).cloned();
+    let line = line.unwrap_or_else(|| RobotLine {
+        id: None,
+        kind: named(&robot.kind),
+        program: None,
+        arguments: Vec::new(),
+        api: None,
+        noise: None,
+        start: StartRef::Next,
+        span: Span::default(),
+    });
+    RobotLine { start: StartRef::Pose(robot.pose), ..line }
+}
+
+/// Puts the movable objects of a scene's lines where they stand.
+fn place_objects(sim: &mut SimSpec, scene: &SceneSpec, objects: &[Standing]) {
+    let mut number = scene.objects.iter().filter(|object| !object.kind.is_fixed).count() as u32;
+    let of_scene = number;
+    // The world's objects come before those of the scene's lines, whose spans are of another file.
+    let mut lines: Vec<usize> = (0..sim.objects.len()).collect();
+    let mut gone = Vec::new();
+    for spec in scene.objects.iter().rev() {
+        let place = lines.iter().rposition(|line| sim.objects[*line].span == spec.span);
+        let line = place.map(|place| lines.remove(place));
+        if spec.kind.is_fixed {
+            continue;
+        }
+        match (line, objects.iter().find(|object| object.number == number)) {
+            (Some(line), Some(now)) => sim.objects[line].pose = now.pose,
+            (Some(line), None) => gone.push(line),
+            (None, _) => {}
+        }
+        number -= 1;
+    }
+    gone.into_iter().for_each(|line| drop(sim.objects.remove(line)));
+    let new = objects.iter().filter(|object| object.number > of_scene);
+    let line = |object: &Standing| ObjectLine {
+        kind: named(&object.kind),
+        pose: object.pose,
+        friction: None,
+        span: Span::default(),
+    };
+    sim.objects.extend(new.map(line));
+}
+
+fn named(kind: &str) -> TypeRef {
+    TypeRef::Name(PathRef { text: kind.to_owned(), span: Span::default() })
+}
+
+/// A kind of file, by its extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Sim,
+    Scene,
+    World,
+    Maze,
+    Robi,
+    Object,
+}
+
+impl Kind {
+    fn of(name: &str) -> Option<Self> {
+        Some(match path::extension(name).as_str() {
+            "sim" => Kind::Sim,
+            "toml" => Kind::Scene,
+            "wld" => Kind::World,
+            "maz" | "maze" => Kind::Maze,
+            "robi" => Kind::Robi,
+            "esobj" => Kind::Object,
+            _ => return None,
+        })
+    }
+}
+
+/// Converts the file `from` to one named `to`, whose extension says what it becomes.
+///
+/// References are rewritten for the folder of `to`; both names are relative to the working folder or both absolute. Nothing is
+/// written here.
+pub fn convert(from: &str, to: &str, files: &dyn Files) -> Converted {
+    let (Some(source), Some(target)) = (Kind::of(from), Kind::of(to)) else {
+        let name = if Kind::of(from).is_none() { from } else { to };
+        let expected = "a name that ends in .sim, .toml, .wld, .maz, .robi or .esObj";
+        return Converted::refused(Code::FileKind, name, "the name does not say which kind of file this is", expected);
+    };
+    let mut conversion = Conversion { from, to, files, lost: Sink::new(from), outputs: Vec::new() };
+    let loaded = match (source, target) {
+        (Kind::Sim | Kind::Scene, Kind::Sim | Kind::Scene) => conversion.scene(target),
+        (Kind::World | Kind::Maze, Kind::World | Kind::Maze | Kind::Scene) => conversion.world(source, target),
+        (Kind::Robi, Kind::Robi | Kind::Scene) => conversion.robi(target),
+        (Kind::Object, Kind::Object | Kind::Scene) => conversion.object(target),
+        (Kind::Scene, _) => conversion.part_of_scene(target),
+        _ => {
+            let message = format!("`{from}` cannot become `{to}`: they hold different things");
+            let expected =
+                "scenes to scenes (.sim, .scene.toml), worlds to worlds, types to types, each to and from .toml";
+            return Converted::refused(Code::ConvertKind, from, &message, expected);
+        }
+    };
+    let Conversion { lost, outputs, .. } = conversion;
+    let mut diagnostics = loaded.diagnostics;
+    diagnostics.extend(lost.finish());
+    let outputs = if super::has_errors(&diagnostics) { Vec::new() } else { outputs };
+    Converted { outputs, diagnostics, inputs: loaded.inputs }
+}
+
+impl Converted {
+    fn refused(code: Code, file: &str, message: &str, expected: &str) -> Self {
+        let mut sink = Sink::new(file);
+        sink.error(code, Span::default(), message, expected);
+        Self { diagnostics: sink.finish(), ..Self::default() }
+    }
+}
+
+struct Conversion<'a> {
+    from: &'a str,
+    to: &'a str,
+    files: &'a dyn Files,
+    /// Warnings on what the target cannot hold.
+    lost: Sink,
+    outputs: Vec<Output>,
+}
+
+impl Conversion<'_> {
+    fn scene(&mut self, target: Kind) -> Loaded {
+        let loaded = load_scene(self.from, self.files);
+        if loaded.has_errors() {
+            return loaded;
+        }
+        let mut sim = self.source();
+        self.rewrite(&mut sim);
+        settle_named(&mut sim, &loaded.scene);
+        if sim.world.is_none() && sim.inline.world.is_none() {
+            sim.inline.world = Some(loaded.scene.world.clone());
+        }
+        let printed = if target == Kind::Sim {
+            self.write_inline(&mut sim);
+            print::print_sim(&sim, &loaded.scene)
+        } else {
+            Printed { text: print::print_scene(&sim), lost: Vec::new() }
+        };
+        self.write(self.to.to_owned(), printed);
+        loaded
+    }
+
+    /// The text of the source itself as a spec.
+    fn source(&self) -> SimSpec {
+        let text = self.files.read(self.from).map_or(String::new(), |bytes| decode(&bytes).0);
+        let read = if Kind::of(self.from) == Some(Kind::Scene) { read_scene } else { read_sim };
+        read(self.from, &text).0
+    }
+
+    /// Puts what a scene describes in place into files beside the target, since a sim file can only name them.
+    fn write_inline(&mut self, sim: &mut SimSpec) {
+        let inline = std::mem::take(&mut sim.inline);
+        if let Some(world) = inline.world {
+            let (extension, kind, printed) = match print::print_maze(&world).ok().filter(|_| world.cell.is_some()) {
+                Some(text) => {
+                    let lost = print::beside_maze(&world);
+                    ("maz", WorldKind::Maze, Printed { text, lost })
+                }
+                None => ("wld", WorldKind::World, print::print_world(&world)),
+            };
+            let path = self.beside("", extension, printed);
+            sim.world = Some(WorldLine { kind, path, looks: LooksSpec::default() });
+        }
+        for (robi, span) in inline.robot_types {
+            let companion = print::print_companion(&robi);
+            let part = format!("-{}", safe(&robi.name));
+            if !companion.is_empty() {
+                self.beside(&part, "toml", Printed { text: companion, lost: Vec::new() });
+            }
+            let path = self.beside(&part, "robi", print::print_robi(&robi));
+            sim.robot_types.push(PathRef { span, ..path });
+        }
+        for (object, span) in inline.object_types {
+            let path = self.beside(&format!("-{}", safe(&object.name)), "esObj", print::print_esobj(&object));
+            sim.object_types.push(PathRef { span, ..path });
+        }
+    }
+
+    /// Writes a file beside the target that is named after it.
+    fn beside(&mut self, part: &str, extension: &str, printed: Printed) -> PathRef {
+        let stem = path::stem(self.to);
+        let name = format!("{}{part}.{extension}", stem.strip_suffix(".scene").unwrap_or(stem));
+        self.write(path::join(path::folder_of(self.to), &name), printed);
+        PathRef { text: name, span: Span::default() }
+    }
+
+    fn write(&mut self, path: String, printed: Printed) {
+        for what in printed.lost {
+            let message = format!("`{path}` has no place for {what}");
+            self.lost.warn(Code::ConvertLost, Span::default(), message, "a form that holds it, such as .scene.toml");
+        }
+        self.outputs.push(Output { path, text: printed.text });
+    }
+
+    fn world(&mut self, source: Kind, target: Kind) -> Loaded {
+        let load = if source == Kind::Maze { load_maze } else { load_world };
+        let loaded = load(self.from, self.files);
+        let mut world = loaded.scene.world.clone();
+        world.texture.iter_mut().for_each(|texture| self.rewrite_path(texture));
+        self.write_world(&world, target);
+        loaded
+    }
+
+    fn write_world(&mut self, world: &super::WorldSpec, target: Kind) {
+        let printed = match target {
+            Kind::World => print::print_world(world),
+            Kind::Maze => match print::print_maze(world) {
+                Ok(text) => Printed { text, lost: print::beside_maze(world) },
+                Err(why) => {
+                    let expected = "walls along a grid of cells, and the target `.wld` otherwise";
+                    self.lost.error(Code::ConvertMaze, Span::default(), why, expected);
+                    return;
+                }
+            },
+            _ => {
+                let mut sim = SimSpec { form: SceneForm::Toml, ..SimSpec::default() };
+                sim.inline.world = Some(world.clone());
+                Printed { text: print::print_scene(&sim), lost: Vec::new() }
+            }
+        };
+        self.write(self.to.to_owned(), printed);
+    }
+
+    fn robi(&mut self, target: Kind) -> Loaded {
+        let (robi, loaded) = load_robi(self.from, self.files);
+        if let Some(mut robi) = robi {
+            self.rewrite_robi(&mut robi);
+            self.write_robi(&robi, target);
+        }
+        loaded
+    }
+
+    fn write_robi(&mut self, robi: &super::RobiSpec, target: Kind) {
+        if target == Kind::Scene {
+            let text = print::section("robot_type", print::robot_type_form(robi));
+            return self.write(self.to.to_owned(), Printed { text, lost: Vec::new() });
+        }
+        self.write(self.to.to_owned(), print::print_robi(robi));
+        let companion = print::print_companion(robi);
+        if !companion.is_empty() {
+            let path = path::with_extension(self.to, "toml");
+            self.write(path, Printed { text: companion, lost: Vec::new() });
+        }
+    }
+
+    fn object(&mut self, target: Kind) -> Loaded {
+        let (object, loaded) = load_object(self.from, self.files);
+        if let Some(mut object) = object {
+            object.model.iter_mut().for_each(|model| self.rewrite_path(&mut model.path));
+            self.write_object(&object, target);
+        }
+        loaded
+    }
+
+    fn write_object(&mut self, object: &super::ObjectType, target: Kind) {
+        let printed = if target == Kind::Scene {
+            Printed { text: print::section("object_type", print::object_form(object)), lost: Vec::new() }
+        } else {
+            print::print_esobj(object)
+        };
+        self.write(self.to.to_owned(), printed);
+    }
+
+    /// The one world or type that a TOML file describes in place, and nothing else of it.
+    fn part_of_scene(&mut self, target: Kind) -> Loaded {
+        let mut loaded = Loaded::default();
+        let text = match self.files.read(self.from) {
+            Ok(bytes) => decode(&bytes).0,
+            Err(_) => {
+                // Says why it cannot be read.
+                return load_scene(self.from, self.files);
+            }
+        };
+        let (mut sim, diagnostics) = read_scene(self.from, &text);
+        // A file of types alone is no scene, but good enough here.
+        let is_whole = scene::has_marks(&text);
+        loaded.diagnostics.extend(diagnostics.into_iter().filter(|it| is_whole || it.code != Code::TomlMissing));
+        loaded.inputs.push(super::InputFile { path: self.from.to_owned(), bytes: text.into_bytes() });
+        self.rewrite(&mut sim);
+        match (target, sim.inline.robot_types.as_slice(), sim.inline.object_types.as_slice()) {
+            (Kind::World | Kind::Maze, ..) if sim.inline.world.is_some() => {
+                let world = sim.inline.world.clone().unwrap_or_default();
+                self.write_world(&world, target);
+            }
+            (Kind::Robi, [(robi, _)], _) => self.write_robi(robi, target),
+            (Kind::Object, _, [(object, _)]) => self.write_object(object, target),
+            _ => {
+                let message = format!("`{}` does not describe exactly one such thing in place", self.from);
+                let expected = "a `[world]` with walls or a maze, one `[[robot_type]]` or one `[[object_type]]`";
+                self.lost.error(Code::ConvertKind, Span::default(), message, expected);
+            }
+        }
+        loaded
+    }
+
+    /// Rewrites all references of a scene for the folder of the target.
+    fn rewrite(&self, sim: &mut SimSpec) {
+        sim.world.iter_mut().for_each(|line| self.rewrite_path(&mut line.path));
+        sim.robot_types.iter_mut().chain(&mut sim.object_types).for_each(|path| self.rewrite_path(path));
+        for line in sim.robots.iter_mut().chain(&mut sim.named) {
+            self.rewrite_type(&mut line.kind);
+            line.program.iter_mut().for_each(|program| self.rewrite_path(program));
+            line.noise.iter_mut().for_each(|noise| self.rewrite_noise(noise));
+        }
+        sim.objects.iter_mut().for_each(|line| self.rewrite_type(&mut line.kind));
+        if let Some(world) = &mut sim.inline.world {
+            world.texture.iter_mut().for_each(|texture| self.rewrite_path(texture));
+            world.terrain.iter_mut().filter_map(|terrain| terrain.path_mut()).for_each(|path| self.rewrite_path(path));
+            world.objects.iter_mut().for_each(|line| self.rewrite_type(&mut line.kind));
+        }
+        sim.inline.robot_types.iter_mut().for_each(|(robi, _)| self.rewrite_robi(robi));
+        let objects = sim.inline.object_types.iter_mut().flat_map(|(object, _)| &mut object.model);
+        objects.for_each(|model| self.rewrite_path(&mut model.path));
+        if let Some(super::CostsRef::File(path)) = &mut sim.run.costs {
+            self.rewrite_path(path);
+        }
+        sim.run.noise.iter_mut().for_each(|noise| self.rewrite_noise(noise));
+    }
+
+    fn rewrite_noise(&self, noise: &mut super::NoiseRef) {
+        if let super::NoiseRef::File(path) = noise {
+            self.rewrite_path(path);
+        }
+    }
+
+    fn rewrite_robi(&self, robi: &mut super::RobiSpec) {
+        robi.model.iter_mut().for_each(|model| self.rewrite_path(&mut model.path));
+        for serial in &mut robi.serials {
+            if let super::SerialLine::File { path, .. } = &mut serial.line {
+                self.rewrite_path(path);
+            }
+        }
+    }
+
+    fn rewrite_type(&self, kind: &mut TypeRef) {
+        if let TypeRef::File(path) = kind {
+            self.rewrite_path(path);
+        }
+    }
+
+    /// A relative reference to something beside the source, as seen from the target; all others lead to where they led.
+    fn rewrite_path(&self, reference: &mut PathRef) {
+        let (old, new) = (path::folder_of(self.from), path::folder_of(self.to));
+        if old == new {
+            return;
+        }
+        let text = reference.text.replace('\\', "/");
+        let Some(first) = path::candidates(&text, old, None).into_iter().next() else { return };
+        let is_relative = !text.starts_with('/') && path::join(old, &text) == first;
+        let is_there = || self.files.list(path::folder_of(&first)).iter().any(|name| name == path::file_name(&first));
+        if is_relative && is_there() {
+            reference.text = path::relative(new, &first);
+        }
+    }
+}
+
+/// Sorts the lines that only a type's file tells to be robots or objects to where they belong.
+fn settle_named(sim: &mut SimSpec, scene: &SceneSpec) {
+    for line in std::mem::take(&mut sim.named) {
+        let is_object = scene.objects.iter().any(|object| object.span == line.span);
+        match line.start {
+            StartRef::Pose(pose) if is_object => {
+                sim.objects.push(ObjectLine { kind: line.kind, pose, friction: None, span: line.span });
+            }
+            _ if scene.robots.iter().any(|robot| robot.span == line.span) => sim.robots.push(line),
+            // A line of an unknown type, which has been warned about.
+            _ => {}
+        }
+    }
+    sim.robots.sort_by_key(|line: &RobotLine| line.span);
+    sim.objects.sort_by_key(|line| line.span);
+}
+
+/// A name as part of a file's name.
+fn safe(name: &str) -> String {
+    name.chars().map(|c| if c.is_alphanumeric() || matches!(c, '-' | '_') { c } else { '_' }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::load::FileError;
+    use super::*;
+
+    /// A scene with two lines of robots and one object.
+    struct One;
+
+    impl Files for One {
+        fn read(&self, path: &str) -> Result<Vec<u8>, FileError> {
+            match path {
+                "a.sim" => Ok(b"world a.wld\nS4 100 200 0 p.c\nS4 500 200 90\nCan 700 300 0\nCan 700 600 0\n".to_vec()),
+                "a.wld" => Ok(b"floor 2000 1000\n".to_vec()),
+                _ => Err(FileError::Missing),
+            }
+        }
+
+        fn list(&self, _: &str) -> Vec<String> {
+            vec!["a.sim".into(), "a.wld".into()]
+        }
+
+        fn home(&self) -> Option<&str> {
+            None
+        }
+    }
+
+    fn standing(number: u32, kind: &str, x: f64) -> Standing {
+        Standing { number, kind: kind.into(), pose: Pose::new(x, 0.25, 0.5) }
+    }
+
+    #[test]
+    fn a_scene_is_written_as_it_stands() {
+        let robots = [standing(1, "S4", 0.75), standing(3, "LabBot", 1.5)];
+        let objects = [standing(2, "Can", 0.4), standing(3, "Can", 1.75)];
+        let text = scene_as_it_stands("a.sim", &One, &robots, &objects).expect("a scene");
+        let (sim, diagnostics) = read_scene("b.scene.toml", &text);
+        assert_eq!(diagnostics, [], "{text}");
+        let of_robot = |line: &RobotLine| {
+            let StartRef::Pose(pose) = line.start else { panic!("a pose") };
+            let program = line.program.as_ref().map(|program| program.text.clone());
+            (line.id, line.kind.written().text.clone(), (pose.position.x * 1000.0).round(), program)
+        };
+        let known: Vec<_> = sim.robots.iter().chain(&sim.named).map(of_robot).collect();
+        let expected = [
+            (Some(RobotId(1)), "S4".to_owned(), 750.0, Some("p.c".to_owned())),
+            (Some(RobotId(2)), "LabBot".to_owned(), 1500.0, None),
+        ];
+        assert_eq!(known, expected, "{text}");
+        let places: Vec<f64> = sim.objects.iter().map(|line| (line.pose.position.x * 1000.0).round()).collect();
+        assert_eq!(places, [400.0, 1750.0], "the first has gone, the third has come: {text}");
+    }
+
+    #[test]
+    fn of_a_scene_that_cannot_be_read_is_told_why() {
+        assert!(!scene_as_it_stands("b.sim", &One, &[], &[]).expect_err("there is none").is_empty());
+    }
+}

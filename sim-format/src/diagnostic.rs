@@ -1,0 +1,189 @@
+//! What a reader has to say about a text: where, how bad, what was expected.
+
+use std::borrow::Cow;
+
+use serde::Serialize;
+
+use super::{Code, Span};
+
+/// How bad a mistake is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// The line is skipped or read as far as it goes, as EyeSim does silently.
+    Warning,
+    /// The file or a robot is lost: such a scene is not run.
+    Error,
+}
+
+impl std::fmt::Display for Severity {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Severity::Warning => "warning",
+            Severity::Error => "error",
+        })
+    }
+}
+
+/// One mistake in one file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Diagnostic {
+    /// Whether the file can still be used.
+    pub severity: Severity,
+    /// Which kind of mistake.
+    pub code: Code,
+    /// Name of the file as the reader was given it.
+    pub file: String,
+    /// Where.
+    #[serde(flatten)]
+    pub span: Span,
+    /// What is wrong, the user's own words in backquotes; unprintable characters of them as `\u{1b}`.
+    pub message: String,
+    /// What would have been right.
+    pub expected: String,
+    /// A correction, where one can be guessed.
+    pub suggestion: Option<String>,
+}
+
+impl std::fmt::Display for Diagnostic {
+    /// One line: `file:line:column: severity[code]: message`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.file)?;
+        if self.span.line > 0 {
+            write!(f, ":{}:{}", self.span.line, self.span.column)?;
+        }
+        write!(f, ": {}[{}]: {}", self.severity, self.code, self.message)
+    }
+}
+
+/// True when one of the `diagnostics` is an error.
+pub fn has_errors(diagnostics: &[Diagnostic]) -> bool {
+    diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+}
+
+/// Diagnostics of one file that are kept; of those that follow, only their number.
+const MAX_KEPT: usize = 1000;
+
+/// Collects the diagnostics of one file.
+#[derive(Debug)]
+pub(super) struct Sink {
+    file: String,
+    diagnostics: Vec<Diagnostic>,
+    left_out: usize,
+    /// The last diagnostic that was left out, the worst severity of all of them.
+    last_left_out: Option<Diagnostic>,
+}
+
+impl Sink {
+    pub(super) fn new(file: &str) -> Self {
+        Self { file: file.to_owned(), diagnostics: Vec::new(), left_out: 0, last_left_out: None }
+    }
+
+    /// True as long as there is nothing to say.
+    pub(super) fn is_empty(&self) -> bool {
+        self.diagnostics.is_empty()
+    }
+
+    /// Adds a diagnostic and hands it out, so that a suggestion can be added.
+    pub(super) fn report(
+        &mut self,
+        severity: Severity,
+        code: Code,
+        span: Span,
+        message: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> &mut Diagnostic {
+        let diagnostic = Diagnostic {
+            severity,
+            code,
+            file: self.file.clone(),
+            span,
+            message: message.into(),
+            expected: expected.into(),
+            suggestion: None,
+        };
+        let place = self.diagnostics.len();
+        if place < MAX_KEPT {
+            self.diagnostics.push(diagnostic);
+            return &mut self.diagnostics[place];
+        }
+        self.left_out += 1;
+        let worst = self.last_left_out.take().map_or(severity, |last| last.severity.max(severity));
+        self.last_left_out.insert(Diagnostic { severity: worst, ..diagnostic })
+    }
+
+    pub(super) fn warn(
+        &mut self,
+        code: Code,
+        span: Span,
+        message: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> &mut Diagnostic {
+        self.report(Severity::Warning, code, span, message, expected)
+    }
+
+    pub(super) fn error(
+        &mut self,
+        code: Code,
+        span: Span,
+        message: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> &mut Diagnostic {
+        self.report(Severity::Error, code, span, message, expected)
+    }
+
+    /// All diagnostics, in the order of the text; what they quote is cut where it is long.
+    pub(super) fn finish(mut self) -> Vec<Diagnostic> {
+        self.diagnostics.sort_by_key(|diagnostic| diagnostic.span);
+        self.diagnostics.extend(self.last_left_out.map(|last| Diagnostic {
+            code: Code::FileMore,
+            message: format!("{} more mistakes in this file are left out", self.left_out),
+            expected: "a file of this kind".to_owned(),
+            suggestion: None,
+            ..last
+        }));
+        for Diagnostic { message, expected, suggestion, .. } in &mut self.diagnostics {
+            for words in [message, expected].into_iter().chain(suggestion) {
+                shorten(words);
+                if words.contains(is_unprintable) {
+                    *words = words.chars().map(printable).collect();
+                }
+            }
+        }
+        self.diagnostics
+    }
+}
+
+/// True for characters of a file that must not reach a terminal or a line of a log: they steer the cursor, end the line or
+/// turn the direction of writing.
+fn is_unprintable(character: char) -> bool {
+    let turns = matches!(character, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    character.is_control() || turns
+}
+
+/// The character, or `\u{1b}` and the like for one that is unprintable.
+fn printable(character: char) -> String {
+    if is_unprintable(character) { character.escape_unicode().to_string() } else { character.to_string() }
+}
+
+/// Bytes of a word and of a message that fill no screen.
+const MAX_WORD: usize = 300;
+const MAX_MESSAGE: usize = 3000;
+
+/// Cuts out the middles of words, then of the whole message, where they are too long: a file may consist of one word.
+fn shorten(text: &mut String) {
+    if text.len() > MAX_WORD {
+        *text = text.split_inclusive(' ').map(|word| cut(word, MAX_WORD)).collect();
+        *text = cut(text, MAX_MESSAGE).into_owned();
+    }
+}
+
+/// The first and the last sixth of a `text` that has more than `max` bytes.
+fn cut(text: &str, max: usize) -> Cow<'_, str> {
+    if text.len() <= max {
+        return Cow::Borrowed(text);
+    }
+    let head = text.floor_char_boundary(max / 6);
+    let tail = text.ceil_char_boundary(text.len() - max / 6);
+    Cow::Owned(format!("{}…{}", &text[..head], &text[tail..]))
+}

@@ -1,0 +1,341 @@
+//! Object types: `.esObj` of EyeSim VR.
+//!
+//! All numbers of lengths, times the factor of `scale`, are millimetres (those of the mesh file, times the same factor, are
+//! metres). They are in the frame of EyeSim VR's graphics library (X right, Y up, Z forward).
+
+use glam::DVec3;
+
+use super::code::Code;
+use super::diagnostic::{Diagnostic, Severity, Sink};
+use super::line::{self, Quantity, Word};
+use super::spec::{Axis, Collider, DEFAULT_OBJECT_MASS, DEFAULT_ROLLING, MAX_LENGTH, ModelSpec, ObjectType};
+use super::{Span, path};
+use sim_core::unit;
+
+const KEYWORDS: [&str; 15] = [
+    "colour",
+    "obj",
+    "name",
+    "scale",
+    "mass",
+    "collider",
+    "box",
+    "sphere",
+    "capsule",
+    "cylinder",
+    "buoyancy",
+    "fixed",
+    "friction",
+    "rolling",
+    "restitution",
+];
+const SHAPES: [&str; 4] = ["box", "sphere", "capsule", "cylinder"];
+/// Smallest size of a collider, in metres.
+const MIN_SIZE: f64 = 1e-6;
+
+/// Reads an object file.
+///
+/// What the file leaves out has the defaults of docs/formats/esobj.md; a missing shape or mass is warned about.
+pub fn read_esobj(file: &str, text: &str) -> (ObjectType, Vec<Diagnostic>) {
+    let mut reader = Reader {
+        sink: Sink::new(file),
+        object: ObjectType { colliders: Vec::new(), ..ObjectType::with_defaults(file) },
+        places: Vec::new(),
+        scale: 1.0,
+        has_mass: false,
+    };
+    for line in line::lines(text) {
+        let words = line.words();
+        if let Some((first, rest)) = words.split_first() {
+            reader.line(first, rest);
+        }
+    }
+    reader.finish()
+}
+
+struct Reader {
+    sink: Sink,
+    /// Lengths as written, axes those of the object, until `finish`.
+    object: ObjectType,
+    /// Where the colliders are written.
+    places: Vec<Span>,
+    /// Factor on all lengths: millimetres in a unit of the file, metres in a unit of the mesh file.
+    scale: f64,
+    has_mass: bool,
+}
+
+impl Reader {
+    fn line(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
+        match first.text {
+            "obj" => {
+                let path = path::reference(&mut self.sink, Severity::Warning, first, rest, "`obj FILE.obj`");
+                self.object.model = path.map(|path| ModelSpec { path, offset: DVec3::ZERO, turns: DVec3::ZERO });
+            }
+            "name" => {
+                let form = "`name NAME`, between double quotes if it has blanks";
+                match self.words(first, rest, 1, form) {
+                    Some([name]) if name.text.trim().is_empty() => {
+                        self.sink.warn(Code::EsobjArity, name.span, "the name is empty", form);
+                    }
+                    Some([name]) => self.object.name = name.text.to_owned(),
+                    _ => {}
+                }
+            }
+            "scale" => {
+                if let Some([scale]) = self.numbers(first, rest, &[SCALE], "`scale FACTOR`") {
+                    self.scale = scale;
+                }
+            }
+            "mass" => self.mass(first, rest),
+            "collider" => match rest.split_first() {
+                Some((shape, values)) => self.collider(shape, values),
+                None => {
+                    let message = "`collider` names no shape";
+                    self.sink.warn(Code::EsobjArity, first.span, message, COLLIDER_FORM);
+                }
+            },
+            word if SHAPES.contains(&word) => self.collider(first, rest),
+            "buoyancy" => {
+                if let Some([volume]) = self.numbers(first, rest, &[VOLUME], "`buoyancy VOLUME` in cubic metres") {
+                    self.object.buoyancy = volume;
+                }
+            }
+            "fixed" => {
+                self.extra(first, rest, 0, "`fixed` alone");
+                self.object.is_fixed = true;
+            }
+            "friction" => {
+                if let Some([friction]) = self.numbers(first, rest, &[FRICTION], "`friction COEFFICIENT`") {
+                    self.object.friction = friction;
+                }
+            }
+            "rolling" => {
+                if let Some([rolling]) = self.numbers(first, rest, &[ROLLING], "`rolling COEFFICIENT`") {
+                    self.object.rolling = Some(rolling);
+                }
+            }
+            "restitution" => {
+                if let Some([restitution]) = self.numbers(first, rest, &[RESTITUTION], "`restitution COEFFICIENT`") {
+                    self.object.restitution = restitution;
+                }
+            }
+            "colour" | "color" => {
+                if let Some(colour) = self.numbers(first, rest, &COLOUR, "`colour RED GREEN BLUE`, 0 to 255 each") {
+                    self.object.colour = Some(colour.map(|shade| shade as u8));
+                }
+            }
+            _ => self.unknown(first),
+        }
+    }
+
+    /// The first `count` values of a line; reports if there are fewer, or more.
+    fn words<'w, 't>(
+        &mut self,
+        keyword: &Word<'_>,
+        rest: &'w [Word<'t>],
+        count: usize,
+        form: &str,
+    ) -> Option<&'w [Word<'t>]> {
+        if rest.len() < count {
+            let span = rest.last().map_or(keyword.span, |last| keyword.span.to(last.span));
+            let message = format!("`{}` has {} of {count} values", keyword.text, rest.len());
+            self.sink.warn(Code::EsobjArity, span, message, form);
+            return None;
+        }
+        self.extra(keyword, rest, count, form);
+        rest.get(..count)
+    }
+
+    fn extra(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], count: usize, form: &str) {
+        if let Some(extra) = rest.get(count) {
+            let message = format!("`{}` is left over after the values of `{}`", extra.text, keyword.text);
+            self.sink.warn(Code::WordExtra, extra.span, message, form);
+        }
+    }
+
+    fn numbers<const N: usize>(
+        &mut self,
+        keyword: &Word<'_>,
+        rest: &[Word<'_>],
+        quantities: &[Quantity; N],
+        form: &str,
+    ) -> Option<[f64; N]> {
+        let values = self.words(keyword, rest, N, form)?;
+        line::numbers(&mut self.sink, Severity::Warning, values, quantities)
+    }
+
+    fn mass(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let form = "`mass KG` or `mass KG X Y Z`, the centre of mass";
+        self.has_mass = true;
+        if rest.len() == 1 {
+            if let Some([mass]) = self.numbers(keyword, rest, &[MASS], form) {
+                self.object.mass = mass;
+            }
+        } else if let Some([mass, x, y, z]) = self.numbers(keyword, rest, &[MASS, PLACE[0], PLACE[1], PLACE[2]], form) {
+            self.object.mass = mass;
+            self.object.centre_of_mass = from_graphics(x, y, z);
+        }
+    }
+
+    /// A collider, by the word that names its shape.
+    fn collider(&mut self, shape: &Word<'_>, values: &[Word<'_>]) {
+        let [x, y, z] = PLACE;
+        let collider = match shape.text {
+            "box" => self.numbers(shape, values, &[x, y, z, SIZE[0], SIZE[1], SIZE[2]], BOX_FORM).map(
+                |[x, y, z, right, up, forward]| Collider::Box {
+                    centre: from_graphics(x, y, z),
+                    size: DVec3::new(forward, right, up),
+                },
+            ),
+            "sphere" => self
+                .numbers(shape, values, &[x, y, z, RADIUS], SPHERE_FORM)
+                .map(|[x, y, z, radius]| Collider::Sphere { centre: from_graphics(x, y, z), radius }),
+            "cylinder" => self
+                .numbers(shape, values, &[x, y, z, RADIUS, HEIGHT], CYLINDER_FORM)
+                .map(|[x, y, z, radius, height]| Collider::Cylinder { centre: from_graphics(x, y, z), radius, height }),
+            "capsule" => self.capsule(shape, values),
+            _ => {
+                let message = format!("unknown shape `{}`", shape.text);
+                let diagnostic = self.sink.warn(Code::EsobjColliderKind, shape.span, message, COLLIDER_FORM);
+                diagnostic.suggestion = line::nearest(shape.text, SHAPES).map(|shape| format!("write `{shape}`"));
+                return;
+            }
+        };
+        let Some(collider) = collider else { return };
+        self.object.colliders.push(collider);
+        self.places.push(values.last().map_or(shape.span, |last| shape.span.to(last.span)));
+    }
+
+    fn capsule(&mut self, shape: &Word<'_>, values: &[Word<'_>]) -> Option<Collider> {
+        let [x, y, z] = PLACE;
+        let values = self.words(shape, values, 6, CAPSULE_FORM)?;
+        let (numbers, axis) = values.split_at(5);
+        let [x, y, z, radius, height] =
+            line::numbers(&mut self.sink, Severity::Warning, numbers, &[x, y, z, RADIUS, HEIGHT])?;
+        let axis = match axis[0].text {
+            "x" | "X" => Axis::Y,
+            "y" | "Y" => Axis::Z,
+            "z" | "Z" => Axis::X,
+            other => {
+                let message = format!("`{other}` is no axis of a capsule");
+                self.sink.warn(Code::EsobjColliderKind, axis[0].span, message, "x, y or z");
+                return None;
+            }
+        };
+        // As the graphics library of EyeSim VR has it: the half spheres alone.
+        let height = height.max(2.0 * radius);
+        Some(Collider::Capsule { centre: from_graphics(x, y, z), radius, height, axis })
+    }
+
+    fn unknown(&mut self, word: &Word<'_>) {
+        let expected = "one of obj, name, scale, mass, collider, box, sphere, capsule, cylinder, buoyancy, fixed, friction, \
+                        rolling, restitution, colour";
+        let message = format!("unknown keyword `{}`", word.text);
+        let diagnostic = self.sink.warn(Code::EsobjKeyword, word.span, message, expected);
+        diagnostic.suggestion = line::nearest(word.text, KEYWORDS).map(|keyword| format!("write `{keyword}`"));
+    }
+
+    fn finish(mut self) -> (ObjectType, Vec<Diagnostic>) {
+        let metres = unit::metres_from_mm(self.scale);
+        // A unit of the mesh is a metre where one of a collider is a millimetre.
+        self.object.scale = self.scale;
+        self.object.centre_of_mass *= metres;
+        let written = std::mem::take(&mut self.object.colliders);
+        let has_collider = !written.is_empty();
+        for (collider, span) in written.into_iter().zip(&self.places) {
+            let collider = scaled(collider, metres);
+            if is_sane(&collider) {
+                self.object.colliders.push(collider);
+            } else {
+                let message = "times the factor of `scale`, the collider is out of range";
+                let expected = "sizes from 1e-3 to 1e9 mm";
+                self.sink.warn(Code::NumberRange, *span, message, expected);
+            }
+        }
+        if self.object.centre_of_mass.abs().max_element() > MAX_LENGTH {
+            let message = "times the factor of `scale`, the centre of mass is out of range";
+            self.sink.warn(Code::NumberRange, Span::default(), message, "a place within 1e9 mm");
+            self.object.centre_of_mass = DVec3::ZERO;
+        }
+        if !has_collider {
+            let message = "no collider: an upright cylinder of 100 mm width and height is taken";
+            self.sink.warn(Code::EsobjColliderMissing, Span::default(), message, COLLIDER_FORM);
+        }
+        if !self.has_mass && !self.object.is_fixed {
+            let message = format!("no `mass` line: {DEFAULT_OBJECT_MASS} kg is taken");
+            self.sink.warn(Code::EsobjMassMissing, Span::default(), message, "`mass KG X Y Z`, or `fixed`");
+        }
+        if self.object.colliders.is_empty() {
+            self.object.colliders = ObjectType::with_defaults(&self.object.file).colliders;
+        }
+        let is_ball = self.object.colliders.iter().all(|collider| matches!(collider, Collider::Sphere { .. }));
+        if is_ball {
+            self.object.rolling.get_or_insert(DEFAULT_ROLLING);
+        }
+        (self.object, self.sink.finish())
+    }
+}
+
+/// From X right, Y up, Z forward to x forward, y left, z up.
+fn from_graphics(right: f64, up: f64, forward: f64) -> DVec3 {
+    // Not -right, which would turn 0 into -0.
+    DVec3::new(forward, 0.0 - right, up)
+}
+
+/// The collider with all lengths times `factor`.
+fn scaled(collider: Collider, factor: f64) -> Collider {
+    match collider {
+        Collider::Box { centre, size } => Collider::Box { centre: centre * factor, size: size * factor },
+        Collider::Sphere { centre, radius } => Collider::Sphere { centre: centre * factor, radius: radius * factor },
+        Collider::Capsule { centre, radius, height, axis } => {
+            Collider::Capsule { centre: centre * factor, radius: radius * factor, height: height * factor, axis }
+        }
+        Collider::Cylinder { centre, radius, height } => {
+            Collider::Cylinder { centre: centre * factor, radius: radius * factor, height: height * factor }
+        }
+    }
+}
+
+/// Whether a collider, in metres, is neither absurdly small nor absurdly large.
+fn is_sane(collider: &Collider) -> bool {
+    let (centre, smallest, largest) = match *collider {
+        Collider::Box { centre, size } => (centre, size.min_element(), size.max_element()),
+        Collider::Sphere { centre, radius } => (centre, radius, radius),
+        Collider::Capsule { centre, radius, height, .. } | Collider::Cylinder { centre, radius, height } => {
+            (centre, radius.min(height), radius.max(height))
+        }
+    };
+    centre.abs().max_element() <= MAX_LENGTH && smallest >= MIN_SIZE && largest <= MAX_LENGTH
+}
+
+const COLLIDER_FORM: &str = "`collider box|sphere|capsule|cylinder` and its values";
+const BOX_FORM: &str = "`collider box X Y Z SX SY SZ`: centre and sizes";
+const SPHERE_FORM: &str = "`collider sphere X Y Z RADIUS`";
+const CAPSULE_FORM: &str = "`collider capsule X Y Z RADIUS HEIGHT x|y|z`: centre, radius, whole height, axis";
+const CYLINDER_FORM: &str = "`collider cylinder X Y Z RADIUS HEIGHT`: centre, radius, height";
+
+/// A length above 0 in units of the file.
+const fn length(name: &'static str) -> Quantity {
+    Quantity::number(name, 1e-9, 1e15).minor()
+}
+
+/// A place in units of the file.
+const fn place(name: &'static str) -> Quantity {
+    Quantity::number(name, -1e15, 1e15).minor()
+}
+
+const PLACE: [Quantity; 3] = [place("x"), place("y"), place("z")];
+const SIZE: [Quantity; 3] = [length("size along x"), length("size along y"), length("size along z")];
+const RADIUS: Quantity = length("radius");
+const HEIGHT: Quantity = length("height");
+const SCALE: Quantity = Quantity::number("scale", 1e-9, 1e9).minor();
+const MASS: Quantity = Quantity::number("mass", 1e-6, 1e9).minor();
+const VOLUME: Quantity = Quantity::number("volume", 0.0, 1e9).minor();
+const FRICTION: Quantity = Quantity::number("friction", 0.0, 10.0).minor();
+const ROLLING: Quantity = Quantity::number("rolling resistance", 0.0, 10.0).minor();
+const RESTITUTION: Quantity = Quantity::number("restitution", 0.0, 1.0).minor();
+const COLOUR: [Quantity; 3] = [
+    Quantity::number("red", 0.0, 255.0).minor(),
+    Quantity::number("green", 0.0, 255.0).minor(),
+    Quantity::number("blue", 0.0, 255.0).minor(),
+];

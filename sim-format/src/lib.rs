@@ -1,0 +1,55 @@
+//! Texts of EyeSim files to the specs of `sim-core` in SI units, with diagnostics, and back.
+//!
+//! Every reader is a total function: whatever the text, it returns a spec of finite numbers and says what is wrong with the
+//! text, all of it, and never panics. This library does no I/O: [`load_scene`] gets its files through [`Files`]. It looks for no
+//! programs and builds nothing. One reader for each kind of file reads the dialects of all EyeSims, which the number and the kind
+//! of the values tell apart. The formats are described in docs/formats/.
+#![forbid(unsafe_code)]
+
+pub mod builtin;
+mod camera;
+mod clearance;
+mod code;
+mod companion;
+mod convert;
+mod diagnostic;
+mod esobj;
+mod given;
+mod legs;
+mod line;
+mod load;
+mod maze;
+mod mesh;
+mod noise;
+pub mod path;
+mod place;
+pub mod print;
+mod range;
+mod robi;
+pub mod same;
+mod scene;
+mod sim;
+mod table;
+#[cfg(test)]
+mod tests;
+mod types;
+mod world;
+
+pub use code::{Code, UnknownCode};
+pub use companion::read_companion;
+pub use convert::{Converted, Output, Standing, convert, scene_as_it_stands};
+pub use diagnostic::{Diagnostic, Severity, has_errors};
+pub use esobj::read_esobj;
+pub use load::{
+    FileError, Files, InputFile, Loaded, decode, load_maze, load_noise, load_object, load_robi, load_scene,
+    load_scene_with, load_world,
+};
+pub use maze::read_maze;
+pub use mesh::MeshReader;
+pub use noise::{NOISE_EXTENSION, PRESETS, is_noise, preset, preset_text, read_noise, unknown_sensors};
+pub use robi::read_robi;
+pub use scene::{SCENE_EXTENSION, is_scene, read_costs, read_scene};
+pub use sim::read_sim;
+pub use world::read_world;
+
+use sim_core::spec::{self, *};

@@ -1,0 +1,236 @@
+//! Lines, words and numbers: what the classic formats have in common.
+
+pub(super) use sim_core::nearest::nearest;
+pub(super) use sim_core::unit::Quantity;
+
+use super::Span;
+use super::code::Code;
+use super::diagnostic::{Severity, Sink};
+
+/// A line without its terminator.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line<'a> {
+    pub(super) text: &'a str,
+    /// Byte of its first character in the whole text.
+    start: usize,
+    /// Number of the line, from 1.
+    number: u32,
+}
+
+/// Words that are told apart in one line, so that a file of a single line does not fill the memory.
+const MAX_WORDS: usize = 1000;
+
+/// A word of a line, without its quotes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Word<'a> {
+    pub(super) text: &'a str,
+    pub(super) span: Span,
+    /// It opens with a quotation mark that nothing closes.
+    pub(super) is_unclosed: bool,
+}
+
+/// The lines of a text: ended by LF, CR LF or CR; a byte order mark is skipped.
+pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
+    let bytes = text.as_bytes();
+    let mut start = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+    let mut number = 0;
+    std::iter::from_fn(move || {
+        if start >= bytes.len() {
+            return None;
+        }
+        let length =
+            bytes[start..].iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(bytes.len() - start);
+        number += 1;
+        let line = Line { text: &text[start..start + length], start, number };
+        let end = start + length;
+        start = end + if text[end..].starts_with("\r\n") { 2 } else { 1 };
+        Some(line)
+    })
+}
+
+/// Byte at which each line of a text begins; lines end as in [`lines`].
+pub(super) fn line_starts(text: &str) -> Vec<usize> {
+    let bytes = text.as_bytes();
+    let ends = (0..bytes.len()).filter(|&place| match bytes[place] {
+        b'\n' => true,
+        b'\r' => bytes.get(place + 1) != Some(&b'\n'),
+        _ => false,
+    });
+    std::iter::once(0).chain(ends.map(|place| place + 1)).collect()
+}
+
+impl<'a> Line<'a> {
+    /// The whole line.
+    pub(super) fn span(&self) -> Span {
+        Span { start: self.start, end: self.start + self.text.len(), line: self.number, column: 1 }
+    }
+
+    /// The words: separated by blanks and tabs, `"..."` and `'...'` are one word, a comment begins with `;` or with `#` at
+    /// the start of a word. No line of any format has [`MAX_WORDS`]: what follows them is not looked at.
+    pub(super) fn words(&self) -> Vec<Word<'a>> {
+        let mut words = Vec::new();
+        let mut characters = self.text.char_indices().zip(1..).peekable();
+        while let Some(&((first, character), column)) = characters.peek() {
+            if character.is_whitespace() {
+                characters.next();
+                continue;
+            }
+            if matches!(character, ';' | '#') || words.len() == MAX_WORDS {
+                break;
+            }
+            let quote = matches!(character, '"' | '\'').then_some(character);
+            if quote.is_some() {
+                characters.next();
+            }
+            let ends = |c: char| quote.map_or(c.is_whitespace() || c == ';', |quote| c == quote);
+            let mut end = self.text.len();
+            let mut is_unclosed = quote.is_some();
+            while let Some(&((place, character), _)) = characters.peek() {
+                if ends(character) {
+                    (end, is_unclosed) = (place, false);
+                    break;
+                }
+                characters.next();
+            }
+            let inner = first + usize::from(quote.is_some());
+            let outer_end = if quote.is_some() && !is_unclosed {
+                characters.next();
+                end + 1
+            } else {
+                end
+            };
+            let span = Span { start: self.start + first, end: self.start + outer_end, line: self.number, column };
+            words.push(Word { text: &self.text[inner..end], span, is_unclosed });
+        }
+        words
+    }
+
+    /// The empty line before this one's first character.
+    pub(super) fn before(&self) -> Line<'a> {
+        Line { text: "", ..*self }
+    }
+
+    /// A single character of the line, given its byte and its column.
+    pub(super) fn character_span(&self, byte: usize, column: u32) -> Span {
+        let length = self.text[byte..].chars().next().map_or(0, char::len_utf8);
+        Span { start: self.start + byte, end: self.start + byte + length, line: self.number, column }
+    }
+}
+
+impl<'a> Word<'a> {
+    /// Takes everything up to the end of `last`, a later word of the same `line`, into this word.
+    pub(super) fn extend_to(&mut self, line: &Line<'a>, last: &Word<'a>) {
+        self.span = self.span.to(last.span);
+        self.text = &line.text[self.span.start - line.start..self.span.end - line.start];
+    }
+}
+
+/// True when a word is meant as a number.
+pub(super) fn looks_numeric(word: &str) -> bool {
+    let unsigned = word.trim_start_matches(['+', '-']);
+    unsigned.starts_with(|c: char| c.is_ascii_digit() || c == '.') || word.parse::<f64>().is_ok()
+}
+
+/// How bad a value out of the bounds of `quantity` is.
+fn severity_of(quantity: &Quantity) -> Severity {
+    if quantity.is_minor() { Severity::Warning } else { Severity::Error }
+}
+
+/// The number that `word` gives for `quantity`, in SI units; reports what is wrong with it.
+///
+/// A word that is no number is as bad as `severity` says (does EyeSim skip the line or lose a robot?). A number outside the
+/// bounds, an infinity and NaN are errors, since EyeSim reads them and loses the file to them; they are warnings where the
+/// quantity is a minor one.
+pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quantity: &Quantity) -> Option<f64> {
+    let name = quantity.name;
+    let Ok(value) = word.text.parse::<f64>() else {
+        let message = format!("`{}` is not a number ({name})", word.text);
+        let diagnostic = sink.report(severity, Code::NumberInvalid, word.span, message, quantity.expected());
+        diagnostic.suggestion = number_within(word.text).map(|text| format!("write `{text}`"));
+        return None;
+    };
+    let checked = quantity.check(value);
+    if checked.is_none() {
+        let message = format!("{name} `{}` is out of range", word.text);
+        sink.report(severity_of(quantity), Code::NumberRange, word.span, message, quantity.expected());
+    }
+    checked
+}
+
+/// The number that was probably meant: a comma for a point, letters for digits, or a unit stuck to it.
+pub(super) fn number_within(word: &str) -> Option<String> {
+    let digits = |c: char| match c {
+        'O' | 'o' => '0',
+        'l' | 'I' => '1',
+        ',' => '.',
+        c => c,
+    };
+    let without_unit = ["mm", "deg", "°"].iter().find_map(|unit| word.strip_suffix(unit)).unwrap_or(word);
+    let guess: String = without_unit.chars().map(digits).collect();
+    guess.parse::<f64>().is_ok_and(f64::is_finite).then_some(guess)
+}
+
+/// The numbers of a line of exactly `N` values; reports all that are wrong.
+pub(super) fn numbers<const N: usize>(
+    sink: &mut Sink,
+    severity: Severity,
+    words: &[Word<'_>],
+    quantities: &[Quantity; N],
+) -> Option<[f64; N]> {
+    let mut values = [0.0; N];
+    let mut complete = words.len() == N;
+    for ((value, word), quantity) in values.iter_mut().zip(words).zip(quantities) {
+        match number(sink, severity, word, quantity) {
+            Some(si) => *value = si,
+            None => complete = false,
+        }
+    }
+    complete.then_some(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(text: &str) -> Vec<(String, u32, u32)> {
+        let words = lines(text).flat_map(|line| line.words());
+        words.map(|word| (word.text.to_owned(), word.span.line, word.span.column)).collect()
+    }
+
+    #[test]
+    fn words_have_line_and_column_in_characters() {
+        let expected = [("a", 1, 1), ("é", 1, 3), ("b", 1, 5), ("c d", 2, 2), ("1", 4, 1), ("2", 5, 1)];
+        let expected = expected.map(|(word, line, column)| (word.to_owned(), line, column));
+        assert_eq!(words("\u{feff}a é b;x\r\n\t'c d' # e\n\n1\r2"), expected);
+    }
+
+    #[test]
+    fn spans_cut_the_word_out_of_the_text() {
+        let text = "\u{feff}é \"x y\" z";
+        let spans: Vec<&str> = lines(text).flat_map(|l| l.words()).map(|w| &text[w.span.start..w.span.end]).collect();
+        assert_eq!(spans, ["é", "\"x y\"", "z"]);
+    }
+
+    #[test]
+    fn lines_start_after_each_kind_of_end() {
+        let text = "a\r\n\rb\n\nc\r";
+        assert_eq!(line_starts(text), [0, 3, 4, 6, 7, 9]);
+        let numbered: Vec<usize> = lines(text).map(|line| line.start).collect();
+        assert_eq!(numbered, [0, 3, 4, 6, 7]);
+    }
+
+    #[test]
+    fn a_quote_without_an_end_takes_the_rest_of_the_line() {
+        let word = lines("world \"a b").flat_map(|line| line.words()).nth(1).expect("two words");
+        assert_eq!((word.text, word.is_unclosed), ("a b", true));
+    }
+
+    #[test]
+    fn a_number_with_comma_or_unit_is_guessed() {
+        assert_eq!(number_within("12,5").as_deref(), Some("12.5"));
+        assert_eq!(number_within("360mm").as_deref(), Some("360"));
+        assert_eq!(number_within("1OO").as_deref(), Some("100"));
+        assert_eq!(number_within("wide"), None);
+        assert_eq!(number_within("1,000,000"), None);
+    }
+}

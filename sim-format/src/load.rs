@@ -1,0 +1,560 @@
+//! From a sim file to a scene: finds and reads all files that it names.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use super::code::Code;
+use super::diagnostic::{Diagnostic, Severity, Sink};
+use super::spec::{
+    CostsRef, DEFAULT_WALL_HEIGHT, ModelSpec, ObjectType, PathRef, RobiSpec, RobotSpec, RunSpec, SceneSpec, SerialLine,
+    SimSpec, Solid, TypeRef, WallSpec, WorldKind, WorldSpec,
+};
+use super::{
+    MeshReader, NoiseRef, Span, clearance, line, path, place, read_companion, read_costs, read_esobj, read_maze,
+    read_noise, read_robi, read_scene, read_sim, read_world, unknown_sensors,
+};
+use sim_core::build::MeshSource;
+use sim_core::drive::DriveKind;
+
+/// Ground that differs from the floor by no more than this, in metres, is level for wheels. Source: our choice.
+const LEVEL: f64 = 1e-3;
+
+/// The file system as the readers see it; paths have slashes.
+pub trait Files {
+    /// The bytes of a file.
+    ///
+    /// # Errors
+    /// [`FileError::Missing`] if there is none of this name, [`FileError::Unreadable`] if it cannot be read.
+    fn read(&self, path: &str) -> Result<Vec<u8>, FileError>;
+
+    /// Names of the files and folders in a folder, in any order; empty if there is no such folder. `""` is the working
+    /// folder.
+    fn list(&self, folder: &str) -> Vec<String>;
+
+    /// Folder of the installation, for `%sim%`; `None` if there is none.
+    fn home(&self) -> Option<&str>;
+}
+
+/// Why a file could not be read.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FileError {
+    /// There is no file of this name.
+    #[error("no such file")]
+    Missing,
+    /// There is one, but it cannot be read.
+    #[error("{0}")]
+    Unreadable(String),
+}
+
+/// A file that was read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputFile {
+    /// Path under which it was found.
+    pub path: String,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// A scene with everything that was said and read on the way.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Loaded {
+    /// The scene; complete if and only if there are no errors.
+    pub scene: SceneSpec,
+    /// What is wrong, in the order in which the files were read.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The files that were read, in that order, each once.
+    pub inputs: Vec<InputFile>,
+}
+
+impl Loaded {
+    /// True when the scene must not be run.
+    pub fn has_errors(&self) -> bool {
+        super::has_errors(&self.diagnostics)
+    }
+}
+
+/// Reads a scene, of our own form where its name ends in `.toml`, else a sim file, and all worlds, robis and object files that
+/// it names. Programs and meshes are not looked for.
+///
+/// Robots without a pose take the starts of the world in order, or that of their letter. A type is read once, however many robots
+/// or objects have it. A robot or an object that starts inside something else is warned about.
+pub fn load_scene(path: &str, files: &dyn Files) -> Loaded {
+    load_scene_with(path, None, files)
+}
+
+/// The same, with a seed that goes before the scene's own: random layouts are drawn from it.
+pub fn load_scene_with(path: &str, seed: Option<u64>, files: &dyn Files) -> Loaded {
+    let mut loader = Loader::new(files);
+    let Some(text) = loader.root(path) else {
+        return loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() });
+    };
+    let is_toml = path::extension(path) == "toml";
+    let (mut sim, diagnostics) = if is_toml { read_scene(path, &text) } else { read_sim(path, &text) };
+    loader.diagnostics.extend(diagnostics);
+    sim.run.seed = seed.or(sim.run.seed);
+    let folder = path::folder_of(path).to_owned();
+    for (robi, _) in &mut sim.inline.robot_types {
+        loader.serial_files(path, &folder, robi);
+    }
+    loader.profiles(path, &folder, &mut sim);
+    let mut world = loader.world(&sim, &folder);
+    loader.solids(path, world.as_mut(), &mut sim.inline.object_types);
+    let placed = place::place(&mut loader, &sim, &folder, world.as_ref());
+    let costs = sim.run.costs.take().and_then(|costs| loader.costs(path, &folder, costs));
+    let scene = SceneSpec {
+        file: path.to_owned(),
+        folder,
+        world: world.unwrap_or_default(),
+        robots: placed.robots,
+        objects: placed.objects,
+        markers: sim.markers,
+        settings: sim.settings,
+        run: RunSpec { costs, ..sim.run },
+        radio: sim.radio,
+    };
+    loader.diagnostics.extend(unknown_sensors(&scene.robots));
+    loader.wheels_on_terrain(&scene);
+    loader.diagnostics.extend(clearance::check(&scene, placed.of_world));
+    loader.finish(scene)
+}
+
+/// Reads a world file alone; the scene has no robots.
+pub fn load_world(path: &str, files: &dyn Files) -> Loaded {
+    load_alone(path, files, read_world)
+}
+
+/// Reads a maze file alone; the scene has no robots.
+pub fn load_maze(path: &str, files: &dyn Files) -> Loaded {
+    load_alone(path, files, read_maze)
+}
+
+fn load_alone(path: &str, files: &dyn Files, read: fn(&str, &str) -> (WorldSpec, Vec<Diagnostic>)) -> Loaded {
+    let mut loader = Loader::new(files);
+    let mut scene = SceneSpec { file: path.to_owned(), ..SceneSpec::default() };
+    if let Some(text) = loader.root(path) {
+        let (world, diagnostics) = read(path, &text);
+        loader.diagnostics.extend(diagnostics);
+        scene.world = world;
+    }
+    loader.finish(scene)
+}
+
+/// Reads a robi and its companion alone; `None` if there is no such file. The scene of the result is empty.
+pub fn load_robi(path: &str, files: &dyn Files) -> (Option<RobiSpec>, Loaded) {
+    let mut loader = Loader::new(files);
+    let robi = loader.root(path).map(|text| loader.robi_text(path, &text));
+    (robi, loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() }))
+}
+
+/// Reads an object file alone; `None` if there is no such file. The scene of the result is empty.
+pub fn load_object(path: &str, files: &dyn Files) -> (Option<ObjectType>, Loaded) {
+    let mut loader = Loader::new(files);
+    let object = loader.root(path).map(|text| {
+        let (object, diagnostics) = read_esobj(path, &text);
+        loader.diagnostics.extend(diagnostics);
+        object
+    });
+    (object, loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() }))
+}
+
+/// Reads a noise profile alone; `None` if there is no such file. The scene of the result is empty.
+pub fn load_noise(path: &str, files: &dyn Files) -> (Option<NoiseRef>, Loaded) {
+    let mut loader = Loader::new(files);
+    let noise = loader.root(path).map(|text| loader.profile(path, &text));
+    (noise, loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() }))
+}
+
+/// The text of a file, and the place of the first byte that is not UTF-8, if any: such bytes become U+FFFD.
+pub fn decode(bytes: &[u8]) -> (String, Option<usize>) {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => (text.to_owned(), None),
+        Err(error) => (String::from_utf8_lossy(bytes).into_owned(), Some(error.valid_up_to())),
+    }
+}
+
+/// Finds and reads files, each once, and keeps what is wrong in them.
+pub(super) struct Loader<'a> {
+    pub(super) files: &'a dyn Files,
+    pub(super) diagnostics: Vec<Diagnostic>,
+    pub(super) inputs: Vec<InputFile>,
+    robots: Shelf<RobiSpec>,
+    objects: Shelf<ObjectType>,
+}
+
+/// Types that were read.
+struct Shelf<T> {
+    /// By the text of the reference; `None` for a file that is nowhere.
+    referenced: BTreeMap<String, Option<Arc<T>>>,
+    /// By the path at which they were found.
+    found: BTreeMap<String, Arc<T>>,
+}
+
+impl<T> Default for Shelf<T> {
+    fn default() -> Self {
+        Self { referenced: BTreeMap::new(), found: BTreeMap::new() }
+    }
+}
+
+impl<'a> Loader<'a> {
+    pub(super) fn new(files: &'a dyn Files) -> Self {
+        let (robots, objects) = (Shelf::default(), Shelf::default());
+        Self { files, diagnostics: Vec::new(), inputs: Vec::new(), robots, objects }
+    }
+
+    fn finish(self, scene: SceneSpec) -> Loaded {
+        Loaded { scene, diagnostics: self.diagnostics, inputs: self.inputs }
+    }
+
+    /// The file that the user named.
+    fn root(&mut self, path: &str) -> Option<String> {
+        match self.files.read(path) {
+            Ok(bytes) => Some(self.take(path, bytes)),
+            Err(error) => {
+                let mut sink = Sink::new(path);
+                sink.error(error.code(), Span::default(), format!("{error}"), "a file that can be read");
+                self.diagnostics.extend(sink.finish());
+                None
+            }
+        }
+    }
+
+    /// Remembers a file and decodes it.
+    pub(super) fn take(&mut self, path: &str, bytes: Vec<u8>) -> String {
+        let (text, invalid) = decode(&bytes);
+        if let Some(place) = invalid {
+            let starts = line::line_starts(&text[..place]);
+            let line = &text[starts.last().copied().unwrap_or_default()..place];
+            // A byte order mark is one only at the start of the text.
+            let line = if starts.len() == 1 { line.trim_start_matches('\u{feff}') } else { line };
+            let span = Span {
+                start: place,
+                end: place + char::REPLACEMENT_CHARACTER.len_utf8(),
+                line: starts.len() as u32,
+                column: line.chars().count() as u32 + 1,
+            };
+            let mut sink = Sink::new(path);
+            sink.warn(
+                Code::FileEncoding,
+                span,
+                "the file is not UTF-8 from here on; such bytes are replaced",
+                "UTF-8 or ASCII",
+            );
+            self.diagnostics.extend(sink.finish());
+        }
+        self.inputs.push(InputFile { path: path.to_owned(), bytes });
+        text
+    }
+
+    /// The path and bytes of the file that `reference` in `file` names; if it is nowhere, an error lists all places tried.
+    pub(super) fn find(&mut self, file: &str, folder: &str, reference: &PathRef) -> Option<(String, Vec<u8>)> {
+        self.find_or(Severity::Error, file, folder, reference)
+    }
+
+    /// The same, where a file that is nowhere is as bad as `severity` says.
+    pub(super) fn find_or(
+        &mut self,
+        severity: Severity,
+        file: &str,
+        folder: &str,
+        reference: &PathRef,
+    ) -> Option<(String, Vec<u8>)> {
+        let places = path::candidates(&reference.text, folder, self.files.home());
+        let mut sink = Sink::new(file);
+        let mut found = None;
+        for place in &places {
+            match self.files.read(place) {
+                Ok(bytes) => found = Some((place.clone(), bytes)),
+                Err(FileError::Missing) => continue,
+                Err(error) => {
+                    let message = format!("`{place}` cannot be read: {error}");
+                    sink.report(severity, error.code(), reference.span, message, "a file that can be read");
+                    self.diagnostics.extend(sink.finish());
+                    return None;
+                }
+            }
+            break;
+        }
+        if found.is_none() {
+            found = places.iter().find_map(|place| self.in_other_case(place));
+            if let Some((place, _)) = &found {
+                let message = format!("`{}` is found only as `{place}`: upper and lower case differ", reference.text);
+                sink.warn(Code::FileCase, reference.span, message, "the name as the file has it");
+            }
+        }
+        if found.is_none() {
+            let ends = path::moved(&reference.text, folder, self.files.home());
+            let exact = ends.iter().find_map(|place| Some((place.clone(), self.files.read(place).ok()?)));
+            found = exact.or_else(|| ends.iter().find_map(|place| self.in_other_case(place)));
+            if let Some((place, _)) = &found {
+                let message = format!("`{}` is not found; `{place}` is taken instead", reference.text);
+                sink.warn(Code::FileMoved, reference.span, message, "a name relative to this file");
+            }
+        }
+        if found.is_none() {
+            let message = format!("`{}` is not found; tried {}", reference.text, tried(&places));
+            let expected = "a file relative to this one, to the working folder or to the installation (`%sim%`)";
+            let diagnostic = sink.report(severity, Code::FileMissing, reference.span, message, expected);
+            diagnostic.suggestion = self.similar(&places).map(|name| format!("there is `{name}`"));
+        }
+        self.diagnostics.extend(sink.finish());
+        found
+    }
+
+    /// The file whose path differs from `place` only in upper and lower case.
+    fn in_other_case(&self, place: &str) -> Option<(String, Vec<u8>)> {
+        let root = if place.starts_with('/') { "/" } else { "" };
+        let mut path = root.to_owned();
+        for part in place.split('/').filter(|part| !part.is_empty()) {
+            let name = if part == ".." {
+                part.to_owned()
+            } else {
+                let mut names = self.files.list(&path);
+                names.sort_unstable();
+                let same = |name: &&String| name.to_lowercase() == part.to_lowercase();
+                names.iter().find(|name| *name == part).or_else(|| names.iter().find(same))?.clone()
+            };
+            if !path.is_empty() && !path.ends_with('/') {
+                path.push('/');
+            }
+            path.push_str(&name);
+        }
+        let bytes = self.files.read(&path).ok()?;
+        Some((path, bytes))
+    }
+
+    /// A file in one of the folders tried whose name is nearly the one sought.
+    fn similar(&self, places: &[String]) -> Option<String> {
+        places.iter().find_map(|place| {
+            let mut names = self.files.list(path::folder_of(place));
+            names.sort_unstable();
+            let folder = &place[..place.len() - path::file_name(place).len()];
+            let nearest = line::nearest(path::file_name(place), names.iter().map(String::as_str))?;
+            Some(format!("{folder}{nearest}"))
+        })
+    }
+
+    /// The world that the sim file names; `None`, with an error, if there is none.
+    fn world(&mut self, sim: &SimSpec, folder: &str) -> Option<WorldSpec> {
+        if let Some(world) = &sim.inline.world {
+            return Some(world.clone());
+        }
+        let Some(line) = &sim.world else {
+            // A line that could not be read has its own error.
+            if super::has_errors(&self.diagnostics) {
+                return None;
+            }
+            let is_classic = sim.robots.iter().any(|robot| matches!(robot.kind, TypeRef::File(_)));
+            let (severity, message) = if is_classic {
+                (Severity::Error, "no world is given")
+            } else {
+                (Severity::Warning, "no world is given: an empty box of 2000 mm by 2000 mm is taken, as EyeSim VR does")
+            };
+            let mut sink = Sink::new(&sim.file);
+            let expected = "`world FILE.wld` or `maze FILE.maz`";
+            sink.report(severity, Code::SimWorldMissing, Span::default(), message, expected);
+            self.diagnostics.extend(sink.finish());
+            return (!is_classic).then(empty_box);
+        };
+        let (path, bytes) = self.find(&sim.file, folder, &line.path)?;
+        let text = self.take(&path, bytes);
+        let (world, diagnostics) = match line.kind {
+            WorldKind::World => read_world(&path, &text),
+            WorldKind::Maze => read_maze(&path, &text),
+        };
+        self.diagnostics.extend(diagnostics);
+        Some(WorldSpec { looks: line.looks, ..world })
+    }
+
+    /// The cost table of the scene `file`; one that is a file is read.
+    fn costs(&mut self, file: &str, folder: &str, costs: CostsRef) -> Option<CostsRef> {
+        let CostsRef::File(reference) = costs else {
+            return Some(costs);
+        };
+        let (path, bytes) = self.find(file, folder, &reference)?;
+        let text = self.take(&path, bytes);
+        let (table, diagnostics) = read_costs(&path, &text);
+        self.diagnostics.extend(diagnostics);
+        Some(CostsRef::Table(table))
+    }
+
+    /// Reads the noise profiles that the scene `file` and its robots have in files.
+    fn profiles(&mut self, file: &str, folder: &str, sim: &mut SimSpec) {
+        let mut read: BTreeMap<String, Option<NoiseRef>> = BTreeMap::new();
+        let of_robots = sim.robots.iter_mut().map(|line| &mut line.noise);
+        for noise in of_robots.chain([&mut sim.run.noise]) {
+            let Some(NoiseRef::File(reference)) = noise else { continue };
+            *noise = match read.get(&reference.text) {
+                Some(known) => known.clone(),
+                None => {
+                    let profile = self.find(file, folder, reference).map(|(path, bytes)| {
+                        let text = self.take(&path, bytes);
+                        self.profile(&path, &text)
+                    });
+                    read.insert(reference.text.clone(), profile.clone());
+                    profile
+                }
+            };
+        }
+    }
+
+    fn profile(&mut self, path: &str, text: &str) -> NoiseRef {
+        let (profile, diagnostics) = read_noise(path, text);
+        self.diagnostics.extend(diagnostics);
+        NoiseRef::Profile(Arc::new(profile))
+    }
+
+    /// The robot type that `reference` in the sim file `file` names; reports if it is nowhere.
+    pub(super) fn robot_type(&mut self, file: &str, folder: &str, reference: &PathRef) -> Option<Arc<RobiSpec>> {
+        if let Some(known) = self.robots.referenced.get(&reference.text) {
+            return known.clone();
+        }
+        let robi = self.find(file, folder, reference).map(|(path, bytes)| {
+            if let Some(robi) = self.robots.found.get(&path) {
+                return Arc::clone(robi);
+            }
+            let text = self.take(&path, bytes);
+            let robi = Arc::new(self.robi_text(&path, &text));
+            self.robots.found.insert(path, Arc::clone(&robi));
+            robi
+        });
+        self.robots.referenced.insert(reference.text.clone(), robi.clone());
+        robi
+    }
+
+    /// The object type that `reference` in the sim file `file` names; warns if it is nowhere.
+    pub(super) fn object_type(&mut self, file: &str, folder: &str, reference: &PathRef) -> Option<Arc<ObjectType>> {
+        if let Some(known) = self.objects.referenced.get(&reference.text) {
+            return known.clone();
+        }
+        let object = self.find_or(Severity::Warning, file, folder, reference).map(|(path, bytes)| {
+            if let Some(object) = self.objects.found.get(&path) {
+                return Arc::clone(object);
+            }
+            let text = self.take(&path, bytes);
+            let (object, diagnostics) = read_esobj(&path, &text);
+            self.diagnostics.extend(diagnostics);
+            let object = Arc::new(object);
+            self.objects.found.insert(path, Arc::clone(&object));
+            object
+        });
+        self.objects.referenced.insert(reference.text.clone(), object.clone());
+        object
+    }
+
+    /// A robi and the companion beside it.
+    fn robi_text(&mut self, path: &str, text: &str) -> RobiSpec {
+        let (mut robi, diagnostics) = read_robi(path, text);
+        self.diagnostics.extend(diagnostics);
+        let companion = path::with_extension(path, "toml");
+        match self.files.read(&companion) {
+            Ok(bytes) => {
+                let text = self.take(&companion, bytes);
+                self.diagnostics.extend(read_companion(&companion, &text, &mut robi));
+                self.serial_files(&companion, path::folder_of(&companion), &mut robi);
+            }
+            Err(FileError::Missing) => {}
+            Err(error) => {
+                let mut sink = Sink::new(&companion);
+                sink.error(error.code(), Span::default(), format!("{error}"), "a file that can be read");
+                self.diagnostics.extend(sink.finish());
+            }
+        }
+        robi
+    }
+}
+
+impl Loader<'_> {
+    /// Reads the files that devices at the serial interfaces of a type in `file` send.
+    fn serial_files(&mut self, file: &str, folder: &str, robi: &mut RobiSpec) {
+        for serial in &mut robi.serials {
+            if let SerialLine::File { path, bytes } = &mut serial.line
+                && let Some((place, content)) = self.find(file, folder, path)
+            {
+                *bytes = content.as_slice().into();
+                self.inputs.push(InputFile { path: place, bytes: content });
+            }
+        }
+    }
+}
+
+impl Loader<'_> {
+    /// Reads the meshes that range sensors see, as the scene `file` says: the terrain, and those of objects.
+    fn solids(&mut self, file: &str, world: Option<&mut WorldSpec>, objects: &mut [(ObjectType, Span)]) {
+        let mut reader = MeshReader::new(self.files);
+        let mut sink = Sink::new(file);
+        let mut missing = |model: &ModelSpec| {
+            let message = format!("range sensors are to see the mesh `{}`, which cannot be read", model.path.text);
+            sink.error(Code::MeshSolid, model.path.span, message, "an .obj file with triangles");
+        };
+        if let Some(world) = world {
+            reader.terrain(world);
+        }
+        for (object, _) in objects {
+            let Some(model) = object.model.as_ref().filter(|_| object.solid != Solid::Colliders) else { continue };
+            let mesh = reader.object(object);
+            if mesh.is_none() {
+                missing(model);
+            }
+            object.solid = Solid::Mesh(mesh);
+        }
+        let (diagnostics, inputs) = reader.finish();
+        self.diagnostics.extend(diagnostics);
+        self.diagnostics.extend(sink.finish());
+        self.inputs.extend(inputs);
+    }
+}
+
+impl Loader<'_> {
+    /// Says once that a robot on wheels starts where the ground is not level at the height of the floor.
+    fn wheels_on_terrain(&mut self, scene: &SceneSpec) {
+        let Some(terrain) = &scene.world.terrain else { return };
+        let Some(field) = &terrain.field else { return };
+        let stands_apart = |robot: &&RobotSpec| {
+            if robot.robi.drive.kind == DriveKind::Legged {
+                return false;
+            }
+            let (low, high) = field.range_in(robot.start.position, 0.5 * robot.robi.diameter);
+            low.abs().max(high.abs()) > LEVEL
+        };
+        let Some(robot) = scene.robots.iter().find(stands_apart) else { return };
+        let message =
+            format!("robot {} has wheels: it stands and drives on the plane z = 0, not on the terrain", robot.id.0);
+        let mut sink = Sink::new(&scene.world.file);
+        sink.warn(Code::TerrainWheels, terrain.span, message, "level ground at height 0 under robots with wheels");
+        self.diagnostics.extend(sink.finish());
+    }
+}
+
+/// The world that EyeSim VR takes where a scene names none: a box with a wall on each side.
+fn empty_box() -> WorldSpec {
+    const SIDE: f64 = 2.0;
+    let corners = [(0.0, 0.0), (SIDE, 0.0), (SIDE, SIDE), (0.0, SIDE)].map(DVec2::from);
+    let wall = |side: usize| WallSpec {
+        from: corners[side],
+        to: corners[(side + 1) % 4],
+        thickness: 0.0,
+        height: DEFAULT_WALL_HEIGHT,
+        colour: None,
+        surface: None,
+        span: Span::default(),
+    };
+    WorldSpec { floor: DVec2::splat(SIDE), walls: (0..4).map(wall).collect(), ..WorldSpec::default() }
+}
+
+impl FileError {
+    fn code(&self) -> Code {
+        match self {
+            FileError::Missing => Code::FileMissing,
+            FileError::Unreadable(_) => Code::FileUnreadable,
+        }
+    }
+}
+
+fn tried(places: &[String]) -> String {
+    if places.is_empty() {
+        return "nothing, since the installation's folder is unknown".to_owned();
+    }
+    places.iter().map(|place| format!("`{place}`")).collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,294 @@
+//! Mazes: `.maz`, a maze drawn with characters, as in Micro-Mouse contests.
+
+use glam::DVec2;
+
+use super::code::Code;
+use super::diagnostic::{Diagnostic, Sink};
+use super::line::{self, Line, Quantity, Word};
+use super::spec::{
+    DEFAULT_CELL, DEFAULT_WALL_HEIGHT, MAX_LENGTH, ObjectLine, PathRef, StartSpec, TypeRef, WallSpec, WorldSpec,
+};
+use super::{Severity, Span};
+use sim_core::pose::Pose;
+use sim_core::unit;
+
+/// Reads a maze file.
+///
+/// `file` is its name for the diagnostics. The lower left corner is the origin; the first drawn line is the upper border.
+/// Neighbouring wall pieces on one line become one wall, so that there are no joints that the maze does not have.
+pub fn read_maze(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
+    let mut sink = Sink::new(file);
+    let (rows, cell) = rows_and_cell(&mut sink, text);
+    let mut drawing = Drawing::new(Grid::of(&mut sink, &rows));
+    for (row, line) in rows.iter().enumerate() {
+        drawing.row(&mut sink, row as u32, line);
+    }
+    let world = drawing.world(&mut sink, file, rows.len() as u32, cell);
+    (world, sink.finish())
+}
+
+/// The drawn lines from top to bottom, the upper border first, and the cell size in metres.
+fn rows_and_cell<'a>(sink: &mut Sink, text: &'a str) -> (Vec<Line<'a>>, f64) {
+    let mut rows: Vec<Line<'_>> = Vec::new();
+    let mut cell = None;
+    let mut blank: Option<Line<'_>> = None;
+    for line in line::lines(text) {
+        let words = line.words();
+        let Some(first) = words.first() else {
+            // Blank lines before and after the drawing are nothing, but one amid it was meant as a row, or not.
+            if !rows.is_empty() && line.text.trim().is_empty() {
+                blank = Some(line);
+            }
+            continue;
+        };
+        if line::looks_numeric(first.text) {
+            cell_size(sink, first, words.get(1), &mut cell);
+        } else if line.text.starts_with(['|', ' ', '_', '\t']) {
+            if let Some(blank) = blank.take() {
+                let message = "a blank line inside the maze is left out";
+                sink.warn(Code::MazBlank, blank.span(), message, "a row of cells that begins with `|` or a blank");
+            }
+            rows.push(line);
+        } else {
+            let message = format!("`{}` is neither a row of the maze nor a cell size", line.text.trim());
+            sink.warn(Code::MazLine, line.span(), message, "a row that begins with `|`, `_` or a blank, or one number");
+        }
+    }
+    let is_border = |line: &Line<'_>| line.text.chars().all(|c| matches!(c, '_' | ' ' | '\t'));
+    match rows.first() {
+        None => {
+            let message = "the file has no maze";
+            sink.error(Code::MazEmpty, Span::default(), message, "a drawing of `|` and `_`, then the cell size in mm");
+        }
+        Some(first) if !is_border(first) => {
+            let message = "the upper border is missing: the first row has cells";
+            sink.warn(Code::MazBorder, first.span(), message, "a first line of blanks and `_` only");
+            rows.insert(0, first.before());
+        }
+        Some(_) => {}
+    }
+    (rows, cell.unwrap_or(DEFAULT_CELL))
+}
+
+fn cell_size(sink: &mut Sink, word: &Word<'_>, extra: Option<&Word<'_>>, cell: &mut Option<f64>) {
+    let form = "the cell size in mm, alone in the last or the first line";
+    if let Some(extra) = extra {
+        let message = format!("`{}` is left over after the cell size", extra.text);
+        sink.warn(Code::WordExtra, extra.span, message, form);
+    }
+    let size = line::number(sink, Severity::Warning, word, &Quantity::size("cell size"));
+    if let (Some(old), Some(new)) = (*cell, size)
+        && old != new
+    {
+        let message = format!("a second cell size `{}`; it replaces {} mm", word.text, unit::mm_from_metres(old));
+        sink.warn(Code::MazCellTwice, word.span, message, form);
+    }
+    *cell = size.or(*cell);
+}
+
+/// Which columns of the drawing are walls, and which are cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Grid {
+    /// Characters from one column of walls to the next.
+    pitch: u32,
+    /// Characters before the first column of walls; all of them blank.
+    indent: u32,
+}
+
+/// What stands at a place of a row.
+enum Place {
+    /// On the grid line to the left of the column of cells with this number.
+    Wall(u32),
+    /// In this column of cells.
+    Cell(u32),
+}
+
+impl Grid {
+    /// That of EyeSim: walls in the columns 1, 3, 5, ...
+    const USUAL: Grid = Grid { pitch: 2, indent: 0 };
+    /// Indented by one character.
+    const SHIFTED: Grid = Grid { pitch: 2, indent: 1 };
+    /// Cells two characters wide.
+    const WIDE: Grid = Grid { pitch: 3, indent: 0 };
+
+    /// The grid on which all `|` of the `rows` lie; where there is none, the usual one.
+    fn of(sink: &mut Sink, rows: &[Line<'_>]) -> Grid {
+        let fits = |grid: &Grid| {
+            rows.iter().all(|row| {
+                let characters = || characters(row).take_while(|(_, c, _)| !is_comment(*c));
+                let is_on_line = |place| matches!(grid.place(place), Some(Place::Wall(_)));
+                characters().all(|(place, c, _)| c != '|' || is_on_line(place))
+                    && characters().take(grid.indent as usize).all(|(_, c, _)| c == ' ')
+            })
+        };
+        let Some(grid) = [Grid::USUAL, Grid::SHIFTED, Grid::WIDE].into_iter().find(fits) else {
+            return Grid::USUAL;
+        };
+        let span = rows.first().map(Line::span).unwrap_or_default();
+        if grid == Grid::SHIFTED {
+            let message = "the maze is indented by an odd number of characters; its first column is left out";
+            sink.warn(Code::MazIndent, span, message, "walls in the columns 1, 3, 5, ...");
+        } else if grid == Grid::WIDE {
+            let message = "cells two characters wide; EyeSim reads walls in the columns 1, 3, 5, ... only";
+            sink.warn(Code::MazWide, span, message, "cells one character wide");
+        }
+        grid
+    }
+
+    /// What the character at `place`, from 0, is for; `None` before the drawing.
+    fn place(self, place: u32) -> Option<Place> {
+        let inner = place.checked_sub(self.indent)?;
+        let column = inner / self.pitch;
+        Some(if inner % self.pitch == 0 { Place::Wall(column) } else { Place::Cell(column) })
+    }
+}
+
+/// The characters of a row: place from 0, character, where.
+fn characters<'a>(line: &Line<'a>) -> impl Iterator<Item = (u32, char, Span)> + use<'a> {
+    let line = *line;
+    let characters = line.text.trim_end().char_indices().zip(0..);
+    characters.map(move |((byte, character), place)| (place, character, line.character_span(byte, place + 1)))
+}
+
+fn is_comment(character: char) -> bool {
+    matches!(character, ';' | '#')
+}
+
+/// What the characters say, in cells and rows; rows are counted from the upper border, which is row 0.
+struct Drawing {
+    grid: Grid,
+    /// (column of the grid line, row, where).
+    vertical: Vec<(u32, u32, Span)>,
+    /// (row whose lower edge it is, column of cells, where).
+    horizontal: Vec<(u32, u32, Span)>,
+    /// (lower-case letter, column, row, where).
+    letters: Vec<(char, u32, u32, Span)>,
+    columns: u32,
+}
+
+impl Drawing {
+    fn new(grid: Grid) -> Self {
+        Self { grid, vertical: Vec::new(), horizontal: Vec::new(), letters: Vec::new(), columns: 0 }
+    }
+
+    fn row(&mut self, sink: &mut Sink, row: u32, line: &Line<'_>) {
+        let mut has_odd_wall = false;
+        for (place, character, span) in characters(line) {
+            let Some(place) = self.grid.place(place) else {
+                continue;
+            };
+            match (character, place) {
+                (' ' | '.', _) => {}
+                ('|', Place::Wall(column)) => {
+                    self.columns = self.columns.max(column);
+                    self.vertical.push((column, row, span));
+                }
+                ('|', Place::Cell(_)) => {
+                    if !has_odd_wall {
+                        let message = "`|` in the middle of a cell is left out, and so are others in this row";
+                        sink.warn(Code::MazWallColumn, span, message, "`|` in the columns 1, 3, 5, ...");
+                    }
+                    has_odd_wall = true;
+                }
+                ('_', Place::Cell(column)) => self.floor_line(row, column, span),
+                // Between two cells: it only makes the drawing look closed.
+                ('_', Place::Wall(_)) => {}
+                (comment, _) if is_comment(comment) => break,
+                (letter, place) => self.letter(sink, row, place, letter, span),
+            }
+        }
+    }
+
+    fn floor_line(&mut self, row: u32, column: u32, span: Span) {
+        self.columns = self.columns.max(column + 1);
+        self.horizontal.push((row, column, span));
+    }
+
+    fn letter(&mut self, sink: &mut Sink, row: u32, place: Place, letter: char, span: Span) {
+        let kind = letter.to_ascii_lowercase();
+        if !matches!(kind, 's' | 'u' | 'r' | 'd' | 'l' | 'o' | 'x') {
+            let message = format!("`{}` means nothing in a maze", letter.escape_debug());
+            let expected =
+                "`|`, `_`, blank, `.`, or one of s u r d l (robot), o (ball), x (box), upper case with a wall below";
+            sink.warn(Code::MazLetter, span, message, expected);
+            return;
+        }
+        let column = match place {
+            Place::Cell(column) => column,
+            // On a wall's place a letter counts for the cell on its left; no row begins with a letter.
+            Place::Wall(column) => column.saturating_sub(1),
+        };
+        self.columns = self.columns.max(column + 1);
+        self.letters.push((kind, column, row, span));
+        if letter.is_ascii_uppercase() {
+            self.floor_line(row, column, span);
+        }
+    }
+
+    fn world(mut self, sink: &mut Sink, file: &str, rows: u32, mut cell: f64) -> WorldSpec {
+        let last = rows.saturating_sub(1);
+        if f64::from(self.columns.max(last)) * cell > MAX_LENGTH {
+            let message = "the maze is larger than 1000 km; cells of 360 mm are taken instead";
+            sink.error(Code::NumberRange, Span::default(), message, "a smaller cell size");
+            cell = DEFAULT_CELL;
+        }
+        let corner = |column: u32, row: u32| DVec2::new(f64::from(column) * cell, f64::from(last - row) * cell);
+        self.vertical.sort_unstable();
+        self.horizontal.sort_unstable();
+        // The upper border is row 0; a vertical piece stands on the lower edge of its row.
+        let upright = runs(&self.vertical).map(|(column, first, end, span)| {
+            let top = first.saturating_sub(1);
+            (corner(column, end - 1), corner(column, top), span)
+        });
+        let level = runs(&self.horizontal).map(|(row, first, end, span)| (corner(first, row), corner(end, row), span));
+        let walls = upright.chain(level).filter(|(from, to, _)| from != to).map(|(from, to, span)| WallSpec {
+            from,
+            to,
+            thickness: 0.0,
+            height: DEFAULT_WALL_HEIGHT,
+            colour: None,
+            surface: None,
+            span,
+        });
+        let mut world = WorldSpec {
+            file: file.to_owned(),
+            floor: corner(self.columns, 0),
+            cell: Some(cell),
+            walls: walls.collect(),
+            ..WorldSpec::default()
+        };
+        for (letter, column, row, span) in self.letters {
+            let centre = corner(column, row) + DVec2::splat(0.5 * cell);
+            let pose = |degrees| Pose::new(centre.x, centre.y, unit::radians_from_degrees(degrees));
+            let mut start = |degrees| {
+                let letter = Some(letter.to_ascii_uppercase());
+                world.starts.push(StartSpec { pose: pose(degrees), letter, span });
+            };
+            match letter {
+                's' | 'u' => start(90.0),
+                'l' => start(180.0),
+                'd' => start(270.0),
+                'r' => start(0.0),
+                'o' => world.objects.push(object(BALL, pose(0.0), span)),
+                _ => world.objects.push(object(BOX, pose(0.0), span)),
+            }
+        }
+        world
+    }
+}
+
+/// Built-in types of the letters `o` and `x`.
+const BALL: &str = "Soccer";
+const BOX: &str = "Crate";
+
+fn object(name: &str, pose: Pose, span: Span) -> ObjectLine {
+    ObjectLine { kind: TypeRef::Name(PathRef { text: name.to_owned(), span }), pose, friction: None, span }
+}
+
+/// Neighbouring pieces (line, place along it, where) of a sorted list taken together: (line, first place, place after the
+/// last, where the first is).
+fn runs(pieces: &[(u32, u32, Span)]) -> impl Iterator<Item = (u32, u32, u32, Span)> + '_ {
+    pieces
+        .chunk_by(|a, b| a.0 == b.0 && b.1 - a.1 <= 1)
+        .filter_map(|run| Some((run.first()?.0, run.first()?.1, run.last()?.1 + 1, run.first()?.2)))
+}

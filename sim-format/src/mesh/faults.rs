@@ -1,0 +1,53 @@
+//! What is wrong in a mesh or material file: one diagnostic for each kind of mistake, however many lines share it.
+
+use crate::diagnostic::{Diagnostic, Sink};
+use crate::line::Line;
+use crate::{Code, Span};
+
+/// Mistakes of one file. A mesh of a hundred thousand faces repeats its mistake in each; the first is told and the others
+/// counted.
+pub(super) struct Faults {
+    file: String,
+    kinds: Vec<Kind>,
+}
+
+struct Kind {
+    code: Code,
+    span: Span,
+    message: String,
+    expected: &'static str,
+    count: usize,
+}
+
+impl Faults {
+    pub(super) fn new(file: &str) -> Self {
+        Self { file: file.to_owned(), kinds: Vec::new() }
+    }
+
+    /// A line that is left out, or read as far as it goes.
+    pub(super) fn warn(
+        &mut self,
+        code: Code,
+        line: &Line<'_>,
+        expected: &'static str,
+        message: impl FnOnce() -> String,
+    ) {
+        match self.kinds.iter_mut().find(|kind| kind.code == code) {
+            Some(kind) => kind.count += 1,
+            None => self.kinds.push(Kind { code, span: line.span(), message: message(), expected, count: 1 }),
+        }
+    }
+
+    pub(super) fn finish(self) -> Vec<Diagnostic> {
+        let mut sink = Sink::new(&self.file);
+        for kind in self.kinds {
+            let others = match kind.count - 1 {
+                0 => String::new(),
+                1 => ", and so is 1 more line".to_owned(),
+                more => format!(", and so are {more} more lines"),
+            };
+            sink.warn(kind.code, kind.span, kind.message + &others, kind.expected);
+        }
+        sink.finish()
+    }
+}

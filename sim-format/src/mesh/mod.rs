@@ -1,0 +1,222 @@
+//! Looks of bodies: meshes with their materials and images.
+//!
+//! Nothing here can stop a scene: what is missing or broken is warned about, and the body is shown in its own shape. `check`,
+//! pictures and cameras read them through [`MeshReader`]. A run without a camera reads only those meshes that range sensors
+//! see, and cannot do without them ([`super::load`]).
+//!
+//! # Frames
+//! The numbers of an OBJ file are right-handed: x left, y up, z forward. EyeSim VR works in the left-handed frame of its
+//! graphics library (X right, Y up, Z forward) and turns the sign of x on reading; offset and turns of a `model` line are
+//! in that frame, the turn about Z first, then X, then Y, each clockwise as seen against its axis. Here a body's x is forward,
+//! y left and z up, so that a mesh's point (x, y, z) lies at (z, x, y) in the body if the line turns nothing.
+
+mod faults;
+mod mtl;
+mod obj;
+mod terrain;
+mod texture;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3};
+
+use self::mtl::Entry;
+use self::obj::Obj;
+use super::diagnostic::{Diagnostic, Severity, Sink};
+use super::load::Loader;
+use super::spec::{ModelSpec, ObjectType, PathRef, RobiSpec, Solid, WorldSpec};
+use super::{Code, Files, InputFile, Span, path};
+use sim_core::build::MeshSource;
+use sim_core::scene::{Material, Mesh, Texture};
+
+/// What is shown where a mesh is not.
+const SHAPE: &str = "the body's own shape is shown instead";
+
+/// What follows where range sensors see the mesh.
+const SEEN: &str = "range sensors cannot do without it";
+
+/// Metres per unit of the mesh of a robot, which has no scale of its own.
+const ROBOT_SCALE: f64 = 1.0;
+
+/// Reads meshes and images, each once however many bodies they show.
+pub struct MeshReader<'a> {
+    loader: Loader<'a>,
+    /// By the file that mentions it and what it says.
+    meshes: BTreeMap<(String, String), Option<Arc<Mesh>>>,
+    /// By the path at which it was found.
+    textures: BTreeMap<String, Option<Arc<Texture>>>,
+}
+
+impl<'a> MeshReader<'a> {
+    /// A reader that takes its files from `files`.
+    pub fn new(files: &'a dyn Files) -> Self {
+        Self { loader: Loader::new(files), meshes: BTreeMap::new(), textures: BTreeMap::new() }
+    }
+
+    /// What was wrong in the files read, and the files.
+    pub fn finish(self) -> (Vec<Diagnostic>, Vec<InputFile>) {
+        (self.loader.diagnostics, self.loader.inputs)
+    }
+
+    /// `without` says what happens where there is none.
+    fn mesh(&mut self, file: &str, model: &ModelSpec, scale: f64, without: &str) -> Option<Arc<Mesh>> {
+        let key = (file.to_owned(), model.path.text.clone());
+        if let Some(known) = self.meshes.get(&key) {
+            return known.clone();
+        }
+        let mesh = self.mesh_anew(file, model, scale, without).map(Arc::new);
+        self.meshes.insert(key, mesh.clone());
+        mesh
+    }
+
+    fn mesh_anew(&mut self, file: &str, model: &ModelSpec, scale: f64, without: &str) -> Option<Mesh> {
+        let extension = path::extension(&model.path.text);
+        if extension != "obj" {
+            let kind = match extension.as_str() {
+                "ms3d" => "MilkShape meshes are",
+                "iv" => "Open Inventor meshes are",
+                _ => "meshes of this kind are",
+            };
+            let message = format!("`{}`: {kind} not read; {without}", model.path.text);
+            self.warn(file, Code::MeshFormat, model.path.span, message, "an .obj file");
+            return None;
+        }
+        let (path, bytes) = self.find(file, &model.path, without)?;
+        let text = self.loader.take(&path, bytes);
+        let placement = Placement::new(model, scale);
+        let (obj, faults) = obj::read_obj(&path, &text, |point| placement.point(point), |way| placement.rotation * way);
+        self.loader.diagnostics.extend(faults);
+        let whole = Span::default();
+        if obj.is_too_large {
+            let message = format!("the mesh has more than two million corners or triangles; {without}");
+            self.warn(&path, Code::MeshSize, whole, message, "a mesh of fewer triangles");
+            return None;
+        }
+        if obj.triangles.is_empty() {
+            let message = format!("the mesh has no triangle; {without}");
+            self.warn(&path, Code::MeshEmpty, whole, message, "lines `v X Y Z` and `f A B C`");
+            return None;
+        }
+        let materials = self.materials(&path, &obj);
+        Some(Mesh { positions: obj.positions, triangles: obj.triangles, materials })
+    }
+
+    /// The materials that the faces name, in the order of their numbers.
+    fn materials(&mut self, file: &str, obj: &Obj) -> Vec<Material> {
+        let mut entries: BTreeMap<String, Entry> = BTreeMap::new();
+        // The file of each entry, against which its image is looked for.
+        let mut homes: BTreeMap<String, String> = BTreeMap::new();
+        let mut is_complete = true;
+        for library in &obj.libraries {
+            let Some((path, bytes)) = self.find(file, library, "grey is shown instead of its materials") else {
+                is_complete = false;
+                continue;
+            };
+            let text = self.loader.take(&path, bytes);
+            let (new, faults) = mtl::read_mtl(&path, &text);
+            self.loader.diagnostics.extend(faults);
+            for (name, entry) in new {
+                homes.entry(name.clone()).or_insert_with(|| path.clone());
+                entries.entry(name).or_insert(entry);
+            }
+        }
+        let mut materials = Vec::with_capacity(obj.materials.len());
+        for (name, span) in &obj.materials {
+            let Some(entry) = entries.get(name) else {
+                // A missing file has been told.
+                if is_complete && !name.is_empty() {
+                    let message = format!("there is no material `{name}`; grey is shown instead");
+                    self.warn(file, Code::MeshMaterial, *span, message, "a material of the files that `mtllib` names");
+                }
+                materials.push(Material { name: name.clone(), ..Material::default() });
+                continue;
+            };
+            let texture = entry.image.as_ref().and_then(|image| {
+                let file = homes.get(name)?.clone();
+                self.texture(&file, image, "the material's colour is shown instead")
+            });
+            materials.push(Material { texture, ..entry.material.clone() });
+        }
+        materials
+    }
+
+    fn texture(&mut self, file: &str, reference: &PathRef, instead: &str) -> Option<Arc<Texture>> {
+        let (path, bytes) = self.find(file, reference, instead)?;
+        if let Some(known) = self.textures.get(&path) {
+            return known.clone();
+        }
+        let texture = match texture::read_texture(&bytes) {
+            Ok(texture) => Some(Arc::new(texture)),
+            Err(error) => {
+                let message = format!("`{path}` cannot be shown: {error}; {instead}");
+                let (code, expected) = match error {
+                    texture::TextureError::Format(_) => (Code::TextureFormat, "a png, jpg or bmp image"),
+                    texture::TextureError::Size(..) => (Code::TextureSize, "an image of at most 4096 x 4096 pixels"),
+                };
+                self.warn(file, code, reference.span, message, expected);
+                None
+            }
+        };
+        self.loader.inputs.push(InputFile { path: path.clone(), bytes });
+        self.textures.insert(path, texture.clone());
+        texture
+    }
+
+    /// The file that `reference` in `file` names; all that is to be said about it is a warning.
+    fn find(&mut self, file: &str, reference: &PathRef, instead: &str) -> Option<(String, Vec<u8>)> {
+        let told = self.loader.diagnostics.len();
+        let found = self.loader.find(file, path::folder_of(file), reference);
+        for diagnostic in &mut self.loader.diagnostics[told..] {
+            if diagnostic.severity == Severity::Error {
+                diagnostic.severity = Severity::Warning;
+                diagnostic.message += &format!("; {instead}");
+            }
+        }
+        found
+    }
+
+    fn warn(&mut self, file: &str, code: Code, span: Span, message: String, expected: &str) {
+        let mut sink = Sink::new(file);
+        sink.warn(code, span, message, expected);
+        self.loader.diagnostics.extend(sink.finish());
+    }
+}
+
+impl MeshSource for MeshReader<'_> {
+    fn robot(&mut self, robi: &RobiSpec) -> Option<Arc<Mesh>> {
+        self.mesh(&robi.file, robi.model.as_ref()?, ROBOT_SCALE, SHAPE)
+    }
+
+    fn object(&mut self, kind: &ObjectType) -> Option<Arc<Mesh>> {
+        let without = if kind.solid == Solid::Colliders { SHAPE } else { SEEN };
+        self.mesh(&kind.file, kind.model.as_ref()?, kind.scale, without)
+    }
+
+    fn floor(&mut self, world: &WorldSpec) -> Option<Arc<Texture>> {
+        self.texture(&world.file, world.texture.as_ref()?, "the floor is shown without an image")
+    }
+}
+
+/// From the frame of a mesh file to that of the body.
+struct Placement {
+    rotation: DMat3,
+    scale: f64,
+    offset: DVec3,
+}
+
+impl Placement {
+    fn new(model: &ModelSpec, scale: f64) -> Self {
+        let turns = DMat3::from_rotation_y(model.turns.y)
+            * DMat3::from_rotation_x(model.turns.x)
+            * DMat3::from_rotation_z(model.turns.z);
+        // Columns: where the axes X right, Y up, Z forward lie in the body; then where those of the file lie in these.
+        let body_from_graphics = DMat3::from_cols(DVec3::NEG_Y, DVec3::Z, DVec3::X);
+        let graphics_from_file = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
+        Self { rotation: body_from_graphics * turns * graphics_from_file, scale, offset: model.offset }
+    }
+
+    fn point(&self, point: DVec3) -> DVec3 {
+        self.rotation * (point * self.scale) + self.offset
+    }
+}

@@ -1,0 +1,157 @@
+//! Wavefront MTL: lines `newmtl`, `Kd`, `d`, `Tr`, `map_Kd`. The other lines tell a renderer more than ours use.
+
+use std::collections::BTreeMap;
+
+use super::faults::Faults;
+use super::obj::{shortened, split_word};
+use crate::line::{Line, lines};
+use crate::spec::PathRef;
+use crate::{Code, Diagnostic};
+use sim_core::scene::Material;
+
+/// Materials that a file may have.
+const MAX_MATERIALS: usize = 10_000;
+
+/// Options of `map_Kd` before the name of the image, with the greatest number of words that each takes.
+const OPTIONS: [(&str, usize); 10] = [
+    ("-blendu", 1),
+    ("-blendv", 1),
+    ("-boost", 1),
+    ("-cc", 1),
+    ("-clamp", 1),
+    ("-mm", 2),
+    ("-o", 3),
+    ("-s", 3),
+    ("-t", 3),
+    ("-texres", 1),
+];
+
+/// A material with the image that is still to be read.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Entry {
+    pub(super) material: Material,
+    pub(super) image: Option<PathRef>,
+}
+
+/// The materials by name; of several with one name the first counts.
+pub(super) fn read_mtl(file: &str, text: &str) -> (BTreeMap<String, Entry>, Vec<Diagnostic>) {
+    let mut entries = BTreeMap::new();
+    let mut faults = Faults::new(file);
+    let mut open: Option<Entry> = None;
+    for line in lines(text) {
+        let (keyword, rest) = split_word(line.text.trim());
+        if keyword == "newmtl" {
+            close(&mut entries, open.take());
+            if entries.len() >= MAX_MATERIALS {
+                let message = || format!("more than {MAX_MATERIALS} materials; the rest is left out");
+                faults.warn(Code::MeshSize, &line, "a smaller file", message);
+                break;
+            }
+            open = Some(Entry { material: Material { name: rest.to_owned(), ..Material::default() }, image: None });
+        } else if let Some(entry) = &mut open {
+            read_line(entry, &line, keyword, rest, &mut faults);
+        }
+    }
+    close(&mut entries, open);
+    (entries, faults.finish())
+}
+
+fn close(entries: &mut BTreeMap<String, Entry>, entry: Option<Entry>) {
+    if let Some(entry) = entry {
+        entries.entry(entry.material.name.clone()).or_insert(entry);
+    }
+}
+
+fn read_line(entry: &mut Entry, line: &Line<'_>, keyword: &str, rest: &str, faults: &mut Faults) {
+    let part = |word: &str| word.parse::<f32>().ok().filter(|part| part.is_finite()).map(|part| part.clamp(0.0, 1.0));
+    let read = match keyword {
+        "Kd" => {
+            let parts: Vec<Option<f32>> = rest.split_whitespace().map(part).collect();
+            // One number means the same for all three.
+            match parts[..] {
+                [Some(grey)] => entry.material.colour = [grey; 3],
+                [Some(red), Some(green), Some(blue), ..] => entry.material.colour = [red, green, blue],
+                _ => return complain(faults, line),
+            }
+            return;
+        }
+        "d" => part(rest.trim_start_matches("-halo").trim()),
+        "Tr" => part(rest).map(|transparency| 1.0 - transparency),
+        "map_Kd" => {
+            let name = without_options(rest);
+            entry.image = (!name.is_empty()).then(|| PathRef { text: name.to_owned(), span: line.span() });
+            if name.is_empty() {
+                complain(faults, line);
+            }
+            return;
+        }
+        _ => return,
+    };
+    match read {
+        // Exporters of robot models write 0 for materials that they show as solid.
+        Some(0.0) => entry.material.opacity = 1.0,
+        Some(opacity) => entry.material.opacity = opacity,
+        None => complain(faults, line),
+    }
+}
+
+fn complain(faults: &mut Faults, line: &Line<'_>) {
+    let expected = "`Kd RED GREEN BLUE`, `d OPACITY` or `Tr TRANSPARENCY` with numbers from 0 to 1, `map_Kd IMAGE`";
+    faults.warn(Code::MtlLine, line, expected, || format!("`{}` is left out", shortened(line.text)));
+}
+
+/// The name of an image, which may have blanks, behind the options.
+fn without_options(mut rest: &str) -> &str {
+    loop {
+        let (word, after) = split_word(rest);
+        let Some((_, most)) = OPTIONS.iter().find(|(option, _)| *option == word) else { return rest };
+        rest = after;
+        for place in 0..*most {
+            let (word, after) = split_word(rest);
+            let is_value = place == 0 && *most == 1 || word.parse::<f32>().is_ok();
+            if !is_value || after.is_empty() {
+                break;
+            }
+            rest = after;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> BTreeMap<String, Entry> {
+        let (entries, diagnostics) = read_mtl("a.mtl", text);
+        assert_eq!(diagnostics, [], "{text}");
+        entries
+    }
+
+    #[test]
+    fn colours_opacity_and_images_are_read() {
+        let entries =
+            read("# x\nnewmtl Red one\nKa 1 1 1\nKd 1 0.5 0\nd 0.25\nmap_Kd -s 1 1 1 -clamp on my image.png\r\n");
+        let entry = &entries["Red one"];
+        assert_eq!((entry.material.colour, entry.material.opacity), ([1.0, 0.5, 0.0], 0.25));
+        assert_eq!(entry.image.as_ref().map(|image| image.text.as_str()), Some("my image.png"));
+        assert_eq!(read("newmtl a\nTr 0.75\n")["a"].material.opacity, 0.25);
+        assert_eq!(read("newmtl a\nKd 0.5\n")["a"].material.colour, [0.5; 3]);
+        assert_eq!(read("newmtl a\nd 0.0\n")["a"].material.opacity, 1.0, "what exporters write for solid");
+        assert_eq!(read("newmtl a\nKd 2 -1 0\n")["a"].material.colour, [1.0, 0.0, 0.0]);
+        assert_eq!(read("newmtl a\nKd 1 0 0\nnewmtl a\nKd 0 1 0\n")["a"].material.colour, [1.0, 0.0, 0.0]);
+        assert!(read("Kd 1 0 0\n").is_empty(), "no material is open");
+    }
+
+    #[test]
+    fn what_cannot_be_read_leaves_the_default() {
+        for line in ["Kd", "Kd 1 2", "Kd a b c", "Kd NaN 0 0", "d", "d x", "Tr inf", "map_Kd", "map_Kd -s 1"] {
+            let (entries, diagnostics) = read_mtl("a.mtl", &format!("newmtl a\n{line}\n"));
+            let codes: Vec<_> = diagnostics.iter().map(|d| (d.code.name(), d.span.line)).collect();
+            if line == "map_Kd -s 1" {
+                continue;
+            }
+            assert_eq!(codes, [("mtl-line", 2)], "{line}");
+            assert_eq!(entries["a"].material, Material { name: "a".into(), ..Material::default() }, "{line}");
+        }
+    }
+}

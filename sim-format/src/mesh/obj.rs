@@ -1,0 +1,271 @@
+//! Wavefront OBJ: lines `v`, `vt`, `vn`, `f`, `usemtl`, `mtllib`. Lines of other kinds say nothing about triangles.
+//!
+//! Our own reader; the tests compare it with `tobj` 4 on good files. That one is not used for real ones: `Kd` with one number
+//! panics there, numbers of `vt` that are out of range overflow, corners with and without `vt` in one object shift the places in
+//! the image of all that follow, the first mistake ends the file, and no mistake has a line.
+
+use std::collections::BTreeMap;
+
+use glam::{DVec3, Vec2, Vec3};
+
+use super::faults::Faults;
+use crate::line::{Line, lines};
+use crate::spec::{MAX_LENGTH, PathRef};
+use crate::{Code, Diagnostic, Span};
+use sim_core::scene::Triangle;
+
+/// Triangles, and entries of each list, that a mesh may have: a hundred times what models of robots have.
+const MAX_COUNT: usize = 2_000_000;
+
+const FACE: &str = "`f` and three or more corners of the form V, V/T, V//N or V/T/N";
+
+/// What a file says, with its corners put into the body's frame.
+#[derive(Default)]
+pub(super) struct Obj {
+    pub(super) positions: Vec<DVec3>,
+    pub(super) triangles: Vec<Triangle>,
+    /// Names of the materials in the order of the triangles' numbers, and where each is first asked for.
+    pub(super) materials: Vec<(String, Span)>,
+    /// The material files.
+    pub(super) libraries: Vec<PathRef>,
+    /// True when the file has more than [`MAX_COUNT`] of something; what follows was not read.
+    pub(super) is_too_large: bool,
+}
+
+/// Reads the text of the file called `file`. `place` puts a point of the file into the body's frame, `turn` a direction.
+pub(super) fn read_obj(
+    file: &str,
+    text: &str,
+    place: impl Fn(DVec3) -> DVec3,
+    turn: impl Fn(DVec3) -> DVec3,
+) -> (Obj, Vec<Diagnostic>) {
+    let mut reader = Reader::new(file);
+    for line in lines(text) {
+        let (keyword, rest) = split_word(line.text.trim());
+        match keyword {
+            "v" => {
+                let point = reader.numbers::<3>(&line, rest).map(|point| place(DVec3::from(point)));
+                let near = point.filter(|point| point.abs().max_element() <= MAX_LENGTH);
+                if point.is_some() && near.is_none() {
+                    let expected = "coordinates within 1000 km after `scale`";
+                    reader.faults.warn(Code::MeshLine, &line, expected, || "a corner lies too far away".to_owned());
+                }
+                reader.positions.push(near);
+            }
+            "vt" => {
+                let point = reader.numbers::<2>(&line, rest);
+                reader.uvs.push(point.map(|[u, v]| Vec2::new(u as f32, v as f32)).filter(|uv| uv.is_finite()));
+            }
+            "vn" => {
+                let direction = reader.numbers::<3>(&line, rest).and_then(|d| turn(DVec3::from(d)).try_normalize());
+                reader.normals.push(direction.map(|direction| direction.as_vec3()));
+            }
+            "f" => reader.face(&line, rest),
+            "usemtl" => reader.material = Some(reader.material_number(rest, &line)),
+            "mtllib" => reader.libraries(&line, rest),
+            _ => {}
+        }
+        if reader.is_too_large() {
+            reader.obj.is_too_large = true;
+            break;
+        }
+    }
+    reader.finish()
+}
+
+struct Reader {
+    faults: Faults,
+    /// `None` for lines that could not be read: they keep their number.
+    positions: Vec<Option<DVec3>>,
+    uvs: Vec<Option<Vec2>>,
+    normals: Vec<Option<Vec3>>,
+    /// Number of the material that is in force.
+    material: Option<u32>,
+    numbers_of_materials: BTreeMap<String, u32>,
+    obj: Obj,
+}
+
+/// A corner of a face: its place, and what it adds for looks.
+#[derive(Clone, Copy)]
+struct Corner {
+    position: u32,
+    uv: Option<Vec2>,
+    normal: Option<Vec3>,
+}
+
+impl Reader {
+    fn new(file: &str) -> Self {
+        Self {
+            faults: Faults::new(file),
+            positions: Vec::new(),
+            uvs: Vec::new(),
+            normals: Vec::new(),
+            material: None,
+            numbers_of_materials: BTreeMap::new(),
+            obj: Obj::default(),
+        }
+    }
+
+    fn is_too_large(&self) -> bool {
+        let counts = [self.positions.len(), self.uvs.len(), self.normals.len(), self.obj.triangles.len()];
+        counts.iter().any(|count| *count > MAX_COUNT)
+    }
+
+    /// The first `N` numbers of a line; a fault if there are fewer or one is not finite.
+    fn numbers<const N: usize>(&mut self, line: &Line<'_>, rest: &str) -> Option<[f64; N]> {
+        let mut numbers = [0.0; N];
+        let mut words = rest.split_whitespace();
+        for number in &mut numbers {
+            let word = words.next().and_then(|word| word.parse::<f64>().ok()).filter(|number| number.is_finite());
+            let Some(value) = word else {
+                let message = || format!("`{}` has not {N} numbers", shortened(line.text));
+                self.faults.warn(Code::MeshLine, line, "three numbers after `v` and `vn`, two after `vt`", message);
+                return None;
+            };
+            *number = value;
+        }
+        Some(numbers)
+    }
+
+    /// The triangles of a face: a fan about its first corner.
+    fn face(&mut self, line: &Line<'_>, rest: &str) {
+        let (mut first, mut last, mut count) = (None, None, 0);
+        let start = self.obj.triangles.len();
+        for word in rest.split_whitespace() {
+            let Some(corner) = self.corner(line, word) else {
+                self.obj.triangles.truncate(start);
+                return;
+            };
+            count += 1;
+            if let (Some(first), Some(last)) = (first, last) {
+                self.triangle(line, [first, last, corner]);
+            }
+            first = first.or(Some(corner));
+            last = (count > 1).then_some(corner);
+            if self.is_too_large() {
+                return;
+            }
+        }
+        if count < 3 {
+            let message = || format!("`{}` has fewer than three corners", shortened(line.text));
+            self.faults.warn(Code::MeshLine, line, FACE, message);
+        }
+    }
+
+    /// A corner of a face; `None`, with a fault, if there is none.
+    fn corner(&mut self, line: &Line<'_>, word: &str) -> Option<Corner> {
+        let Some([Some(position), uv, normal]) = corner_numbers(word) else {
+            let message = || format!("`{}` is no corner of a face", shortened(word));
+            self.faults.warn(Code::MeshLine, line, FACE, message);
+            return None;
+        };
+        let Some(place) = place_in_list(position, self.positions.len()) else {
+            return self.not_there(line, word, "v", self.positions.len());
+        };
+        // A corner whose `v` could not be read takes its faces with it.
+        self.positions[place]?;
+        let uv = uv.and_then(|number| match place_in_list(number, self.uvs.len()) {
+            Some(place) => self.uvs[place],
+            None => self.not_there(line, word, "vt", self.uvs.len()),
+        });
+        let normal = normal.and_then(|number| match place_in_list(number, self.normals.len()) {
+            Some(place) => self.normals[place],
+            None => self.not_there(line, word, "vn", self.normals.len()),
+        });
+        Some(Corner { position: place as u32, uv, normal })
+    }
+
+    /// A fault; nothing in place of what is not there.
+    fn not_there<T>(&mut self, line: &Line<'_>, word: &str, keyword: &str, count: usize) -> Option<T> {
+        let message = || format!("corner `{}` names none of the {count} `{keyword}` before it", shortened(word));
+        self.faults.warn(Code::MeshIndex, line, "numbers from 1 on, or from -1 backwards", message);
+        None
+    }
+
+    fn triangle(&mut self, line: &Line<'_>, corners: [Corner; 3]) {
+        let [a, b, c] = corners.map(|corner| self.positions[corner.position as usize].unwrap_or_default());
+        // Exporters leave triangles without area behind; they show nothing.
+        if (b - a).cross(c - a).try_normalize().is_none() {
+            return;
+        }
+        let material = match self.material {
+            Some(material) => material,
+            None => self.material_number("", line),
+        };
+        let all = |uv: [Option<Vec2>; 3]| Some([uv[0]?, uv[1]?, uv[2]?]);
+        let all_of = |normals: [Option<Vec3>; 3]| Some([normals[0]?, normals[1]?, normals[2]?]);
+        self.obj.triangles.push(Triangle {
+            corners: corners.map(|corner| corner.position),
+            normals: all_of(corners.map(|corner| corner.normal)),
+            uv: all(corners.map(|corner| corner.uv)),
+            material,
+        });
+    }
+
+    fn material_number(&mut self, name: &str, line: &Line<'_>) -> u32 {
+        if let Some(number) = self.numbers_of_materials.get(name) {
+            return *number;
+        }
+        let number = self.obj.materials.len() as u32;
+        self.obj.materials.push((name.to_owned(), line.span()));
+        self.numbers_of_materials.insert(name.to_owned(), number);
+        number
+    }
+
+    /// Several files may stand on one line, and a name may have blanks.
+    fn libraries(&mut self, line: &Line<'_>, rest: &str) {
+        let mut name = String::new();
+        for word in rest.split(' ') {
+            name = if name.is_empty() { word.to_owned() } else { format!("{name} {word}") };
+            if word.to_lowercase().ends_with(".mtl") {
+                let text = std::mem::take(&mut name).trim().to_owned();
+                self.obj.libraries.push(PathRef { text, span: line.span() });
+            }
+        }
+        if !name.trim().is_empty() {
+            self.obj.libraries.push(PathRef { text: name.trim().to_owned(), span: line.span() });
+        }
+    }
+
+    fn finish(mut self) -> (Obj, Vec<Diagnostic>) {
+        self.obj.positions = self.positions.into_iter().map(Option::unwrap_or_default).collect();
+        (self.obj, self.faults.finish())
+    }
+}
+
+/// The numbers in `V`, `V/T`, `V//N` or `V/T/N`; `None` if that is not what the word is.
+fn corner_numbers(word: &str) -> Option<[Option<i64>; 3]> {
+    let mut numbers = [None; 3];
+    for (place, part) in word.split('/').enumerate() {
+        let number = numbers.get_mut(place)?;
+        if !part.is_empty() {
+            *number = Some(part.parse().ok()?);
+        }
+    }
+    Some(numbers)
+}
+
+/// The place in a list of `count` entries that a number of a corner means: 1 is the first, -1 the last. `None` if it means
+/// no entry.
+fn place_in_list(number: i64, count: usize) -> Option<usize> {
+    let place = match number {
+        1.. => usize::try_from(number - 1).ok(),
+        0 => None,
+        _ => usize::try_from(number.unsigned_abs()).ok().and_then(|back| count.checked_sub(back)),
+    };
+    place.filter(|place| *place < count)
+}
+
+/// The first word of a line and what follows.
+pub(super) fn split_word(text: &str) -> (&str, &str) {
+    text.split_once(char::is_whitespace).map_or((text, ""), |(word, rest)| (word, rest.trim()))
+}
+
+/// The user's own words, not a whole page of them.
+pub(super) fn shortened(text: &str) -> String {
+    const LENGTH: usize = 60;
+    if text.chars().count() <= LENGTH {
+        return text.trim().to_owned();
+    }
+    text.trim().chars().take(LENGTH).chain("...".chars()).collect()
+}

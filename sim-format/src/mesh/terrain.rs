@@ -1,0 +1,132 @@
+//! Terrains: their height fields and meshes, from what a world says.
+
+use std::sync::Arc;
+
+use super::texture::{self, TextureError};
+use super::{MeshReader, SEEN};
+use crate::code::Code;
+use crate::diagnostic::Sink;
+use crate::spec::{TerrainImage, TerrainShape, TerrainSpec, WorldSpec};
+use crate::{InputFile, path};
+use sim_core::scene::{FieldError, HeightField, MAX_CELLS};
+
+/// A picture in shades of grey, 0 to 65535.
+struct Grey {
+    size: [usize; 2],
+    /// Row by row from the top.
+    shades: Vec<u16>,
+    /// Whether there was more than shades of grey.
+    has_colours: bool,
+}
+
+impl MeshReader<'_> {
+    /// Makes the surface of a world's terrain; what is wrong is said, and it stays without one then.
+    pub fn terrain(&mut self, world: &mut WorldSpec) {
+        let Some(mut terrain) = world.terrain.take() else { return };
+        if let TerrainShape::Mesh { model, scale } = &terrain.shape {
+            terrain.mesh = self.mesh(&world.file, model, *scale, SEEN);
+            if terrain.mesh.is_none() {
+                let message = format!("range sensors are to see the mesh `{}`, which cannot be read", model.path.text);
+                let mut sink = Sink::new(&world.file);
+                sink.error(Code::MeshSolid, model.path.span, message, "an .obj file with triangles");
+                self.loader.diagnostics.extend(sink.finish());
+            }
+        } else if let Some(field) = self.field(world, &terrain) {
+            terrain.mesh = Some(Arc::new(field.mesh(world.looks.colour)));
+            terrain.field = Some(Arc::new(field));
+        }
+        world.terrain = Some(terrain);
+    }
+
+    fn field(&mut self, world: &WorldSpec, terrain: &TerrainSpec) -> Option<HeightField> {
+        let field = match &terrain.shape {
+            TerrainShape::Mesh { .. } => return None,
+            TerrainShape::Image(image) => self.image(&world.file, image)?.field(image),
+            TerrainShape::Relief(relief) => relief.field().map(|(field, left_out)| {
+                if left_out > 0 {
+                    let message = format!("{left_out} boulders find no place apart from the clear discs");
+                    let mut sink = Sink::new(&world.file);
+                    sink.warn(Code::TerrainClear, terrain.span, message, "fewer or smaller boulders, or smaller discs");
+                    self.loader.diagnostics.extend(sink.finish());
+                }
+                field
+            }),
+            TerrainShape::Steps(steps) => steps.field(),
+        };
+        field.map_err(|error| self.too_large(&world.file, terrain, &error)).ok()
+    }
+
+    fn too_large(&mut self, file: &str, terrain: &TerrainSpec, error: &FieldError) {
+        let expected = match (&terrain.shape, error) {
+            (TerrainShape::Relief(_), FieldError::Large(_)) => {
+                format!("a larger `cell_mm`, so that there are at most {MAX_CELLS} cells")
+            }
+            (TerrainShape::Image(_), _) => {
+                format!("an image of 2 x 2 pixels to {MAX_CELLS} of them, such as 1024 x 1024")
+            }
+            _ => format!("a terrain with a size and at most {MAX_CELLS} cells"),
+        };
+        let mut sink = Sink::new(file);
+        sink.error(Code::TerrainSize, terrain.span, format!("no terrain can be made: {error}"), expected);
+        self.loader.diagnostics.extend(sink.finish());
+    }
+
+    fn image(&mut self, file: &str, image: &TerrainImage) -> Option<Grey> {
+        let (path, bytes) = self.loader.find(file, path::folder_of(file), &image.path)?;
+        let grey = Grey::read(&bytes);
+        self.loader.inputs.push(InputFile { path: path.clone(), bytes });
+        let mut sink = Sink::new(file);
+        match &grey {
+            Err(error) => {
+                let message = format!("`{path}` cannot be a terrain: {error}");
+                sink.error(Code::TerrainImage, image.path.span, message, "a grey png of 8 or 16 bits");
+            }
+            Ok(grey) if grey.has_colours => {
+                let message = format!("`{path}` has colours; their brightness is taken");
+                sink.warn(Code::TerrainColour, image.path.span, message, "a grey png of 8 or 16 bits");
+            }
+            Ok(_) => {}
+        }
+        self.loader.diagnostics.extend(sink.finish());
+        grey.ok()
+    }
+}
+
+impl Grey {
+    /// The shades of an image. Of a colour they are its brightness, (2126 red + 7152 green + 722 blue) / 10000 of the written
+    /// numbers; opacity does not count.
+    ///
+    /// Source: the weights are those of Recommendation ITU-R BT.709.
+    fn read(bytes: &[u8]) -> Result<Self, TextureError> {
+        let image = texture::decode(bytes)?;
+        let (width, height) = (image.width(), image.height());
+        let mut has_colours = false;
+        let pixels = image.into_rgb16();
+        let shades = pixels.pixels().map(|pixel| {
+            let [red, green, blue] = pixel.0.map(u32::from);
+            has_colours |= red != green || green != blue;
+            ((2126 * red + 7152 * green + 722 * blue + 5000) / 10000) as u16
+        });
+        let shades = shades.collect();
+        Ok(Self { size: [width as usize, height as usize], shades, has_colours })
+    }
+
+    fn field(&self, image: &TerrainImage) -> Result<HeightField, FieldError> {
+        let [columns, rows] = self.size;
+        if columns < 2 || rows < 2 {
+            return Err(FieldError::Small);
+        }
+        let cells = (columns - 1) * (rows - 1);
+        if cells > MAX_CELLS {
+            return Err(FieldError::Large(cells));
+        }
+        let axis = |low: f64, size: f64, count: usize| -> Vec<f64> {
+            (0..count).map(|at| low + size * (at as f64 / (count - 1) as f64)).collect()
+        };
+        let xs = axis(image.origin.x, image.size.x, columns);
+        let ys = axis(image.origin.y, image.size.y, rows);
+        let height = |shade: &u16| image.base + image.height * (f64::from(*shade) / f64::from(u16::MAX));
+        let heights = self.shades.chunks_exact(columns).rev().flatten().map(height).collect();
+        HeightField::new(xs, ys, heights)
+    }
+}

@@ -1,0 +1,217 @@
+//! What a noise profile may hold, as types: for printing, and for the schema.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use toml::Table;
+
+use crate::scene::form::Number;
+
+/// A noise profile.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum NoiseForm {
+    /// `none`, `mild`, `real`, `harsh`, or a file.
+    Name(String),
+    /// In place.
+    Profile(Box<ProfileForm>),
+}
+
+/// A noise profile in place: a preset, and what is different from it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ProfileForm {
+    /// What it starts from; `none` if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) base: Option<PresetForm>,
+    /// PSD sensors.
+    #[serde(skip_serializing_if = "Table::is_empty", default)]
+    #[schemars(with = "RangeNoiseForm")]
+    pub(crate) psd: Table,
+    /// Laser range finders.
+    #[serde(skip_serializing_if = "Table::is_empty", default)]
+    #[schemars(with = "EchoNoiseForm")]
+    pub(crate) laser: Table,
+    /// Ultrasonic sensors of one ray.
+    #[serde(skip_serializing_if = "Table::is_empty", default)]
+    #[schemars(with = "EchoNoiseForm")]
+    pub(crate) ultrasonic: Table,
+    /// Reflectance sensors.
+    #[serde(skip_serializing_if = "Table::is_empty", default)]
+    #[schemars(with = "EchoNoiseForm")]
+    pub(crate) reflectance: Table,
+    /// Sonars with a beam.
+    #[serde(skip_serializing_if = "Table::is_empty", default)]
+    #[schemars(with = "EchoNoiseForm")]
+    pub(crate) sonar: Table,
+    /// The laser scanner; each of its points is a reading.
+    #[serde(skip_serializing_if = "Table::is_empty", default)]
+    #[schemars(with = "RangeNoiseForm")]
+    pub(crate) lidar: Table,
+    /// The compass.
+    #[serde(skip_serializing_if = "Table::is_empty", default)]
+    #[schemars(with = "CompassNoiseForm")]
+    pub(crate) compass: Table,
+    /// The camera.
+    #[serde(skip_serializing_if = "Table::is_empty", default)]
+    #[schemars(with = "CameraNoiseForm")]
+    pub(crate) camera: Table,
+    /// What lies between commands and motion.
+    #[serde(skip_serializing_if = "Table::is_empty", default)]
+    #[schemars(with = "DriveNoiseForm")]
+    pub(crate) drive: Table,
+    /// What lies between motion and odometry.
+    #[serde(skip_serializing_if = "Table::is_empty", default)]
+    #[schemars(with = "OdometryNoiseForm")]
+    pub(crate) odometry: Table,
+    /// What the radio receives.
+    #[serde(skip_serializing_if = "Table::is_empty", default)]
+    #[schemars(with = "RadioNoiseForm")]
+    pub(crate) radio: Table,
+    /// What is different of single sensors, by their names.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    #[schemars(with = "BTreeMap<String, EchoNoiseForm>")]
+    pub(crate) sensor: BTreeMap<String, Table>,
+}
+
+/// A preset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum PresetForm {
+    None,
+    Mild,
+    Real,
+    Harsh,
+}
+
+/// Types of which the schema alone is made: what is printed are tables of the keys that a profile sets.
+macro_rules! sections {
+    ($($(#[$about:meta])* $name:ident { $($(#[$meta:meta])* $key:ident: [$min:literal, $max:literal],)+ })+) => {
+        $(
+            $(#[$about])*
+            #[derive(JsonSchema)]
+            #[serde(deny_unknown_fields)]
+            #[expect(dead_code, reason = "only its schema is used")]
+            struct $name {
+                $($(#[$meta])* #[schemars(range(min = $min, max = $max))] $key: Option<Number>,)+
+            }
+        )+
+    };
+}
+
+/// The keys of all sensors of distance, before others.
+macro_rules! range_section {
+    ($(#[$about:meta])* $name:ident { $($(#[$meta:meta])* $key:ident: [$min:literal, $max:literal],)* }) => {
+        sections! {
+            $(#[$about])* $name {
+                /// Standard deviation of each reading in mm.
+                sigma_mm: [0, 1_000_000],
+                /// Standard deviation of each reading in percent of the distance.
+                sigma_percent: [0, 1000],
+                /// Error of all readings in mm.
+                bias_mm: [-1_000_000, 1_000_000],
+                /// Standard deviation in mm, between sensors, of an error of all readings of a sensor.
+                bias_sigma_mm: [0, 1_000_000],
+                /// Step of the readings in mm.
+                step_mm: [0, 1_000_000],
+                /// Probability of a reading anywhere in the sensor's range.
+                outlier: [0, 1],
+                /// Probability of a reading of nothing.
+                dropout: [0, 1],
+                /// Error in mm at the start of the run, which dies away.
+                drift_mm: [-1_000_000, 1_000_000],
+                /// Time in s in which it dies away to 1/e; 60 if left out.
+                drift_s: [0.001, 1e9],
+                $($(#[$meta])* $key: [$min, $max],)*
+            }
+        }
+    };
+}
+
+range_section! {
+    /// Errors of sensors of distance.
+    RangeNoiseForm {}
+}
+
+range_section! {
+    /// Errors of sensors of distance whose type has noise of its own.
+    EchoNoiseForm {
+        /// Share of that noise, of which the sensor's own `sigma` and `mean` say how much it is; 1 for all of it.
+        device: [0, 1000],
+    }
+}
+
+sections! {
+    /// Errors of a compass.
+    CompassNoiseForm {
+        /// Standard deviation of each reading in degrees.
+        sigma_deg: [0, 360],
+        /// Error of all readings in degrees.
+        bias_deg: [-360, 360],
+        /// Standard deviation in degrees, between compasses, of an error of all readings of a compass.
+        bias_sigma_deg: [0, 360],
+        /// Step of the readings in degrees.
+        step_deg: [0, 360],
+    }
+
+    /// Errors of the images of a camera.
+    CameraNoiseForm {
+        /// Standard deviation of the lens's point spread, in pixels.
+        blur: [0, 20],
+        /// Standard deviation of each channel of each pixel, of 255 levels.
+        sigma: [0, 255],
+        /// Probability of a white or black pixel.
+        salt_and_pepper: [0, 1],
+        /// Share of white among those; 0.5 if left out.
+        salt: [0, 1],
+        /// Probability of a pixel of random colour.
+        hundreds_and_thousands: [0, 1],
+    }
+
+    /// What lies between commands and motion.
+    DriveNoiseForm {
+        /// By how many percent the left wheels are larger than their nominal diameter.
+        left_percent: [-50, 100],
+        /// By how many percent the right wheels are larger than their nominal diameter.
+        right_percent: [-50, 100],
+        /// Standard deviation of that in percent, drawn once for each wheel.
+        diameter_sigma_percent: [0, 5],
+        /// Slip in percent of a wheel's way.
+        slip_percent: [-100, 100],
+        /// Standard deviation of the slip in percent, drawn for each wheel every 10 ms.
+        slip_sigma_percent: [0, 100],
+        /// Standard deviation of the speed in mm/s, drawn every 10 ms.
+        v_sigma_mm_s: [0, 100_000],
+        /// Standard deviation of the speed in percent of it, drawn every 10 ms.
+        v_sigma_percent: [0, 1000],
+        /// Standard deviation of the turning speed in degrees/s, drawn every 10 ms.
+        omega_sigma_deg_s: [0, 50_000],
+        /// Standard deviation of the turning speed in percent of it, drawn every 10 ms.
+        omega_sigma_percent: [0, 1000],
+    }
+
+    /// What lies between motion and odometry.
+    OdometryNoiseForm {
+        /// Standard deviation of the speed in mm/s, drawn every 10 ms.
+        v_sigma_mm_s: [0, 100_000],
+        /// Standard deviation of the speed in percent of it, drawn every 10 ms.
+        v_sigma_percent: [0, 1000],
+        /// Standard deviation of the turning speed in degrees/s, drawn every 10 ms.
+        omega_sigma_deg_s: [0, 50_000],
+        /// Standard deviation of the turning speed in percent of it, drawn every 10 ms.
+        omega_sigma_percent: [0, 1000],
+        /// Step of positions in mm.
+        step_mm: [0, 1_000_000],
+        /// Step of headings in degrees.
+        step_deg: [0, 360],
+    }
+
+    /// What happens to messages that a radio receives.
+    RadioNoiseForm {
+        /// Probability of a bit of the payload that arrives inverted.
+        bit_error_rate: [0, 1],
+        /// Probability of a message that does not arrive.
+        packet_loss: [0, 1],
+    }
+}

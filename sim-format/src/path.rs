@@ -1,0 +1,228 @@
+//! References to other files: how they are written and where they are looked for.
+
+use super::code::Code;
+use super::diagnostic::{Severity, Sink};
+use super::line::Word;
+use super::spec::PathRef;
+pub use sim_core::spec::{file_name, stem};
+
+/// What stands for the installation's folder at the beginning of a path.
+const INSTALLATION: &str = "%sim%";
+
+/// Folders of the installation in which a reference is looked for last.
+const INSTALLED: [&str; 3] = ["", "worlds", "robis"];
+
+/// The places at which the file that `text` names may be, in the order in which they are tried.
+///
+/// `folder` is that of the file which mentions it, `home` the installation's folder. Back slashes are read as slashes.
+/// `%sim%` at the beginning is the installation and nothing else is tried. A relative path is looked for in `folder`, in the
+/// working folder, in the installation and in its folders `worlds` and `robis`; an absolute one as it stands and, since old
+/// files write so, below the installation.
+///
+/// Source: reference section 4.0; that `folder` comes before the working folder, so that a scene does not
+/// depend on where it is run from, is our choice, and so is that `..` undoes the part before it, whether or not that part is
+/// a link.
+pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
+    let text = text.replace('\\', "/");
+    let mut places = Vec::new();
+    if let Some(rest) = strip_installation(&text) {
+        places.extend(home.map(|home| join(home, rest)));
+    } else if is_absolute(&text) {
+        places.push(normalised(&text));
+        if text.starts_with('/') {
+            places.extend(home.map(|home| join(home, &text)));
+        }
+    } else {
+        places.push(join(folder, &text));
+        places.push(normalised(&text));
+        places.extend(home.iter().flat_map(|home| INSTALLED.map(|folder| join(&join(home, folder), &text))));
+    }
+    let mut unique: Vec<String> = Vec::new();
+    for place in places {
+        if !unique.contains(&place) {
+            unique.push(place);
+        }
+    }
+    unique
+}
+
+/// Where the file of the absolute path `text` of another machine may lie: each of its ends, the longest first, below `folder`, the
+/// two folders above that, and the installation; its last part alone not in the folders above. Empty for a relative path.
+pub(super) fn moved(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
+    let text = text.replace('\\', "/");
+    if !is_absolute(&text) {
+        return Vec::new();
+    }
+    let parts: Vec<&str> = text.split('/').filter(|part| !part.is_empty()).collect();
+    let above = ["..", "../.."].map(|up| join(folder, up));
+    let mut places: Vec<String> = Vec::new();
+    for first in 0..parts.len() {
+        let end = parts[first..].join("/");
+        places.push(join(folder, &end));
+        if first + 1 < parts.len() {
+            places.extend(above.iter().map(|folder| join(folder, &end)));
+        }
+        places.extend(home.map(|home| join(home, &end)));
+    }
+    places
+}
+
+/// The folder that a path's last part is in; empty for the working folder.
+pub fn folder_of(path: &str) -> &str {
+    match path.rfind('/') {
+        Some(0) => "/",
+        Some(place) => &path[..place],
+        None => "",
+    }
+}
+
+/// The extension of a path in lower case, without its point; empty if it has none.
+pub(super) fn extension(path: &str) -> String {
+    let name = file_name(path);
+    name.rfind('.').map_or(String::new(), |place| name[place + 1..].to_lowercase())
+}
+
+/// The path with another extension: `robis/S4.robi` with `toml` is `robis/S4.toml`.
+pub(super) fn with_extension(path: &str, extension: &str) -> String {
+    format!("{}{}.{extension}", &path[..path.len() - file_name(path).len()], stem(path))
+}
+
+/// The `path` as seen from `folder`, if both are relative to the same place: `../worlds/a.wld`. Else the path as it is.
+pub(super) fn relative(folder: &str, path: &str) -> String {
+    if is_absolute(folder) != is_absolute(path) {
+        return path.to_owned();
+    }
+    let from: Vec<&str> = folder.split('/').filter(|part| !part.is_empty()).collect();
+    let to: Vec<&str> = path.split('/').filter(|part| !part.is_empty()).collect();
+    let shared = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
+    // What lies above a folder that is itself above the working folder has no name that is known here.
+    if from[shared..].contains(&"..") {
+        return path.to_owned();
+    }
+    let up = from[shared..].iter().map(|_| "..");
+    up.chain(to[shared..].iter().copied()).collect::<Vec<_>>().join("/")
+}
+
+fn strip_installation(text: &str) -> Option<&str> {
+    let head = text.get(..INSTALLATION.len())?;
+    head.eq_ignore_ascii_case(INSTALLATION).then(|| text[INSTALLATION.len()..].trim_start_matches('/'))
+}
+
+fn is_absolute(text: &str) -> bool {
+    let bytes = text.as_bytes();
+    text.starts_with('/') || bytes.len() > 2 && bytes[0].is_ascii_alphabetic() && &bytes[1..3] == b":/"
+}
+
+/// `text` below `folder`.
+pub(super) fn join(folder: &str, text: &str) -> String {
+    let text = text.trim_start_matches('/');
+    match folder {
+        "" => normalised(text),
+        "/" => normalised(&format!("/{text}")),
+        folder => normalised(&format!("{folder}/{text}")),
+    }
+}
+
+/// The path without `.` parts and double slashes, and with `..` taken together with the part before it.
+fn normalised(path: &str) -> String {
+    let mut parts: Vec<&str> = Vec::new();
+    for part in path.split('/') {
+        match part {
+            "" | "." => {}
+            ".." if parts.last().is_some_and(|last| *last != "..") => {
+                parts.pop();
+            }
+            ".." if path.starts_with('/') && parts.is_empty() => {}
+            part => parts.push(part),
+        }
+    }
+    let root = if path.starts_with('/') { "/" } else { "" };
+    format!("{root}{}", parts.join("/"))
+}
+
+/// The one file that a keyword's line names.
+pub(super) fn reference(
+    sink: &mut Sink,
+    severity: Severity,
+    keyword: &Word<'_>,
+    rest: &[Word<'_>],
+    form: &str,
+) -> Option<PathRef> {
+    let Some((word, extra)) = rest.split_first() else {
+        sink.report(severity, Code::FileNameMissing, keyword.span, format!("`{}` names no file", keyword.text), form);
+        return None;
+    };
+    if let Some(extra) = extra.first() {
+        let message = format!("`{}` is left over after the file name", extra.text);
+        let diagnostic = sink.warn(Code::WordExtra, extra.span, message, form);
+        diagnostic.suggestion = Some("put a file name with blanks between double quotes".to_owned());
+    }
+    named(sink, severity, word, form)
+}
+
+/// The file that `word` names.
+pub(super) fn named(sink: &mut Sink, severity: Severity, word: &Word<'_>, form: &str) -> Option<PathRef> {
+    if word.is_unclosed {
+        sink.warn(
+            Code::QuoteUnclosed,
+            word.span,
+            "a quotation mark is not closed",
+            "the same mark at the end of the name",
+        );
+    }
+    if word.text.trim().is_empty() {
+        sink.report(severity, Code::FileNameMissing, word.span, "the file name is empty", form);
+        return None;
+    }
+    Some(PathRef { text: word.text.to_owned(), span: word.span })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn relative_names_are_tried_beside_the_file_first() {
+        let places = candidates(r"..\worlds\a.wld", "sims/x", Some("/opt/eyesim"));
+        let expected = ["sims/worlds/a.wld", "../worlds/a.wld", "/opt/worlds/a.wld", "/opt/eyesim/worlds/a.wld"];
+        assert_eq!(places, expected);
+    }
+
+    #[test]
+    fn the_installation_replaces_sim() {
+        assert_eq!(candidates("%sim%/worlds/a.wld", "x", Some("/opt/e")), ["/opt/e/worlds/a.wld"]);
+        assert_eq!(candidates("%SIM%\\a.wld", "x", Some("../e")), ["../e/a.wld"]);
+        assert!(candidates("%sim%/a.wld", "x", None).is_empty());
+    }
+
+    #[test]
+    fn absolute_paths_may_mean_the_installation() {
+        assert_eq!(candidates("/worlds/a.wld", "x", Some("/opt/e")), ["/worlds/a.wld", "/opt/e/worlds/a.wld"]);
+        assert_eq!(candidates(r"C:\e\a.wld", "x", Some("/opt/e")), ["C:/e/a.wld"]);
+    }
+
+    #[test]
+    fn files_of_another_machine_lie_below_the_same_folders() {
+        let places = moved(r"C:\eyesim\signs\stop.esObj", "a/sims", Some("/opt/e"));
+        let expected = [
+            "a/sims/signs/stop.esObj",
+            "a/signs/stop.esObj",
+            "signs/stop.esObj",
+            "/opt/e/signs/stop.esObj",
+            "a/sims/stop.esObj",
+            "/opt/e/stop.esObj",
+        ];
+        assert_eq!(places[places.len() - expected.len()..], expected);
+        assert_eq!(places[0], "a/sims/C:/eyesim/signs/stop.esObj");
+        assert_eq!(moved("signs/stop.esObj", "a", None), [""; 0]);
+    }
+
+    #[test]
+    fn paths_come_apart() {
+        assert_eq!((folder_of("a/b.c"), file_name(r"a\b.c"), stem("a/b.x.c"), stem(".x")), ("a", "b.c", "b.x", ".x"));
+        assert_eq!((folder_of("b"), folder_of("/b")), ("", "/"));
+        assert_eq!(with_extension("r.x/S4.robi", "toml"), "r.x/S4.toml");
+        assert_eq!(normalised("../../a/./b//../c"), "../../a/c");
+        assert_eq!(normalised("/../a"), "/a");
+    }
+}

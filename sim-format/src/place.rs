@@ -1,0 +1,401 @@
+//! From the lines of a sim file to robots and objects with their types and poses.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+
+use super::code::Code;
+use super::diagnostic::Sink;
+use super::load::Loader;
+use super::scene::Room;
+use super::spec::{
+    Collider, Layout, ModelSpec, ObjectLine, ObjectSpec, ObjectType, PathRef, RobiSpec, RobotLine, RobotSpec,
+    SceneForm, SimSpec, StartRef, TypeRef, WorldSpec,
+};
+use super::types::{Kind, Types};
+use super::{Severity, Span, builtin, path};
+use sim_core::RobotId;
+use sim_core::pose::Pose;
+
+/// What stands in a scene.
+pub(super) struct Placed {
+    /// In order of their ids.
+    pub(super) robots: Vec<RobotSpec>,
+    /// Those of the world first.
+    pub(super) objects: Vec<ObjectSpec>,
+    /// How many of the objects are the world's.
+    pub(super) of_world: usize,
+}
+
+/// Places all that `sim`, in `folder`, and its world name. `None` as a world means that it is missing, which has been told.
+pub(super) fn place(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str, world: Option<&WorldSpec>) -> Placed {
+    let types = Types::load(loader, sim, folder);
+    let mut placer = Placer {
+        sink: Sink::new(&sim.file),
+        sim,
+        folder,
+        types,
+        starts: Starts::new(world),
+        shapes: BTreeMap::new(),
+        robots: Vec::new(),
+        objects: Vec::new(),
+        has_robots: false,
+    };
+    placer.objects(world.map_or(&[], |world| &world.objects), loader);
+    let of_world = placer.objects.len();
+    placer.objects(&sim.objects, loader);
+    placer.robots(loader);
+    placer.objects[of_world..].sort_by_key(|object| object.span);
+    loader.diagnostics.extend(placer.sink.finish());
+    if !placer.has_robots && !super::has_errors(&loader.diagnostics) {
+        let mut sink = Sink::new(&sim.file);
+        let expected = match sim.form {
+            SceneForm::Sim => "a line `NAME X Y PHI PROGRAM` or `robi FILE.robi PROGRAM`",
+            SceneForm::Toml => "a section `[[robot]]`",
+        };
+        sink.warn(Code::SimRobotMissing, Span::default(), "the scene has no robot", expected);
+        loader.diagnostics.extend(sink.finish());
+    }
+    Placed { robots: placer.robots, objects: placer.objects, of_world }
+}
+
+struct Placer<'a> {
+    sink: Sink,
+    sim: &'a SimSpec,
+    folder: &'a str,
+    types: Types,
+    starts: Starts<'a>,
+    /// Types of objects that are a mesh alone, by its file.
+    shapes: BTreeMap<String, Arc<ObjectType>>,
+    robots: Vec<RobotSpec>,
+    objects: Vec<ObjectSpec>,
+    /// There are robots, be it that they are lost.
+    has_robots: bool,
+}
+
+/// The robots of a line.
+struct Group<'a> {
+    line: &'a RobotLine,
+    /// Their type; `None` if it is missing, which has been told.
+    robi: Option<Arc<RobiSpec>>,
+    count: u32,
+    /// How they stand; `None` for one that stands alone.
+    layout: Option<Layout>,
+    /// There is no place for one of them, which has been told, nor for those after it.
+    is_full: bool,
+}
+
+impl Group<'_> {
+    /// Area, clearance and heading of those that stand at random.
+    fn random(&self) -> Option<(Option<[DVec2; 2]>, f64, Option<f64>)> {
+        match self.layout {
+            Some(Layout::Random { area, clearance, heading }) => Some((area, clearance, heading)),
+            _ => None,
+        }
+    }
+}
+
+/// One of the robots of a line.
+struct Member {
+    id: RobotId,
+    /// Which of the groups.
+    group: usize,
+    /// Its place in the group.
+    index: u32,
+}
+
+/// The numbers that robots without one get, in order.
+struct Ids {
+    last: u32,
+    given: BTreeSet<RobotId>,
+}
+
+impl Ids {
+    fn besides(given: impl Iterator<Item = RobotId>) -> Self {
+        Self { last: 0, given: given.collect() }
+    }
+
+    fn next(&mut self) -> RobotId {
+        self.last += 1;
+        while self.given.contains(&RobotId(self.last)) {
+            self.last += 1;
+        }
+        RobotId(self.last)
+    }
+}
+
+impl Placer<'_> {
+    fn objects(&mut self, lines: &[ObjectLine], loader: &mut Loader<'_>) {
+        for line in lines {
+            let kind = match &line.kind {
+                TypeRef::File(path) => self.object_of_file(loader, path),
+                TypeRef::Name(name) => self.object_of_name(loader, name),
+            };
+            if let Some(kind) = kind {
+                let friction = line.friction.unwrap_or(kind.friction);
+                self.objects.push(ObjectSpec { kind, pose: line.pose, friction, span: line.span });
+            }
+        }
+    }
+
+    /// The object type that a scene or a maze names.
+    fn object_of_name(&mut self, loader: &mut Loader<'_>, name: &PathRef) -> Option<Arc<ObjectType>> {
+        match self.types.find(&mut self.sink, name) {
+            Some(Kind::Object(object)) => Some(object),
+            Some(Kind::Robot(_)) => {
+                let message = format!("`{}` is a robot, not an object", name.text);
+                self.sink.error(Code::SimTypeUnknown, name.span, message, "the name of an object type");
+                None
+            }
+            None => {
+                self.types.report_unknown(loader, &mut self.sink, Severity::Error, self.folder, name);
+                None
+            }
+        }
+    }
+
+    /// The type that a classic `object` line names: an object file, or a mesh, whose shape only a built-in type of that name gives.
+    fn object_of_file(&mut self, loader: &mut Loader<'_>, path: &PathRef) -> Option<Arc<ObjectType>> {
+        if path::extension(&path.text) == "esobj" {
+            return loader.object_type(&self.sim.file, self.folder, path);
+        }
+        if let Some(known) = self.shapes.get(&path.text) {
+            return Some(Arc::clone(known));
+        }
+        let name = path::stem(&path.text);
+        let known = builtin::object(if name.eq_ignore_ascii_case("ball") { "Soccer" } else { name });
+        if known.is_none() {
+            let message = format!("the shape of `{}` is not known: an upright cylinder of 100 mm is taken", path.text);
+            let expected = "a mesh named can, ball, soccer, crate or golf, or an .esObj file with a collider";
+            self.sink.warn(Code::SimObjectShape, path.span, message, expected);
+        }
+        let model = ModelSpec { path: path.clone(), offset: DVec3::ZERO, turns: DVec3::ZERO };
+        let shape = known.unwrap_or_else(|| ObjectType::with_defaults(&path.text));
+        let file = self.sim.file.clone();
+        let kind = Arc::new(ObjectType { file, name: name.to_owned(), model: Some(model), ..shape });
+        self.shapes.insert(path.text.clone(), Arc::clone(&kind));
+        Some(kind)
+    }
+
+    /// The lines that place a robot, and those that place either a robot or an object of a loaded type.
+    fn robots(&mut self, loader: &mut Loader<'_>) {
+        let mut lines: Vec<&RobotLine> = self.sim.robots.iter().chain(&self.sim.named).collect();
+        lines.sort_by_key(|line| line.span);
+        let mut ids = Ids::besides(lines.iter().filter_map(|line| line.id));
+        let mut groups = Vec::new();
+        let mut members = Vec::new();
+        for line in lines {
+            let Some(robi) = self.robot_kind(loader, line) else { continue };
+            let (count, layout) = match line.start {
+                StartRef::Many { count, layout } => (count, Some(layout)),
+                _ => (1, None),
+            };
+            for index in 0..count {
+                let id = line.id.unwrap_or_else(|| ids.next());
+                members.push(Member { id, group: groups.len(), index });
+            }
+            groups.push(Group { line, robi, count, layout, is_full: false });
+        }
+        // Whatever goes from robot to robot goes by their numbers, not by their lines.
+        members.sort_by_key(|member| member.id);
+        for member in &members {
+            self.stand(&mut groups[member.group], member);
+        }
+        self.scatter(&members, &mut groups);
+        self.has_robots = !members.is_empty();
+    }
+
+    /// The type of the robot of a line, without one if that is missing, which has been told; `None` if the line places no robot.
+    fn robot_kind(&mut self, loader: &mut Loader<'_>, line: &RobotLine) -> Option<Option<Arc<RobiSpec>>> {
+        let name = match &line.kind {
+            TypeRef::File(path) => return Some(loader.robot_type(&self.sim.file, self.folder, path)),
+            TypeRef::Name(name) => name,
+        };
+        match self.types.find(&mut self.sink, name) {
+            Some(Kind::Robot(robi)) => Some(Some(robi)),
+            Some(Kind::Object(object)) => {
+                if self.sim.form == SceneForm::Toml {
+                    let message = format!("`{}` is an object, not a robot", name.text);
+                    self.sink.error(Code::SimTypeUnknown, name.span, message, "the name of a robot type");
+                } else {
+                    self.named_object(line, object);
+                }
+                None
+            }
+            None => {
+                // Without a program it may have been an object, and EyeSim skips the line.
+                let is_robot = self.sim.form == SceneForm::Toml
+                    || line.program.is_some()
+                    || !matches!(line.start, StartRef::Pose(_));
+                let severity = if is_robot { Severity::Error } else { Severity::Warning };
+                self.types.report_unknown(loader, &mut self.sink, severity, self.folder, name);
+                is_robot.then_some(None)
+            }
+        }
+    }
+
+    /// Puts a robot where its line says, if there is a place left.
+    fn stand(&mut self, group: &mut Group<'_>, member: &Member) {
+        if group.is_full {
+            return;
+        }
+        let line = group.line;
+        let start = match group.layout {
+            None => self.start(line),
+            Some(Layout::Starts) => self.next(line.span),
+            // Where there is room shows when all others stand.
+            Some(Layout::Random { .. }) => Some(Pose::default()),
+            Some(layout) => layout.pose(member.index, group.count),
+        };
+        group.is_full = start.is_none();
+        let (Some(robi), Some(start)) = (&group.robi, start) else { return };
+        let dialect = match (self.sim.form, &line.kind) {
+            (SceneForm::Toml, _) => None,
+            (SceneForm::Sim, TypeRef::File(_)) => Some(6),
+            (SceneForm::Sim, TypeRef::Name(_)) => Some(7),
+        };
+        self.robots.push(RobotSpec {
+            id: member.id,
+            robi: Arc::clone(robi),
+            start,
+            program: line.program.clone(),
+            arguments: line.arguments.clone(),
+            api: line.api.or(self.sim.run.api),
+            noise: line.noise.as_ref().or(self.sim.run.noise.as_ref()).cloned(),
+            dialect,
+            span: line.span,
+        });
+    }
+
+    /// Gives the robots of random layouts their places, in order of their ids; those without room are lost.
+    fn scatter(&mut self, members: &[Member], groups: &mut [Group<'_>]) {
+        let scattered: BTreeMap<RobotId, &Member> =
+            members.iter().filter(|member| groups[member.group].random().is_some()).map(|it| (it.id, it)).collect();
+        let Some(world) = self.starts.world.filter(|_| !scattered.is_empty()) else { return };
+        let radius = |robot: &RobotSpec| 0.5 * robot.robi.diameter;
+        let reach = |object: &ObjectSpec| object.kind.colliders.iter().map(Collider::reach).fold(0.0, f64::max);
+        let robots = self.robots.iter().map(radius);
+        let widest = robots.chain(self.objects.iter().map(reach)).fold(0.0, f64::max);
+        let clearances = groups.iter().filter_map(|group| Some(group.random()?.1));
+        let mut room = Room::new(world, widest + clearances.fold(0.0, f64::max));
+        for robot in self.robots.iter().filter(|robot| !scattered.contains_key(&robot.id)) {
+            room.take(robot.start.position, radius(robot));
+        }
+        for object in &self.objects {
+            room.take(object.pose.position, reach(object));
+        }
+        let seed = self.sim.run.seed.unwrap_or_default();
+        let sink = &mut self.sink;
+        self.robots.retain_mut(|robot| {
+            let Some(member) = scattered.get(&robot.id) else { return true };
+            let group = &mut groups[member.group];
+            let Some(random) = group.random().filter(|_| !group.is_full) else { return false };
+            if let Some(start) = room.place(seed, robot.id, radius(robot), random) {
+                robot.start = start;
+                return true;
+            }
+            group.is_full = true;
+            let message = format!("there is room for {} of {} robots", member.index, group.count);
+            sink.error(Code::SceneRoom, robot.span, message, "fewer robots, a larger area or less clearance");
+            false
+        });
+    }
+
+    /// An object of a loaded type.
+    fn named_object(&mut self, line: &RobotLine, kind: Arc<ObjectType>) {
+        let form = "`NAME X Y PHI` in mm and degrees";
+        if let Some(program) = &line.program {
+            let message = format!("`{}` is left over: an object has no program", program.text);
+            self.sink.warn(Code::WordExtra, program.span, message, form);
+        }
+        let StartRef::Pose(pose) = line.start else {
+            let message = format!("`{}` is an object; only robots start at a letter", line.kind.written().text);
+            self.sink.error(Code::SimPlaceArity, line.span, message, form);
+            return;
+        };
+        let friction = kind.friction;
+        self.objects.push(ObjectSpec { kind, pose, friction, span: line.span });
+    }
+
+    fn start(&mut self, line: &RobotLine) -> Option<Pose> {
+        match line.start {
+            StartRef::Pose(pose) => Some(pose),
+            StartRef::Next | StartRef::Many { .. } => self.next(line.span),
+            StartRef::Letter { letter, heading } => {
+                let start = self.lettered(letter, line.span)?;
+                let at = start.position;
+                Some(heading.map_or(start, |heading| Pose::new(at.x, at.y, heading)))
+            }
+        }
+    }
+
+    fn next(&mut self, span: Span) -> Option<Pose> {
+        let start = self.starts.next();
+        // Where the world is missing, that is what has to be mended.
+        if let (None, Some(world)) = (start, self.starts.world) {
+            let message = format!("no start is left for this robot: the world has {}", world.starts.len());
+            let expected = match self.sim.form {
+                SceneForm::Sim => {
+                    "`X Y PHI` on this line, `position X Y PHI` in the world or a start letter in the maze"
+                }
+                SceneForm::Toml => "`x_mm` and `y_mm`, a `layout`, or a start in the world",
+            };
+            self.sink.error(Code::SimStartMissing, span, message, expected);
+        }
+        start
+    }
+
+    fn lettered(&mut self, letter: char, span: Span) -> Option<Pose> {
+        let world = self.starts.world?;
+        if let Some(start) = self.starts.of_letter(letter) {
+            return Some(start);
+        }
+        let letters: BTreeSet<char> = world.starts.iter().filter_map(|start| start.letter).collect();
+        let there_are = if letters.is_empty() {
+            "it has no start letters".to_owned()
+        } else {
+            let letters: Vec<String> = letters.iter().map(|letter| format!("`{letter}`")).collect();
+            format!("it has {}", letters.join(", "))
+        };
+        let expected = "a letter of the maze, or `X Y PHI`";
+        // In the first EyeSim VR, `s` was the start of the maze, whatever its letter.
+        if letter == 'S' && !letters.is_empty() {
+            let message = format!("the world has no start `S`: {there_are}; the next free one is taken");
+            self.sink.warn(Code::SimStartLetter, span, message, expected);
+            return self.next(span);
+        }
+        let message = format!("the world has no start `{letter}`: {there_are}");
+        self.sink.error(Code::SimStartLetter, span, message, expected);
+        None
+    }
+}
+
+/// The starts of a world and which of them robots have taken.
+struct Starts<'a> {
+    world: Option<&'a WorldSpec>,
+    taken: Vec<bool>,
+}
+
+impl<'a> Starts<'a> {
+    fn new(world: Option<&'a WorldSpec>) -> Self {
+        Self { world, taken: vec![false; world.map_or(0, |world| world.starts.len())] }
+    }
+
+    /// The first that no robot has taken.
+    fn next(&mut self) -> Option<Pose> {
+        let place = self.taken.iter().position(|taken| !taken)?;
+        self.taken[place] = true;
+        Some(self.world?.starts[place].pose)
+    }
+
+    /// The first of this letter that no robot has taken; if all are, the first: two robots of one letter stand in one cell.
+    fn of_letter(&mut self, letter: char) -> Option<Pose> {
+        let starts = &self.world?.starts;
+        let mut places = (0..starts.len()).filter(|place| starts[*place].letter == Some(letter));
+        let first = places.clone().next()?;
+        let place = places.find(|place| !self.taken[*place]).unwrap_or(first);
+        self.taken[place] = true;
+        Some(starts[place].pose)
+    }
+}

@@ -1,0 +1,142 @@
+//! Mazes as drawings.
+
+use glam::DVec2;
+
+use super::looks::LOOKS;
+use super::number::written_mm;
+use crate::spec::{DEFAULT_CELL, LooksSpec, WorldSpec};
+use crate::{read_maze, same};
+
+/// Cells that a drawing may have.
+const MAX_CELLS: f64 = 1e6;
+
+/// The text of a maze file.
+///
+/// # Errors
+/// Why the world cannot be drawn: walls beside the grid, with a thickness, a height or a colour, starts without a letter, objects
+/// that no character stands for.
+pub fn print_maze(world: &WorldSpec) -> Result<String, String> {
+    let cell = world.cell.unwrap_or(DEFAULT_CELL);
+    let size = (world.floor / cell).round();
+    if !(size.x >= 1.0 && size.y >= 1.0 && size.x * size.y <= MAX_CELLS) {
+        return Err("the floor is no grid of cells".to_owned());
+    }
+    let mut drawing = Drawing::new(size.x as usize, size.y as usize);
+    for wall in &world.walls {
+        drawing.wall((wall.from / cell).round(), (wall.to / cell).round());
+    }
+    for start in &world.starts {
+        let letter = start.letter.ok_or("a start has no letter")?;
+        drawing.letter(start.pose.position / cell, letter);
+    }
+    for object in &world.objects {
+        let letter = match object.kind.written().text.to_lowercase().as_str() {
+            "soccer" => 'O',
+            "crate" => 'X',
+            other => return Err(format!("no character of a maze stands for `{other}`")),
+        };
+        drawing.letter(object.pose.position / cell, letter);
+    }
+    let text = format!("{}{}\n", drawing.text(), written_mm(cell));
+    let mut read = read_maze("", &text).0;
+    read.texture.clone_from(&world.texture);
+    read.terrain.clone_from(&world.terrain);
+    read.surface = world.surface;
+    read.looks = world.looks;
+    let mut wanted = same::world(world);
+    wanted.cell.get_or_insert(cell);
+    if same::world(&read) == wanted {
+        return Ok(text);
+    }
+    let what = [
+        (read.floor != world.floor, "its floor ends elsewhere"),
+        (same::world(&read).walls != wanted.walls, "its walls are not whole sides of cells, or they look special"),
+        (same::world(&read).starts != wanted.starts, "its starts are not in the middle of cells, one each"),
+    ];
+    let what = what.into_iter().find(|(differs, _)| *differs).map_or("its objects stand elsewhere", |(_, what)| what);
+    Err(format!("the world is no maze: {what}"))
+}
+
+/// What a maze file has no place for, of a world that is a maze.
+pub(crate) fn beside_maze(world: &WorldSpec) -> Vec<String> {
+    let texture = world.texture.as_ref().map(|texture| format!("the texture `{}`", texture.text));
+    let surface = world.surface.map(|_| "the surface of floor and walls".to_owned());
+    let terrain = world.terrain.as_ref().map(|_| "the terrain".to_owned());
+    let looks = (world.looks != LooksSpec::default()).then(|| LOOKS.to_owned());
+    [texture, surface, terrain, looks].into_iter().flatten().collect()
+}
+
+/// The characters of a drawing, row 0 at the bottom.
+struct Drawing {
+    columns: usize,
+    rows: usize,
+    /// `vertical[row][column]`: a wall to the left of the cell; one column more than cells.
+    vertical: Vec<Vec<bool>>,
+    /// `horizontal[row][column]`: a wall below the cell; one row more than cells.
+    horizontal: Vec<Vec<bool>>,
+    letters: Vec<Vec<Option<char>>>,
+}
+
+impl Drawing {
+    fn new(columns: usize, rows: usize) -> Self {
+        Self {
+            columns,
+            rows,
+            vertical: vec![vec![false; columns + 1]; rows],
+            horizontal: vec![vec![false; columns]; rows + 1],
+            letters: vec![vec![None; columns]; rows],
+        }
+    }
+
+    /// A wall between two points of the grid; what does not lie on it shows when the drawing is read.
+    fn wall(&mut self, from: DVec2, to: DVec2) {
+        let (low, high) = (from.min(to), from.max(to));
+        let range = |low: f64, high: f64, end: usize| (low.max(0.0) as usize)..(high.max(0.0) as usize).min(end);
+        if from.x == to.x {
+            for row in range(low.y, high.y, self.rows) {
+                if let Some(side) = self.vertical[row].get_mut(low.x.max(0.0) as usize) {
+                    *side = true;
+                }
+            }
+        } else if let Some(row) = self.horizontal.get_mut(low.y.max(0.0) as usize) {
+            for column in range(low.x, high.x, self.columns) {
+                row[column] = true;
+            }
+        }
+    }
+
+    fn letter(&mut self, place: DVec2, letter: char) {
+        let (column, row) = (place.x.max(0.0) as usize, place.y.max(0.0) as usize);
+        if let Some(cell) = self.letters.get_mut(row).and_then(|row| row.get_mut(column)) {
+            *cell = Some(letter);
+        }
+    }
+
+    fn text(&self) -> String {
+        let border: String = self.horizontal[self.rows].iter().map(|wall| if *wall { " _" } else { "  " }).collect();
+        let mut text = format!("{}\n", border.trim_end());
+        for row in (0..self.rows).rev() {
+            let mut line = String::new();
+            for column in 0..=self.columns {
+                line.push(if self.vertical[row][column] { '|' } else { ' ' });
+                if column == self.columns {
+                    break;
+                }
+                let has_floor = self.horizontal[row][column];
+                line.push(match self.letters[row][column] {
+                    Some(letter) if has_floor => letter,
+                    Some(letter) => letter.to_ascii_lowercase(),
+                    None if has_floor => '_',
+                    None => ' ',
+                });
+            }
+            // A blank line would be none.
+            if line.trim().is_empty() {
+                line.replace_range(1..2, ".");
+            }
+            text.push_str(line.trim_end());
+            text.push('\n');
+        }
+        text
+    }
+}

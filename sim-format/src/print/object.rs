@@ -1,0 +1,88 @@
+//! Object types as `.esObj`.
+
+use std::fmt::Write;
+
+use glam::DVec3;
+
+use super::Printed;
+use super::number::{mm, shortest, written};
+use super::sim::quoted;
+use crate::spec::{Axis, Collider, ObjectType};
+use crate::{read_esobj, same};
+use sim_core::unit::metres_from_mm;
+
+/// The text of an object file.
+pub fn print_esobj(object: &ObjectType) -> Printed {
+    let text = text_of(object);
+    let read = read_esobj(&object.file, &text).0;
+    Printed { lost: differences(object, &read), text }
+}
+
+fn text_of(object: &ObjectType) -> String {
+    let mut out = String::new();
+    if let Some(model) = &object.model {
+        let _ = writeln!(out, "obj {}", quoted(&model.path.text).unwrap_or_default());
+    }
+    let _ = writeln!(out, "name {}", quoted(&object.name).unwrap_or_default());
+    let scale = mm(object.scale);
+    let _ = writeln!(out, "scale {}", written(scale));
+    // Lengths are in units of the mesh.
+    let factor = metres_from_mm(scale);
+    let length = |metres: f64| written(shortest(metres / factor, |units| units * factor == metres));
+    let place = |place: DVec3| [0.0 - place.y, place.z, place.x].map(length).join(" ");
+    let _ = writeln!(out, "mass {} {}", written(object.mass), place(object.centre_of_mass));
+    for collider in &object.colliders {
+        let _ = match *collider {
+            Collider::Box { centre, size } => {
+                writeln!(out, "collider box {} {}", place(centre), place(DVec3::new(size.x, -size.y, size.z)))
+            }
+            Collider::Sphere { centre, radius } => {
+                writeln!(out, "collider sphere {} {}", place(centre), length(radius))
+            }
+            Collider::Capsule { centre, radius, height, axis } => {
+                let axis = match axis {
+                    Axis::X => "z",
+                    Axis::Y => "x",
+                    Axis::Z => "y",
+                };
+                writeln!(out, "collider capsule {} {} {} {axis}", place(centre), length(radius), length(height))
+            }
+            Collider::Cylinder { centre, radius, height } => {
+                writeln!(out, "collider cylinder {} {} {}", place(centre), length(radius), length(height))
+            }
+        };
+    }
+    if object.is_fixed {
+        out.push_str("fixed\n");
+    }
+    let _ = writeln!(out, "friction {}", written(object.friction));
+    if let Some(rolling) = object.rolling {
+        let _ = writeln!(out, "rolling {}", written(rolling));
+    }
+    let _ = writeln!(out, "restitution {}", written(object.restitution));
+    if let Some([red, green, blue]) = object.colour {
+        let _ = writeln!(out, "colour {red} {green} {blue}");
+    }
+    if object.buoyancy != 0.0 {
+        let _ = writeln!(out, "buoyancy {}", written(object.buoyancy));
+    }
+    out
+}
+
+/// In which points two types differ.
+fn differences(a: &ObjectType, b: &ObjectType) -> Vec<String> {
+    let (a, b) = (same::object(a), same::object(b));
+    let points = [
+        (a.name != b.name, "the name"),
+        (a.model != b.model, "the place of the mesh"),
+        (a.scale != b.scale, "the scale"),
+        (a.colliders != b.colliders, "the last digits of the colliders"),
+        ((a.mass, a.centre_of_mass, a.is_fixed) != (b.mass, b.centre_of_mass, b.is_fixed), "the mass"),
+        ((a.friction, a.rolling, a.restitution) != (b.friction, b.rolling, b.restitution), "the friction"),
+        (a.colour != b.colour, "the colour"),
+        (a.surface != b.surface, "the surface"),
+        (a.solid != b.solid, "`solid = \"mesh\"`"),
+        (a.buoyancy != b.buoyancy, "the buoyancy"),
+    ];
+    points.into_iter().filter(|(differs, _)| *differs).map(|(_, what)| format!("{what} of the object type")).collect()
+}

@@ -1,0 +1,194 @@
+//! Robot types as `.robi` with a companion.
+
+use std::fmt::Write;
+
+use glam::DVec3;
+use toml::Table;
+
+use super::number::{degrees, written, written_degrees, written_mm};
+use super::scene::robot_type_form;
+use super::sim::quoted;
+use super::{Printed, text};
+use crate::spec::{Axis, Collider, JointSpec, Lens, RobiSpec};
+use crate::{read_companion, read_robi, same};
+use sim_core::drive::DriveKind;
+
+/// The text of a robi: a classic one where that says as much as one of EyeSim VR.
+///
+/// What neither says stands in the companion ([`print_companion`]); what that cannot say either is lost.
+pub fn print_robi(robi: &RobiSpec) -> Printed {
+    let companion = print_companion(robi);
+    let candidates = [classic(robi), vr(robi)].map(|text| {
+        let lost = differences(robi, &read_back(robi, &text, &companion));
+        Printed { text, lost }
+    });
+    let [classic, vr] = candidates;
+    if vr.lost.len() < classic.lost.len() { vr } else { classic }
+}
+
+/// The text of the companion of [`print_robi`]'s text.
+pub fn print_companion(robi: &RobiSpec) -> String {
+    let form = robot_type_form(robi);
+    let mut whole = Table::try_from(form).unwrap_or_default();
+    // What the robi itself says.
+    for key in ["name", "diameter_mm", "max_speed_mm_per_s", "max_turn_deg_per_s", "axis_mm", "centre_of_mass_mm"] {
+        whole.remove(key);
+    }
+    for key in ["model", "collider", "wheel", "psd"] {
+        whole.remove(key);
+    }
+    if let Some(camera) = whole.get_mut("camera").and_then(toml::Value::as_table_mut) {
+        camera.retain(|key, _| matches!(key, "fov_deg" | "samples"));
+        if camera.is_empty() {
+            whole.remove("camera");
+        }
+    }
+    if let Some(drive) = whole.get_mut("drive").and_then(toml::Value::as_table_mut) {
+        for key in ["kind", "motor", "steering"] {
+            drive.remove(key);
+        }
+    }
+    if !robi.psds.is_empty() {
+        let mut ranges = Table::new();
+        for psd in &robi.psds {
+            let mut range = Table::from_iter([("range_mm".to_owned(), super::number::mm(psd.range).into())]);
+            if psd.pitch != 0.0 {
+                range.insert("pitch_deg".to_owned(), degrees(psd.pitch).into());
+            }
+            if let Some(on) = &psd.on {
+                range.insert("on".to_owned(), on.text.clone().into());
+            }
+            ranges.insert(psd.name.clone(), range.into());
+        }
+        whole.insert("psd".to_owned(), ranges.into());
+    }
+    text::document(&whole)
+}
+
+fn read_back(robi: &RobiSpec, text: &str, companion: &str) -> RobiSpec {
+    let mut read = read_robi(&robi.file, text).0;
+    read_companion(&robi.file, companion, &mut read);
+    read
+}
+
+/// In which points two types differ.
+fn differences(a: &RobiSpec, b: &RobiSpec) -> Vec<String> {
+    let (a, b) = (same::robi(a), same::robi(b));
+    let points = [
+        (a.name != b.name, "the name"),
+        (a.diameter != b.diameter, "the diameter of the body"),
+        ((a.max_speed, a.max_turn) != (b.max_speed, b.max_turn), "the largest speeds"),
+        (a.axis_offset != b.axis_offset, "the place of the axis"),
+        (a.wheel != b.wheel, "the wheels"),
+        (a.drive != b.drive, "the drive"),
+        (a.links != b.links, "the links"),
+        (a.legs != b.legs, "the legs"),
+        (a.psds != b.psds, "the PSDs"),
+        (a.ranges != b.ranges, "the range sensors"),
+        (a.surface != b.surface, "the surface"),
+        (a.camera != b.camera, "the camera"),
+        (a.lidar != b.lidar, "the laser scanner"),
+        (a.model != b.model, "the place of the mesh"),
+        (a.colliders != b.colliders, "the colliders"),
+        (a.mass != b.mass, "the mass"),
+        (a.centre_of_mass != b.centre_of_mass, "the centre of mass"),
+        (a.traction != b.traction, "the traction"),
+        (a.infrareds != b.infrareds, "the infrared switches"),
+        (a.bumpers != b.bumpers, "the bumpers"),
+        (a.servos != b.servos, "the servos"),
+        (a.compass != b.compass, "the compass"),
+        (a.lcd != b.lcd, "the display"),
+        (a.serials != b.serials, "the serial interfaces"),
+        ((a.inputs, a.hdt) != (b.inputs, b.hdt), "the inputs and numbers of devices"),
+    ];
+    points.into_iter().filter(|(differs, _)| *differs).map(|(_, what)| format!("{what} of the robot type")).collect()
+}
+
+fn classic(robi: &RobiSpec) -> String {
+    let mut out = head(robi);
+    let _ = writeln!(out, "axis {}", written_mm(robi.axis_offset));
+    if let Some(model) = &robi.model {
+        let _ = writeln!(out, "model {}", quoted(&model.path.text).unwrap_or_default());
+    }
+    devices(&mut out, robi, robi.wheel.track);
+    out
+}
+
+fn vr(robi: &RobiSpec) -> String {
+    let mut out = head(robi);
+    let _ = writeln!(out, "mass {} {}", written(robi.mass), unity(robi.centre_of_mass));
+    if let Some(model) = &robi.model {
+        let turns = model.turns.to_array().map(written_degrees).join(" ");
+        let _ = writeln!(out, "model {} {} {turns}", quoted(&model.path.text).unwrap_or_default(), unity(model.offset));
+    }
+    for collider in &robi.colliders {
+        let _ = match *collider {
+            Collider::Box { centre, size } => {
+                writeln!(out, "collider box {} {}", unity(DVec3::new(size.x, -size.y, size.z)), unity(centre))
+            }
+            Collider::Sphere { centre, radius } => {
+                writeln!(out, "collider sphere {} {}", written_mm(radius), unity(centre))
+            }
+            Collider::Capsule { centre, radius, height, axis: Axis::Z } => {
+                writeln!(out, "collider capsule {} {} {}", written_mm(radius), written_mm(height), unity(centre))
+            }
+            Collider::Capsule { .. } | Collider::Cylinder { .. } => Ok(()),
+        };
+    }
+    let _ = writeln!(out, "axis {} {}", written_mm(0.5 * robi.wheel.diameter), written_mm(robi.axis_offset));
+    let is_omni = robi.drive.kind == DriveKind::Omni;
+    devices(&mut out, robi, if is_omni { robi.wheel.track } else { 0.5 * robi.wheel.track });
+    if let Some(Lens::Fisheye { fov }) = robi.camera.as_ref().map(|camera| camera.lens) {
+        let _ = writeln!(out, "fisheye {}", written_degrees(fov));
+    }
+    out
+}
+
+/// What stands first in every dialect.
+fn head(robi: &RobiSpec) -> String {
+    let motors = robi.drive.motors.iter().flat_map(|motor| [Some(motor.motor.as_str()), motor.encoder.as_deref()]);
+    let names = motors.flatten().chain(robi.drive.steering.as_deref());
+    let kind = match robi.drive.kind {
+        DriveKind::Differential => "DIFFERENTIAL_DRIVE",
+        DriveKind::Ackermann => "ACKERMANN_DRIVE",
+        DriveKind::Omni => "OMNI_DRIVE",
+        DriveKind::Legged => "LEGGED_DRIVE",
+    };
+    let mut out = format!("drive {kind}");
+    names.for_each(|name| {
+        let _ = write!(out, " {name}");
+    });
+    let _ = write!(out, "\nname {}\ndiameter {}\n", robi.name, written_mm(robi.diameter));
+    let _ = write!(out, "speed {}\nturn {}\n", written_mm(robi.max_speed), written_degrees(robi.max_turn));
+    out
+}
+
+fn devices(out: &mut String, robi: &RobiSpec, track: f64) {
+    for psd in &robi.psds {
+        let id = psd.id.map(|id| format!("{id} ")).unwrap_or_default();
+        let place = psd.position.to_array().map(written_mm).join(" ");
+        let _ = writeln!(out, "psd {} {id}{place} {}", psd.name, written_degrees(psd.angle));
+    }
+    if let Some(camera) = &robi.camera {
+        let place = camera.position.to_array().map(written_mm).join(" ");
+        let joint = |joint: &JointSpec| match joint {
+            JointSpec::Fixed(angle) => written_degrees(*angle),
+            JointSpec::Servo { name, from, to } => {
+                format!("{name}({:+},{:+})", degrees(*from), degrees(*to))
+            }
+        };
+        let _ = write!(out, "camera {place} {} {}", joint(&camera.pan), joint(&camera.tilt));
+        if let Some([width, height]) = camera.image {
+            let _ = write!(out, " {width} {height}");
+        }
+        out.push('\n');
+    }
+    let wheel = &robi.wheel;
+    let (diameter, rate) = (written_mm(wheel.diameter), written_degrees(wheel.max_rate));
+    let _ = writeln!(out, "wheel {diameter} {rate} {} {}", written(wheel.ticks_per_turn), written_mm(track));
+}
+
+/// A place in the axes of EyeSim VR's graphics library: X right, Y up, Z forward.
+fn unity(place: DVec3) -> String {
+    [0.0 - place.y, place.z, place.x].map(written_mm).join(" ")
+}

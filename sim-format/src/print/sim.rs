@@ -1,0 +1,208 @@
+//! Scenes as `.sim`: each line in the form that has room for what it says.
+
+use std::fmt::Write;
+
+use super::Printed;
+use super::looks::LOOKS;
+use super::number::{heading, written, written_degrees, written_mm};
+use crate::path;
+use crate::spec::{
+    Layout, LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneSpec, SimSpec, StartRef, TypeRef, WorldKind,
+};
+use sim_core::RobotId;
+use sim_core::pose::Pose;
+use sim_core::radio::Model;
+
+/// The text of a sim file. A robot whose type is a file and that has a program stands in a classic line, all else in lines of
+/// EyeSim VR.
+///
+/// `scene` is what `sim` was found to mean: from it come the robots of groups and the names of types. What the scene itself
+/// describes must be in files already; here it is lost.
+pub fn print_sim(sim: &SimSpec, scene: &SceneSpec) -> Printed {
+    let mut printer = Printer { out: Printed::default(), scene };
+    printer.sim(sim);
+    printer.out
+}
+
+struct Printer<'a> {
+    out: Printed,
+    scene: &'a SceneSpec,
+}
+
+impl Printer<'_> {
+    fn sim(&mut self, sim: &SimSpec) {
+        if let Some(world) = &sim.world {
+            let extension = path::extension(&world.path.text);
+            // The extension decides, where it says anything.
+            let keyword = match world.kind {
+                WorldKind::Maze if !matches!(extension.as_str(), "maz" | "maze") => "maze",
+                _ => "world",
+            };
+            let file = self.word(&world.path.text);
+            self.line(&[keyword, &file]);
+        }
+        let settings = [(sim.settings.shows_beams, "VIS"), (sim.settings.shows_trace, "TRACE")];
+        let settings: Vec<&str> = settings.into_iter().filter_map(|(shows, word)| shows.then_some(word)).collect();
+        if !settings.is_empty() {
+            self.line(&[&["settings"][..], &settings].concat());
+        }
+        let robots = self.robots_of_files(sim);
+        for path in sim.robot_types.iter().chain(&robots) {
+            let file = self.word(&path.text);
+            self.line(&["robi", &file]);
+        }
+        for path in &sim.object_types {
+            let file = self.word(&path.text);
+            self.line(&["object", &file]);
+        }
+        self.run(sim);
+        self.robots(sim);
+        sim.objects.iter().for_each(|line| self.object(line));
+        for marker in &sim.markers {
+            let [x, y] = marker.position.to_array().map(written_mm);
+            let shades = marker.colour.map(|shade| shade.to_string());
+            self.line(&["marker", &x, &y, &shades[0], &shades[1], &shades[2], &shades[3]]);
+        }
+    }
+
+    /// Files of types that robots name without having a program: a classic line would need one.
+    fn robots_of_files(&self, sim: &SimSpec) -> Vec<PathRef> {
+        let mut files: Vec<PathRef> = Vec::new();
+        for line in &sim.robots {
+            if let TypeRef::File(path) = &line.kind
+                && !is_classic(line)
+                && files.iter().chain(&sim.robot_types).all(|known| known.text != path.text)
+            {
+                files.push(path.clone());
+            }
+        }
+        files
+    }
+
+    fn run(&mut self, sim: &SimSpec) {
+        let run = &sim.run;
+        let said = [
+            (sim.world.as_ref().is_some_and(|line| line.looks != LooksSpec::default()), LOOKS),
+            (run.seed.is_some(), "the seed"),
+            (run.slot.is_some(), "the length of a slot"),
+            (run.until.is_some(), "the end of the run"),
+            (run.costs.is_some(), "the cost table"),
+            (run.api.is_some(), "the generation of the API"),
+            (run.noise.is_some(), "the noise profile"),
+            (sim.radio != Model::default(), "the radio"),
+            (sim.inline.world.is_some(), "the world described in place"),
+            (!sim.inline.robot_types.is_empty(), "robot types described in place"),
+            (!sim.inline.object_types.is_empty(), "object types described in place"),
+        ];
+        self.out.lost.extend(said.into_iter().filter(|(is_said, _)| *is_said).map(|(_, what)| what.to_owned()));
+    }
+
+    /// The lines of the robots, in the order of their numbers, which a sim file gives by the order alone.
+    fn robots(&mut self, sim: &SimSpec) {
+        let lines = || sim.robots.iter().chain(&sim.named);
+        // They have their poses written, so they would leave their starts to others.
+        let takes_starts = |line: &RobotLine| matches!(line.start, StartRef::Many { layout: Layout::Starts, .. });
+        let are_starts_taken = lines().any(takes_starts);
+        let mut robots: Vec<(RobotId, String)> = lines().flat_map(|line| self.robot(line, are_starts_taken)).collect();
+        robots.sort_by_key(|(id, _)| *id);
+        robots.iter().for_each(|(_, line)| self.line(&[line]));
+    }
+
+    /// The lines of the robots of a line, with their numbers.
+    fn robot(&mut self, line: &RobotLine, are_starts_taken: bool) -> Vec<(RobotId, String)> {
+        let robots: Vec<&RobotSpec> = self.scene.robots.iter().filter(|robot| robot.span == line.span).collect();
+        let who = robots.first().map_or_else(|| "a robot".to_owned(), |robot| robot.id.to_string());
+        if let StartRef::Many { count, .. } = line.start {
+            self.out
+                .lost
+                .push(format!("that {count} robots of line {} are a group: each has its own line", line.span.line));
+        }
+        if !line.arguments.is_empty() {
+            self.out.lost.push(format!("the arguments of {who}"));
+        }
+        if line.noise.is_some() {
+            self.out.lost.push(format!("the noise profile of {who}"));
+        }
+        if let Some(api) = line.api {
+            self.out.lost.push(format!("that the program of {who} is written for RoBIOS {api}"));
+        }
+        let program = line.program.as_ref().map(|program| self.word(&program.text));
+        let first = match &line.kind {
+            TypeRef::File(file) if is_classic(line) => vec!["robi".to_owned(), self.word(&file.text)],
+            TypeRef::Name(name) => vec![self.word(&name.text)],
+            TypeRef::File(_) => robots.first().map(|robot| self.word(&robot.robi.name)).into_iter().collect(),
+        };
+        let of = |robot: &&RobotSpec| {
+            let start = match line.start {
+                StartRef::Next if is_classic(line) && !are_starts_taken => Vec::new(),
+                StartRef::Letter { letter, heading } => {
+                    [letter.to_string()].into_iter().chain(heading.map(written_degrees)).collect()
+                }
+                _ => pose(&robot.start).to_vec(),
+            };
+            let words = match is_classic(line) {
+                true => [first.as_slice(), program.as_slice(), &start].concat(),
+                false => [first.as_slice(), &start, program.as_slice()].concat(),
+            };
+            (robot.id, words.join(" "))
+        };
+        robots.iter().map(of).collect()
+    }
+
+    fn object(&mut self, line: &ObjectLine) {
+        let [x, y, phi] = pose(&line.pose);
+        match (&line.kind, line.friction) {
+            (TypeRef::File(file), friction) => {
+                let of_scene = self.scene.objects.iter().find(|object| object.span == line.span);
+                let friction = friction.or(of_scene.map(|object| object.friction)).unwrap_or_default();
+                let file = self.word(&file.text);
+                self.line(&["object", &x, &y, &phi, &written(friction), &file]);
+            }
+            (TypeRef::Name(name), friction) => {
+                if friction.is_some() {
+                    self.out.lost.push(format!("the friction of the `{}` in line {}", name.text, line.span.line));
+                }
+                let name = self.word(&name.text);
+                self.line(&[&name, &x, &y, &phi]);
+            }
+        }
+    }
+
+    /// A word of a line, between quotes where it needs them.
+    fn word(&mut self, text: &str) -> String {
+        let word = quoted(text);
+        word.unwrap_or_else(|| {
+            self.out.lost.push(format!("the quotation marks in `{text}`"));
+            format!("\"{}\"", text.replace('"', "").replace(['\n', '\r'], " "))
+        })
+    }
+
+    fn line(&mut self, words: &[&str]) {
+        let _ = writeln!(self.out.text, "{}", words.join(" "));
+    }
+}
+
+/// True for what `robi FILE PROGRAM [X Y PHI]` can say.
+fn is_classic(line: &RobotLine) -> bool {
+    matches!(line.kind, TypeRef::File(_)) && line.program.is_some() && !matches!(line.start, StartRef::Letter { .. })
+}
+
+fn pose(pose: &Pose) -> [String; 3] {
+    [written_mm(pose.position.x), written_mm(pose.position.y), written(heading(pose.heading))]
+}
+
+/// The word as the line formats have it; `None` for one that no quotes can hold.
+pub(super) fn quoted(text: &str) -> Option<String> {
+    if text.contains(['\n', '\r']) {
+        return None;
+    }
+    let needs_quotes = text.is_empty()
+        || text.starts_with('#')
+        || text.contains(|c: char| c.is_whitespace() || matches!(c, '"' | '\'' | ';'));
+    match text {
+        text if !needs_quotes => Some(text.to_owned()),
+        text if !text.contains('"') => Some(format!("\"{text}\"")),
+        text if !text.contains('\'') => Some(format!("'{text}'")),
+        _ => None,
+    }
+}

@@ -1,0 +1,301 @@
+//! Robot types: `.robi`, of EyeSim 5 and 6 and of EyeSim VR.
+
+mod body;
+mod device;
+mod dialect;
+mod whole;
+
+use super::Span;
+use super::code::Code;
+use super::diagnostic::{Diagnostic, Severity, Sink};
+use super::given::Given;
+use super::line::{self, Line, Quantity, Word};
+use super::spec::{DriveKind, DriveSpec, MotorSpec, RobiSpec, WheelSpec};
+use body::values_of;
+pub(super) use device::{LIDAR_SWEEP, LIDAR_TILT, MAX_LIDAR_POINTS};
+use dialect::Dialect;
+pub(super) use whole::WHEELBASE_OF_DIAMETER;
+
+const KEYWORDS: [&str; 15] = [
+    "name", "diameter", "speed", "turn", "model", "axis", "psd", "camera", "wheel", "drive", "mass", "collider",
+    "axel", "lidar", "fisheye",
+];
+/// Names of the robots that EyeSim VR has without a file.
+const RESERVED: [&str; 2] = ["LabBot", "S4"];
+
+/// Reads a robi file of any dialect, without its companion ([`super::read_companion`]).
+///
+/// Which dialect it is, follows from all its lines together: any that only EyeSim VR knows makes it a file of EyeSim VR.
+/// What the file leaves out has the defaults of docs/formats/robi.md; a missing `wheel` or `drive` line is warned about. The
+/// wheelbase is the distance of the two `axel` lines; without them, that which the geometry suggests: 0.6 of the diameter
+/// for Ackermann, the track otherwise.
+pub fn read_robi(file: &str, text: &str) -> (RobiSpec, Vec<Diagnostic>) {
+    let lines: Vec<(Line<'_>, Vec<Word<'_>>)> = line::lines(text).map(|line| (line, line.words())).collect();
+    let mut reader = Reader::new(file, Dialect::of(lines.iter().map(|(_, words)| words.as_slice())));
+    for (line, words) in &lines {
+        if let Some((first, rest)) = words.split_first() {
+            reader.line(line, first, rest);
+        }
+    }
+    reader.finish()
+}
+
+struct Reader {
+    sink: Sink,
+    dialect: Dialect,
+    robi: RobiSpec,
+    /// Names and numbers of the PSDs.
+    psds: Given,
+    /// The first keyword of the file.
+    first: Option<Span>,
+    /// The line of the driven wheels.
+    wheel: Option<Span>,
+    is_wheel_read: bool,
+    /// The drive line.
+    drive: Option<Span>,
+    /// Places of the driven and of the steered axle on the robot's x axis, and their lines.
+    axles: [Option<(f64, Span)>; 2],
+    has_diameter: bool,
+    /// Field of view in radians, and where it is given.
+    fisheye: Option<(f64, Span)>,
+}
+
+impl Reader {
+    fn new(file: &str, dialect: Dialect) -> Self {
+        Self {
+            sink: Sink::new(file),
+            dialect,
+            robi: RobiSpec::with_defaults(file),
+            psds: Given::default(),
+            first: None,
+            wheel: None,
+            is_wheel_read: false,
+            drive: None,
+            axles: [None; 2],
+            has_diameter: false,
+            fisheye: None,
+        }
+    }
+
+    fn line(&mut self, line: &Line<'_>, first: &Word<'_>, rest: &[Word<'_>]) {
+        if KEYWORDS.contains(&first.text) {
+            self.first.get_or_insert(first.span);
+        }
+        match first.text {
+            "name" => self.name(line, first, rest),
+            "diameter" => {
+                self.has_diameter |= self.one(first, rest, Quantity::size("diameter"), |robi| &mut robi.diameter);
+            }
+            "speed" => {
+                self.one(first, rest, Quantity::speed("largest speed"), |robi| &mut robi.max_speed);
+            }
+            "turn" => {
+                self.one(first, rest, Quantity::rate("largest turning speed"), |robi| &mut robi.max_turn);
+            }
+            "model" => self.model(first, rest),
+            "axis" => self.axis(first, rest),
+            "axel" => self.axel(first, rest),
+            "psd" => self.psd(first, rest),
+            "camera" => self.camera(line, first),
+            "fisheye" => self.fisheye(first, rest),
+            "lidar" => self.lidar(first, rest),
+            "collider" => self.collider(first, rest),
+            "mass" => self.mass(first, rest),
+            "wheel" => self.wheel(first, rest),
+            "drive" => self.drive(first, rest),
+            _ => self.unknown(first),
+        }
+    }
+
+    fn name(&mut self, line: &Line<'_>, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let name = match rest {
+            [word] => word.text.trim(),
+            [first, .., last] => {
+                let mut whole = *first;
+                whole.extend_to(line, last);
+                whole.text
+            }
+            [] => "",
+        };
+        if name.is_empty() {
+            self.sink.warn(Code::RobiNameMissing, keyword.span, "`name` gives no name", "`name NAME`");
+            return;
+        }
+        if self.dialect >= Dialect::Vr && RESERVED.contains(&name) {
+            let message = format!("`{name}` is a built-in robot of EyeSim VR, which refuses another one of this name");
+            self.sink.warn(Code::RobiNameReserved, span_of(keyword, rest), message, "another name");
+        }
+        self.robi.name = name.to_owned();
+    }
+
+    /// A keyword with one number; true if it is good.
+    fn one(
+        &mut self,
+        keyword: &Word<'_>,
+        rest: &[Word<'_>],
+        quantity: Quantity,
+        place: fn(&mut RobiSpec) -> &mut f64,
+    ) -> bool {
+        let form = format!("`{} NUMBER`: {}", keyword.text, quantity.expected());
+        let Some(word) = rest.first() else {
+            let message = format!("`{}` gives no number", keyword.text);
+            self.sink.warn(Code::RobiNumberMissing, keyword.span, message, form);
+            return false;
+        };
+        self.extra(keyword, rest, 1, &form);
+        let value = line::number(&mut self.sink, Severity::Warning, word, &quantity);
+        if let Some(value) = value {
+            *place(&mut self.robi) = value;
+        }
+        value.is_some()
+    }
+
+    fn extra(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], count: usize, form: &str) {
+        if let Some(extra) = rest.get(count) {
+            let message = format!("`{}` is left over after the {count} values of `{}`", extra.text, keyword.text);
+            self.sink.warn(Code::WordExtra, extra.span, message, form);
+        }
+    }
+
+    /// `axis FORWARD`, or `axis HEIGHT FORWARD`; the wheels' own diameter says how high their axis is.
+    fn axis(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let forward = Quantity::coordinate("axis offset");
+        if rest.len() < 2 {
+            self.one(keyword, rest, forward, |robi| &mut robi.axis_offset);
+            return;
+        }
+        let quantities = [Quantity::coordinate("height of the axis"), forward];
+        let form = "`axis FORWARD` or `axis HEIGHT FORWARD` in mm";
+        if let Some([_, forward]) = values_of(&mut self.sink, "axis", rest, span_of(keyword, rest), &quantities, form) {
+            self.robi.axis_offset = forward;
+        }
+    }
+
+    /// `axel drive|turn HEIGHT FORWARD`: an axle of a car.
+    fn axel(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let form = "`axel drive HEIGHT FORWARD` and `axel turn HEIGHT FORWARD` in mm";
+        let Some((which, values)) = self.which_axle(keyword, rest, form) else {
+            return;
+        };
+        let quantities = [Quantity::coordinate("height of the axle"), Quantity::coordinate("place of the axle")];
+        let span = span_of(keyword, rest);
+        if let Some([_, forward]) = values_of(&mut self.sink, "axel", values, span, &quantities, form) {
+            self.axles[which] = Some((forward, span));
+        }
+    }
+
+    /// Whether a line is about the driven (0) or the steered (1) axle, and what follows that word.
+    fn which_axle<'r, 'a>(
+        &mut self,
+        keyword: &Word<'_>,
+        rest: &'r [Word<'a>],
+        form: &str,
+    ) -> Option<(usize, &'r [Word<'a>])> {
+        match rest.split_first() {
+            Some((word, values)) if word.text == "drive" => Some((0, values)),
+            Some((word, values)) if word.text == "turn" => Some((1, values)),
+            _ => {
+                let word = rest.first().unwrap_or(keyword);
+                let message = format!("`{}` names neither the axle that drives nor the one that turns", keyword.text);
+                self.sink.warn(Code::RobiAxelKind, word.span, message, form);
+                None
+            }
+        }
+    }
+
+    fn wheel(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let span = span_of(keyword, rest);
+        let is_of_axle = rest.first().is_some_and(|word| word.text.starts_with(|c: char| c.is_ascii_alphabetic()));
+        let (which, values) = match is_of_axle {
+            true => match self.which_axle(keyword, rest, VR_WHEEL_FORM) {
+                Some(found) => found,
+                None => return,
+            },
+            false => (0, rest),
+        };
+        // The steered wheels roll along: only the driven ones are simulated.
+        if which == 0 {
+            self.wheel = Some(span);
+        }
+        let form = if is_of_axle { VR_WHEEL_FORM } else { WHEEL_FORM };
+        if values.len() < 4 {
+            let message = format!("`wheel` has {} of 4 numbers; defaults are taken", values.len());
+            self.sink.warn(Code::RobiWheelArity, span, message, form);
+            return;
+        }
+        self.extra(keyword, values, 4, form);
+        let values = line::numbers(&mut self.sink, Severity::Warning, &values[..4], &WHEEL);
+        if let Some([diameter, max_rate, ticks_per_turn, track]) = values.filter(|_| which == 0) {
+            self.robi.wheel = WheelSpec { diameter, max_rate, ticks_per_turn, track };
+            self.is_wheel_read = true;
+        }
+    }
+
+    fn drive(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let span = span_of(keyword, rest);
+        self.drive = Some(span);
+        let (kind, default): (_, &[&str]) = match rest.first().map(|word| word.text) {
+            Some("DIFFERENTIAL_DRIVE") => {
+                (DriveKind::Differential, &["MOTOR_LEFT", "QUAD_LEFT", "MOTOR_RIGHT", "QUAD_RIGHT"])
+            }
+            Some("ACKERMANN_DRIVE") => (DriveKind::Ackermann, &["MOTOR_DRIVE", "QUAD_DRIVE", "SERVO_STEER"]),
+            Some("OMNI_DRIVE") => (DriveKind::Omni, &OMNI),
+            Some("LEGGED_DRIVE") => (DriveKind::Legged, &[]),
+            other => {
+                let word = rest.first().unwrap_or(keyword);
+                let message = format!("unknown drive `{}`; a differential drive is taken", other.unwrap_or_default());
+                let diagnostic = self.sink.error(Code::RobiDriveKind, word.span, message, DRIVE_FORM);
+                diagnostic.suggestion =
+                    line::nearest(other.unwrap_or_default(), DRIVES).map(|kind| format!("write `{kind}`"));
+                return;
+            }
+        };
+        let names: Vec<&str> = rest[1..].iter().map(|word| word.text).collect();
+        if !names.is_empty() && names.len() != default.len() {
+            let message = format!("`{}` has {} of {} devices", rest[0].text, names.len(), default.len());
+            self.sink.warn(Code::RobiDriveArity, span, message, DRIVE_FORM);
+        }
+        let names = if names.len() == default.len() { &names } else { default };
+        let (motors, steering) = match kind {
+            DriveKind::Ackermann => (&names[..2], Some(names[2].to_owned())),
+            _ => (names, None),
+        };
+        self.robi.drive = DriveSpec { kind, motors: MotorSpec::pairs(motors), steering, ..self.robi.drive.clone() };
+    }
+
+    fn unknown(&mut self, word: &Word<'_>) {
+        let expected = format!("one of {}", KEYWORDS.join(", "));
+        let message = format!("unknown keyword `{}`", word.text);
+        let diagnostic = self.sink.warn(Code::RobiKeyword, word.span, message, expected);
+        diagnostic.suggestion = line::nearest(word.text, KEYWORDS).map(|keyword| format!("write `{keyword}`"));
+    }
+
+    fn finish(mut self) -> (RobiSpec, Vec<Diagnostic>) {
+        self.check_whole();
+        self.mount_fisheye();
+        self.settle();
+        (self.robi, self.sink.finish())
+    }
+}
+
+/// A keyword and what follows it.
+fn span_of(keyword: &Word<'_>, rest: &[Word<'_>]) -> Span {
+    rest.last().map_or(keyword.span, |last| keyword.span.to(last.span))
+}
+
+const WHEEL_FORM: &str = "`wheel DIAMETER MAX_RATE TICKS TRACK` in mm, degrees/s, ticks a turn, mm; in files of EyeSim VR \
+                          half the track";
+const VR_WHEEL_FORM: &str =
+    "`wheel drive DIAMETER MAX_RATE TICKS HALF_TRACK` and `wheel turn ...` in mm, degrees/s, ticks a turn, mm";
+const DRIVE_FORM: &str = "`drive DIFFERENTIAL_DRIVE MOTOR QUAD MOTOR QUAD`, `drive OMNI_DRIVE` with four pairs (front left, \
+                          front right, back left, back right), `drive ACKERMANN_DRIVE MOTOR QUAD SERVO`, or \
+                          `drive LEGGED_DRIVE` with legs in the companion";
+const DRIVES: [&str; 4] = ["DIFFERENTIAL_DRIVE", "ACKERMANN_DRIVE", "OMNI_DRIVE", "LEGGED_DRIVE"];
+const OMNI: [&str; 8] = ["MOTOR_FL", "QUAD_FL", "MOTOR_FR", "QUAD_FR", "MOTOR_BL", "QUAD_BL", "MOTOR_BR", "QUAD_BR"];
+
+const WHEEL: [Quantity; 4] = [
+    Quantity::size("wheel diameter"),
+    Quantity::rate("largest turning rate of the wheel"),
+    Quantity::number("encoder ticks a turn", 1e-3, 1e9),
+    Quantity::size("distance of the wheels"),
+];

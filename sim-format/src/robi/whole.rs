@@ -1,0 +1,127 @@
+//! What only the whole file tells: whose defaults hold, what the numbers of the wheels mean, how large the body is.
+
+use super::dialect::Dialect;
+use super::{DRIVE_FORM, Reader, WHEEL_FORM};
+use crate::Span;
+use crate::code::Code;
+use crate::spec::{Collider, DriveKind, MAX_LENGTH, RobiSpec, VR_PSD_RANGE};
+use sim_core::math;
+use sim_core::unit;
+
+/// Distance of the axles of an Ackermann robot, as a part of its diameter, where nothing says it.
+pub(crate) const WHEELBASE_OF_DIAMETER: f64 = 0.6;
+
+impl Reader {
+    /// Says what the file lacks, and what EyeSim VR would not take.
+    pub(super) fn check_whole(&mut self) {
+        if self.wheel.is_none() && self.robi.drive.kind != DriveKind::Legged {
+            let wheel = &self.robi.wheel;
+            let message = format!(
+                "no `wheel` line: wheels of {} mm, {} ticks a turn, {} mm apart are taken",
+                unit::mm_from_metres(wheel.diameter),
+                wheel.ticks_per_turn,
+                unit::mm_from_metres(wheel.track)
+            );
+            self.sink.warn(Code::RobiWheelMissing, Span::default(), message, WHEEL_FORM);
+        }
+        if self.drive.is_none() {
+            let message = "no `drive` line: a differential drive is taken";
+            self.sink.warn(Code::RobiDriveMissing, Span::default(), message, DRIVE_FORM);
+        }
+        if self.dialect < Dialect::Vr {
+            return;
+        }
+        if let (Some(first), Some(drive)) = (self.first, self.drive)
+            && first.line < drive.line
+        {
+            let message = "`drive` is not the first keyword of this file of EyeSim VR, which needs it there";
+            self.sink.warn(Code::RobiDriveFirst, drive, message, "the `drive` line before all others");
+        }
+        self.check_psd_order();
+    }
+
+    /// Fills in what depends on several lines.
+    pub(super) fn settle(&mut self) {
+        let body = self.body();
+        self.settle_track(body);
+        self.robi.diameter = body.unwrap_or_else(|| self.body_around_the_wheels());
+        self.robi.drive.wheelbase = self.wheelbase();
+        if self.dialect >= Dialect::Vr {
+            self.robi.psds.iter_mut().for_each(|psd| psd.range = VR_PSD_RANGE);
+        }
+    }
+
+    /// Diameter of the body as far as the file says it: the smallest disc around the robot's centre that holds all
+    /// colliders, where it gives no `diameter`; in a classic file, the default.
+    fn body(&self) -> Option<f64> {
+        if self.has_diameter {
+            return Some(self.robi.diameter);
+        }
+        let reach = self.robi.colliders.iter().map(Collider::reach).reduce(f64::max);
+        let around_colliders = reach.map(|reach| (2.0 * reach).min(MAX_LENGTH));
+        around_colliders.or((self.dialect < Dialect::Vr).then_some(self.robi.diameter))
+    }
+
+    /// In files of EyeSim VR the last number of `wheel` is half the distance of the wheels.
+    ///
+    /// Not so for an omni drive: EyeSim VR loads none, and its files have the line of the classic ones unchanged. Where
+    /// the wheels would stand outside the body, the number can but be the whole distance.
+    fn settle_track(&mut self, body: Option<f64>) {
+        let (track, is_omni) = (self.robi.wheel.track, self.robi.drive.kind == DriveKind::Omni);
+        if self.dialect < Dialect::Vr || is_omni || !self.is_wheel_read {
+            return;
+        }
+        if let (Some(body), Some(span)) = (body, self.wheel)
+            && 2.0 * track > body
+            && track <= body
+        {
+            let [whole, body] = [track, body].map(unit::mm_from_metres);
+            let message = format!(
+                "wheels at {whole} mm to either side, as EyeSim VR reads this, would stand outside the body of \
+                 {body:.0} mm; {whole} mm are taken as their distance"
+            );
+            self.sink.warn(Code::RobiTrackWide, span, message, "half the distance of the wheels");
+        } else {
+            self.robi.wheel.track = (2.0 * track).min(MAX_LENGTH);
+        }
+    }
+
+    /// The smallest disc around the robot's centre that holds the driven and steered wheels, taken as thin.
+    fn body_around_the_wheels(&mut self) -> f64 {
+        let RobiSpec { wheel, drive, axis_offset, .. } = &self.robi;
+        let middle = *axis_offset;
+        let axles = match (drive.kind, self.axles.map(|axle| axle.map(|(place, _)| place))) {
+            (DriveKind::Omni, _) => [middle - 0.5 * wheel.track, middle + 0.5 * wheel.track],
+            (DriveKind::Ackermann, [driven, steered]) => [driven.unwrap_or(middle), steered.unwrap_or(middle)],
+            (DriveKind::Differential | DriveKind::Legged, _) => [middle; 2],
+        };
+        let reach = axles.map(|x| math::hypot(x.abs() + 0.5 * wheel.diameter, 0.5 * wheel.track));
+        let diameter = (2.0 * reach[0].max(reach[1])).min(MAX_LENGTH);
+        let mm = unit::mm_from_metres(diameter);
+        let message = format!("neither `diameter` nor `collider`: a body of {mm:.0} mm around the wheels is taken");
+        self.sink.warn(Code::RobiBodyMissing, Span::default(), message, "`diameter D` in mm, or `collider` lines");
+        diameter
+    }
+
+    fn wheelbase(&mut self) -> f64 {
+        let robi = &mut self.robi;
+        if robi.drive.kind != DriveKind::Ackermann {
+            return robi.wheel.track;
+        }
+        if let [Some((driven, _)), _] = self.axles {
+            robi.axis_offset = driven;
+        }
+        let suggested = WHEELBASE_OF_DIAMETER * robi.diameter;
+        match self.axles {
+            [Some((driven, _)), Some((steered, _))] if steered - driven > 1e-6 => (steered - driven).min(MAX_LENGTH),
+            [Some(_), Some((_, span))] => {
+                let mm = unit::mm_from_metres(suggested);
+                let message = format!("the axle that turns is not ahead of the one that drives; {mm:.0} mm are taken");
+                let expected = "`axel turn` with a larger FORWARD than `axel drive`";
+                self.sink.warn(Code::RobiAxelOrder, span, message, expected);
+                suggested
+            }
+            _ => suggested,
+        }
+    }
+}

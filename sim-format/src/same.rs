@@ -1,0 +1,161 @@
+//! Specs without the places where they are written, so that what two texts say can be compared.
+
+use std::sync::Arc;
+
+use super::Span;
+use super::spec::{
+    CostsRef, ModelSpec, NoiseRef, NoiseSpec, ObjectLine, ObjectType, PathRef, RobiSpec, RobotLine, SceneSpec,
+    SerialLine, SimSpec, Solid, TypeRef, WorldSpec,
+};
+
+/// What a scene says, wherever it and the files of its world and types lie.
+pub fn scene(scene: &SceneSpec) -> SceneSpec {
+    let mut scene = SceneSpec { file: String::new(), folder: String::new(), ..scene.clone() };
+    scene.world = world(&scene.world);
+    for robot in &mut scene.robots {
+        robot.robi = Arc::new(robi(&robot.robi));
+        robot.program.iter_mut().for_each(forget);
+        robot.noise.iter_mut().for_each(forget_noise);
+        robot.span = Span::default();
+        // A hint at the generation of a program, which no other form gives.
+        robot.dialect = None;
+    }
+    for placed in &mut scene.objects {
+        placed.kind = Arc::new(object(&placed.kind));
+        placed.span = Span::default();
+    }
+    scene.markers.iter_mut().for_each(|marker| marker.span = Span::default());
+    match &mut scene.run.costs {
+        Some(CostsRef::File(path)) => forget(path),
+        Some(CostsRef::Table(table)) => {
+            table.file.clear();
+            table.entries.iter_mut().for_each(|entry| entry.span = Span::default());
+            table.entries.sort_by(|a, b| (&a.generation, &a.function).cmp(&(&b.generation, &b.function)));
+        }
+        None => {}
+    }
+    scene.run.noise.iter_mut().for_each(forget_noise);
+    scene
+}
+
+/// What the text of a scene itself says.
+pub fn sim(sim: &SimSpec) -> SimSpec {
+    let mut sim = SimSpec { file: String::new(), ..sim.clone() };
+    sim.world.iter_mut().for_each(|line| forget(&mut line.path));
+    sim.robot_types.iter_mut().chain(&mut sim.object_types).for_each(forget);
+    sim.robots.iter_mut().chain(&mut sim.named).for_each(|line: &mut RobotLine| {
+        forget_type(&mut line.kind);
+        line.program.iter_mut().for_each(forget);
+        line.noise.iter_mut().for_each(forget_noise);
+        line.span = Span::default();
+    });
+    sim.objects.iter_mut().for_each(forget_object);
+    sim.markers.iter_mut().for_each(|marker| marker.span = Span::default());
+    sim.inline.world = sim.inline.world.as_ref().map(world);
+    sim.inline.robot_types.iter_mut().for_each(|entry| *entry = (robi(&entry.0), Span::default()));
+    sim.inline.object_types.iter_mut().for_each(|entry| *entry = (object(&entry.0), Span::default()));
+    let run = SceneSpec { run: sim.run, ..SceneSpec::default() };
+    sim.run = scene(&run).run;
+    sim
+}
+
+/// What a world says.
+pub fn world(world: &WorldSpec) -> WorldSpec {
+    let mut world = WorldSpec { file: String::new(), ..world.clone() };
+    world.texture.iter_mut().for_each(forget);
+    if let Some(terrain) = &mut world.terrain {
+        terrain.path_mut().into_iter().for_each(forget);
+        terrain.span = Span::default();
+        (terrain.mesh, terrain.field) = (None, None);
+    }
+    world.walls.iter_mut().for_each(|wall| wall.span = Span::default());
+    world.starts.iter_mut().for_each(|start| start.span = Span::default());
+    world.objects.iter_mut().for_each(forget_object);
+    world
+}
+
+/// What a robot type says.
+pub fn robi(robi: &RobiSpec) -> RobiSpec {
+    let mut robi = RobiSpec { file: String::new(), ..robi.clone() };
+    robi.model.iter_mut().for_each(forget_model);
+    if let Some(legs) = &mut robi.legs {
+        legs.gaits.iter_mut().for_each(|gait| gait.span = Span::default());
+        for leg in &mut legs.legs {
+            leg.span = Span::default();
+            forget(&mut leg.name);
+        }
+    }
+    for link in &mut robi.links {
+        link.span = Span::default();
+        link.mount.on.iter_mut().for_each(forget);
+        link.turn.iter_mut().for_each(|turn| forget(&mut turn.servo));
+    }
+    for psd in &mut robi.psds {
+        psd.span = Span::default();
+        psd.on.iter_mut().for_each(forget);
+    }
+    for range in &mut robi.ranges {
+        range.span = Span::default();
+        range.mount.on.iter_mut().for_each(forget);
+    }
+    robi.camera.iter_mut().for_each(|device| device.span = Span::default());
+    if let Some(lidar) = &mut robi.lidar {
+        lidar.span = Span::default();
+        lidar.mount.on.iter_mut().for_each(forget);
+    }
+    robi.infrareds.iter_mut().for_each(|device| device.span = Span::default());
+    robi.bumpers.iter_mut().for_each(|device| device.span = Span::default());
+    robi.servos.iter_mut().for_each(|device| device.span = Span::default());
+    robi.compass.iter_mut().for_each(|device| device.span = Span::default());
+    for serial in &mut robi.serials {
+        if let SerialLine::File { path, bytes } = &mut serial.line {
+            forget(path);
+            *bytes = Arc::default();
+        }
+    }
+    robi
+}
+
+/// What a noise profile says.
+pub fn noise(noise: &NoiseSpec) -> NoiseSpec {
+    let mut noise = NoiseSpec { file: String::new(), ..noise.clone() };
+    noise.entries.iter_mut().for_each(|entry| entry.span = Span::default());
+    noise
+}
+
+/// What an object type says.
+pub fn object(object: &ObjectType) -> ObjectType {
+    let mut object = ObjectType { file: String::new(), ..object.clone() };
+    object.model.iter_mut().for_each(forget_model);
+    if let Solid::Mesh(mesh) = &mut object.solid {
+        *mesh = None;
+    }
+    object
+}
+
+fn forget(path: &mut PathRef) {
+    path.span = Span::default();
+}
+
+fn forget_noise(noise: &mut NoiseRef) {
+    match noise {
+        NoiseRef::Preset(_) => {}
+        NoiseRef::File(path) => forget(path),
+        NoiseRef::Profile(spec) => *spec = Arc::new(self::noise(spec)),
+    }
+}
+
+fn forget_model(model: &mut ModelSpec) {
+    forget(&mut model.path);
+}
+
+fn forget_type(kind: &mut TypeRef) {
+    match kind {
+        TypeRef::File(path) | TypeRef::Name(path) => forget(path),
+    }
+}
+
+fn forget_object(line: &mut ObjectLine) {
+    forget_type(&mut line.kind);
+    line.span = Span::default();
+}

@@ -1,0 +1,94 @@
+//! Free places for robots that start anywhere.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+
+use crate::spec::WorldSpec;
+use sim_core::RobotId;
+use sim_core::noise::{Purpose, Stream};
+use sim_core::pose::Pose;
+use sim_core::scene::{Bounds, Segment, Walls};
+
+/// Places that are tried for one robot before there is said to be no room.
+const TRIES: u32 = 2000;
+
+/// Smallest side of the cells in which discs are looked up, in metres.
+const MIN_CELL: f64 = 0.01;
+
+/// A world with discs in it that keep apart.
+pub(crate) struct Room {
+    walls: Walls,
+    thickness: Vec<f64>,
+    thickest: f64,
+    floor: DVec2,
+    /// Side of the cells: no disc that is looked for or was added reaches farther than the neighbouring ones.
+    cell: f64,
+    discs: BTreeMap<(i64, i64), Vec<(DVec2, f64)>>,
+}
+
+impl Room {
+    /// The free space of `world`, for discs of at most the radius `widest`.
+    pub(crate) fn new(world: &WorldSpec, widest: f64) -> Self {
+        let thickness: Vec<f64> = world.walls.iter().map(|wall| wall.thickness).collect();
+        Self {
+            walls: Walls::new(world.walls.iter().map(|wall| Segment::new(wall.from, wall.to)).collect()),
+            thickest: thickness.iter().copied().fold(0.0, f64::max),
+            thickness,
+            floor: world.floor,
+            cell: (2.0 * widest).max(MIN_CELL),
+            discs: BTreeMap::new(),
+        }
+    }
+
+    /// Takes the disc at `centre` from the free space.
+    pub(crate) fn take(&mut self, centre: DVec2, radius: f64) {
+        self.discs.entry(self.cell_of(centre)).or_default().push((centre, radius));
+    }
+
+    /// A random pose of a disc within `area` (else the floor), at least `clearance` from walls and taken discs, and with
+    /// `heading` if that is given; `None` if none is found. The disc is taken.
+    ///
+    /// The draws are those of the stream of `robot`: how many others were tried changes nothing.
+    pub(crate) fn place(
+        &mut self,
+        seed: u64,
+        robot: RobotId,
+        radius: f64,
+        (area, clearance, heading): (Option<[DVec2; 2]>, f64, Option<f64>),
+    ) -> Option<Pose> {
+        let [low, high] = area.unwrap_or([DVec2::ZERO, self.floor]);
+        let (low, high) = (low + radius, high - radius);
+        if low.cmpgt(high).any() {
+            return None;
+        }
+        let mut stream = Stream::new(seed, robot, Purpose::Layout, 0, 0);
+        for _ in 0..TRIES {
+            let place = low + (high - low) * DVec2::new(stream.unit(), stream.unit());
+            let turn = std::f64::consts::TAU * stream.unit();
+            if self.is_free(place, radius + clearance) {
+                self.take(place, radius);
+                return Some(Pose::new(place.x, place.y, heading.unwrap_or(turn)));
+            }
+        }
+        None
+    }
+
+    fn is_free(&self, centre: DVec2, radius: f64) -> bool {
+        let mut is_free = true;
+        self.walls.for_each_in(Bounds::of_disc(centre, radius + 0.5 * self.thickest), |id, segment| {
+            is_free &= segment.distance(centre) >= radius + 0.5 * self.thickness[id.0 as usize];
+        });
+        let (column, row) = self.cell_of(centre);
+        is_free
+            && (column - 1..=column + 1)
+                .flat_map(|column| (row - 1..=row + 1).map(move |row| (column, row)))
+                .filter_map(|cell| self.discs.get(&cell))
+                .flatten()
+                .all(|(other, reach)| centre.distance(*other) >= radius + reach)
+    }
+
+    fn cell_of(&self, place: DVec2) -> (i64, i64) {
+        ((place.x / self.cell).floor() as i64, (place.y / self.cell).floor() as i64)
+    }
+}

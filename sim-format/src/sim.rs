@@ -1,0 +1,332 @@
+//! Scenes: `.sim`, the world, the robots with their programs, the objects and the markers.
+//!
+//! One reader for all dialects: the number and the kind of a line's values tell them apart. Which line a name of a loaded type
+//! places, a robot or an object, shows only when the type's file is read; that is for [`super::load_scene`].
+
+use super::code::Code;
+use super::diagnostic::{Diagnostic, Severity, Sink};
+use super::line::{self, Quantity, Word};
+use super::spec::{
+    LooksSpec, MarkerSpec, ObjectLine, PathRef, RobotLine, SimSpec, StartRef, TypeRef, WorldKind, WorldLine,
+};
+use super::{Span, builtin, path};
+use sim_core::pose::Pose;
+
+/// First words of lines, besides the names of types.
+pub(super) const KEYWORDS: [&str; 8] = ["world", "maze", "settings", "robi", "robot", "obj", "object", "marker"];
+/// Those whose line is no mere decoration: a scene without it is another one.
+const VITAL: [&str; 4] = ["world", "maze", "robi", "robot"];
+/// Letters of mazes that a robot may start at.
+const START_LETTERS: [char; 5] = ['S', 'U', 'R', 'D', 'L'];
+/// Words of a `settings` line.
+const SETTINGS: [&str; 2] = ["VIS", "TRACE"];
+/// Colour of a marker that does not say: red, opaque. Source: our choice.
+const MARKER_COLOUR: [u8; 4] = [255, 0, 0, 255];
+
+/// Reads a sim file, and none of the files that it names (that is [`super::load_scene`]).
+pub fn read_sim(file: &str, text: &str) -> (SimSpec, Vec<Diagnostic>) {
+    let mut reader = Reader { sink: Sink::new(file), sim: SimSpec { file: file.to_owned(), ..SimSpec::default() } };
+    for line in line::lines(text) {
+        let words = line.words();
+        if let Some((first, rest)) = words.split_first() {
+            reader.line(first, rest);
+        }
+    }
+    (reader.sim, reader.sink.finish())
+}
+
+struct Reader {
+    sink: Sink,
+    sim: SimSpec,
+}
+
+impl Reader {
+    fn line(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
+        match first.text.to_lowercase().as_str() {
+            "world" => self.world(first, rest, WorldKind::World),
+            "maze" => self.world(first, rest, WorldKind::Maze),
+            "settings" => self.settings(rest),
+            "robi" | "robot" if rest.len() == 1 => self.robot_type(first, rest),
+            "robi" | "robot" => self.classic_robot(first, rest),
+            "object" if rest.first().is_none_or(is_number) => {
+                self.classic_object(first, rest);
+            }
+            "obj" | "object" => self.object_type(first, rest),
+            "marker" => self.marker(first, rest),
+            word if builtin::ROBOTS.iter().any(|name| name.eq_ignore_ascii_case(word)) => self.robot(first, rest),
+            word if builtin::OBJECTS.iter().any(|name| name.eq_ignore_ascii_case(word)) => self.object(first, rest),
+            _ => self.named(first, rest),
+        }
+    }
+
+    fn world(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], kind: WorldKind) {
+        let form = "`world FILE.wld` or `maze FILE.maz`";
+        let Some(path) = path::reference(&mut self.sink, Severity::Error, keyword, rest, form) else {
+            return;
+        };
+        let kind = match path::extension(&path.text).as_str() {
+            "wld" => WorldKind::World,
+            "maz" | "maze" => WorldKind::Maze,
+            _ => kind,
+        };
+        if let Some(old) = &self.sim.world {
+            let message = format!("a second world `{}`; it replaces that of line {}", path.text, old.path.span.line);
+            self.sink.warn(Code::SimWorldTwice, path.span, message, "one `world` or `maze` line");
+        }
+        self.sim.world = Some(WorldLine { kind, path, looks: LooksSpec::default() });
+    }
+
+    fn settings(&mut self, rest: &[Word<'_>]) {
+        for word in rest {
+            match word.text.to_uppercase().as_str() {
+                "VIS" => self.sim.settings.shows_beams = true,
+                "TRACE" => self.sim.settings.shows_trace = true,
+                _ => {
+                    let message = format!("`{}` is no setting", word.text);
+                    let diagnostic = self.sink.warn(Code::SimSetting, word.span, message, "any of VIS and TRACE");
+                    diagnostic.suggestion = line::nearest(word.text, SETTINGS).map(|name| format!("write `{name}`"));
+                }
+            }
+        }
+    }
+
+    /// `robi FILE` or `robot FILE`: loads a robot type.
+    fn robot_type(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let path = path::reference(&mut self.sink, Severity::Error, keyword, rest, "`robi FILE.robi`");
+        self.sim.robot_types.extend(path);
+    }
+
+    /// `obj FILE` or `object FILE`: loads an object type.
+    fn object_type(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let form = "`object FILE.esObj`, or the classic `object X Y PHI FRICTION MESH`";
+        let path = path::reference(&mut self.sink, Severity::Warning, keyword, rest, form);
+        self.sim.object_types.extend(path);
+    }
+
+    /// `robi FILE PROGRAM [X Y PHI]`.
+    fn classic_robot(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let span = whole(keyword, rest);
+        let [robi, program, pose @ ..] = rest else {
+            let message = format!("`{}` names no robot file", keyword.text);
+            self.sink.error(Code::SimRobiArity, span, message, ROBI_FORM);
+            return;
+        };
+        if matches!(pose.len(), 1 | 2) {
+            let message = format!("the start pose of `{}` has {} of 3 numbers", program.text, pose.len());
+            self.sink.error(Code::SimRobiArity, span, message, ROBI_FORM);
+            return;
+        }
+        self.extra(pose, 3, ROBI_FORM);
+        let pose = &pose[..pose.len().min(3)];
+        let start = line::numbers(&mut self.sink, Severity::Error, pose, &POSE).map(|[x, y, phi]| Pose::new(x, y, phi));
+        let robi = path::named(&mut self.sink, Severity::Error, robi, ROBI_FORM);
+        let program = path::named(&mut self.sink, Severity::Error, program, ROBI_FORM);
+        let start = match start {
+            Some(pose) => StartRef::Pose(pose),
+            None if pose.is_empty() => StartRef::Next,
+            None => return,
+        };
+        if let (Some(robi), Some(program)) = (robi, program) {
+            let kind = TypeRef::File(robi);
+            self.sim.robots.push(RobotLine {
+                id: None,
+                kind,
+                program: Some(program),
+                arguments: Vec::new(),
+                api: None,
+                noise: None,
+                start,
+                span,
+            });
+        }
+    }
+
+    /// `object X Y PHI FRICTION MESH`.
+    fn classic_object(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let span = whole(keyword, rest);
+        let [pose @ .., mesh] = rest else {
+            self.sink.warn(Code::SimObjectArity, span, "`object` has no values", OBJECT_FORM);
+            return;
+        };
+        if pose.len() != 4 {
+            let message = format!("`object` has {} of 5 values", rest.len());
+            self.sink.warn(Code::SimObjectArity, span, message, OBJECT_FORM);
+            return;
+        }
+        let values = line::numbers(&mut self.sink, Severity::Warning, pose, &OBJECT);
+        let mesh = path::named(&mut self.sink, Severity::Warning, mesh, OBJECT_FORM);
+        if let (Some([x, y, phi, friction]), Some(mesh)) = (values, mesh) {
+            self.sim.objects.push(ObjectLine {
+                kind: TypeRef::File(mesh),
+                pose: Pose::new(x, y, phi),
+                friction: Some(friction),
+                span,
+            });
+        }
+    }
+
+    /// A built-in robot by its name.
+    fn robot(&mut self, name: &Word<'_>, rest: &[Word<'_>]) {
+        if let Some(line) = self.placement(name, rest, PLACE_ROBOT) {
+            self.sim.robots.push(line);
+        }
+    }
+
+    /// A built-in object by its name.
+    fn object(&mut self, name: &Word<'_>, rest: &[Word<'_>]) {
+        let span = whole(name, rest);
+        if rest.len() < 3 {
+            let message = format!("`{}` has {} of 3 numbers", name.text, rest.len());
+            self.sink.error(Code::SimPlaceArity, span, message, PLACE_OBJECT);
+            return;
+        }
+        self.extra(rest, 3, PLACE_OBJECT);
+        if let Some([x, y, phi]) = line::numbers(&mut self.sink, Severity::Error, &rest[..3], &POSE) {
+            let kind = TypeRef::Name(reference(name));
+            self.sim.objects.push(ObjectLine { kind, pose: Pose::new(x, y, phi), friction: None, span });
+        }
+    }
+
+    /// A line that begins with no keyword: a robot or an object of a loaded type if it looks like one, else a mistake.
+    fn named(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
+        let is_pose = count_numbers(rest) >= 3;
+        let is_letter = rest.first().and_then(letter).is_some_and(|letter| START_LETTERS.contains(&letter));
+        if (is_pose || is_letter) && !first.text.trim().is_empty() {
+            if let Some(line) = self.placement(first, rest, PLACE_NAMED) {
+                self.sim.named.push(line);
+            }
+            return;
+        }
+        let known = KEYWORDS.iter().chain(&builtin::ROBOTS).chain(&builtin::OBJECTS).copied();
+        let nearest = line::nearest(first.text, known);
+        // A misspelt world or robot is one that is missing.
+        let is_lost = nearest.is_some_and(|word| VITAL.contains(&word) || builtin::ROBOTS.contains(&word));
+        let severity = if is_lost { Severity::Error } else { Severity::Warning };
+        if nearest.is_none() && count_numbers(rest) > 0 {
+            let message = format!("`{}` has {} of 3 numbers", first.text, count_numbers(rest));
+            self.sink.report(severity, Code::SimPlaceArity, whole(first, rest), message, PLACE_NAMED);
+            return;
+        }
+        let message = format!("unknown keyword `{}`", first.text);
+        let diagnostic = self.sink.report(severity, Code::SimKeyword, first.span, message, KNOWN);
+        diagnostic.suggestion = nearest.map(|keyword| format!("write `{keyword}`"));
+    }
+
+    /// `NAME X Y PHI [PROGRAM]` or `NAME LETTER [PHI] [PROGRAM]`.
+    fn placement(&mut self, name: &Word<'_>, rest: &[Word<'_>], form: &str) -> Option<RobotLine> {
+        let span = whole(name, rest);
+        let (start, program) = match rest.first().and_then(letter) {
+            Some(letter) => {
+                let has_heading = rest.get(1).is_some_and(is_number);
+                let heading = match rest.get(1).filter(|_| has_heading) {
+                    Some(word) => Some(line::number(&mut self.sink, Severity::Error, word, &POSE[2])?),
+                    None => None,
+                };
+                (Some(StartRef::Letter { letter, heading }), &rest[1 + usize::from(has_heading)..])
+            }
+            None if is_short(rest) => {
+                let message = format!("`{}` has {} of 3 numbers", name.text, count_numbers(rest));
+                self.sink.error(Code::SimPlaceArity, span, message, form);
+                return None;
+            }
+            None => {
+                let pose = line::numbers(&mut self.sink, Severity::Error, &rest[..3], &POSE);
+                (pose.map(|[x, y, phi]| StartRef::Pose(Pose::new(x, y, phi))), &rest[3..])
+            }
+        };
+        self.extra(program, 1, form);
+        let program = match program.first() {
+            Some(word) => Some(path::named(&mut self.sink, Severity::Error, word, form)?),
+            None => None,
+        };
+        let kind = TypeRef::Name(reference(name));
+        let arguments = Vec::new();
+        Some(RobotLine { id: None, kind, program, arguments, api: None, noise: None, start: start?, span })
+    }
+
+    fn marker(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let span = whole(keyword, rest);
+        if !matches!(rest.len(), 2 | 5 | 6) {
+            let message = format!("`marker` has {} values", rest.len());
+            self.sink.error(Code::SimMarkerArity, span, message, MARKER_FORM);
+            return;
+        }
+        let (place, shades) = rest.split_at(2);
+        let position = line::numbers(&mut self.sink, Severity::Error, place, &[POSE[0], POSE[1]]);
+        let mut colour = MARKER_COLOUR;
+        for ((shade, word), quantity) in colour.iter_mut().zip(shades).zip(&COLOUR) {
+            if let Some(value) = line::number(&mut self.sink, Severity::Error, word, quantity) {
+                *shade = value as u8;
+            }
+        }
+        if let Some(position) = position {
+            self.sim.markers.push(MarkerSpec { position: position.into(), colour, span });
+        }
+    }
+
+    /// Warns about what follows the first `count` of `words`.
+    fn extra(&mut self, words: &[Word<'_>], count: usize, form: &str) {
+        if let Some(extra) = words.get(count) {
+            let message = format!("`{}` is left over", extra.text);
+            let diagnostic = self.sink.warn(Code::WordExtra, extra.span, message, form);
+            if !line::looks_numeric(extra.text) {
+                diagnostic.suggestion = Some("put a file name with blanks between double quotes".to_owned());
+            }
+        }
+    }
+}
+
+/// From the first word of a line to its last.
+fn whole(first: &Word<'_>, rest: &[Word<'_>]) -> Span {
+    rest.last().map_or(first.span, |last| first.span.to(last.span))
+}
+
+fn reference(word: &Word<'_>) -> PathRef {
+    PathRef { text: word.text.to_owned(), span: word.span }
+}
+
+/// True for a number and for what was meant as one, but not for a file name that begins with a digit.
+fn is_number(word: &Word<'_>) -> bool {
+    line::looks_numeric(word.text) && (word.text.parse::<f64>().is_ok() || line::number_within(word.text).is_some())
+}
+
+/// Whether a pose has fewer than three numbers: after a number that is missing, unlike one that is misspelt, there are no more.
+fn is_short(pose: &[Word<'_>]) -> bool {
+    let count = count_numbers(pose);
+    pose.len() < 3 || count < 3 && !pose[count..3].iter().any(is_number)
+}
+
+/// How many numbers `words` begins with.
+fn count_numbers(words: &[Word<'_>]) -> usize {
+    words.iter().take_while(|word| is_number(word)).count()
+}
+
+/// The letter that `word` consists of, in upper case.
+fn letter(word: &Word<'_>) -> Option<char> {
+    let mut characters = word.text.chars();
+    let letter = characters.next().filter(char::is_ascii_alphabetic)?;
+    characters.next().is_none().then(|| letter.to_ascii_uppercase())
+}
+
+const KNOWN: &str =
+    "one of world, maze, settings, robi, robot, obj, object, marker, or the name of a type with `X Y PHI`";
+const ROBI_FORM: &str = "`robi FILE.robi PROGRAM`, then nothing or `X Y PHI` in mm and degrees";
+const OBJECT_FORM: &str = "`object X Y PHI FRICTION MESH` in mm and degrees";
+const PLACE_ROBOT: &str = "`NAME X Y PHI` in mm and degrees or `NAME LETTER [PHI]`, then nothing or a program";
+const PLACE_OBJECT: &str = "`NAME X Y PHI` in mm and degrees";
+const PLACE_NAMED: &str = "the name of a type and `X Y PHI` in mm and degrees; for a robot also a program";
+const MARKER_FORM: &str =
+    "`marker X Y`, `marker X Y RED GREEN BLUE` or `marker X Y RED GREEN BLUE OPACITY`, colours 0 to 255";
+const POSE: [Quantity; 3] = [Quantity::coordinate("x"), Quantity::coordinate("y"), Quantity::angle("phi")];
+const OBJECT: [Quantity; 4] = [
+    Quantity::coordinate("x"),
+    Quantity::coordinate("y"),
+    Quantity::angle("phi"),
+    Quantity::number("friction", 0.0, 1e6).minor(),
+];
+const COLOUR: [Quantity; 4] = [
+    Quantity::number("red", 0.0, 255.0).minor(),
+    Quantity::number("green", 0.0, 255.0).minor(),
+    Quantity::number("blue", 0.0, 255.0).minor(),
+    Quantity::number("opacity", 0.0, 255.0).minor(),
+];

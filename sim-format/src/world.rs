@@ -1,0 +1,225 @@
+//! Worlds: `.wld`, the line format of Saphira as EyeSim extended it.
+
+use glam::DVec2;
+
+use super::code::Code;
+use super::diagnostic::{Diagnostic, Severity, Sink};
+use super::line::{self, Quantity, Word};
+use super::spec::{DEFAULT_WALL_HEIGHT, MAX_LENGTH, StartSpec, WallSpec, WorldSpec};
+use crate::path;
+use sim_core::pose::Pose;
+
+const KEYWORDS: [&str; 7] = ["floor", "width", "height", "floor_texture", "position", "push", "pop"];
+
+/// Reads a world file.
+///
+/// `file` is its name for the diagnostics. Whatever the text is, the spec holds finite numbers only: a line with a mistake
+/// is left out and reported.
+pub fn read_world(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
+    let mut reader = Reader {
+        sink: Sink::new(file),
+        world: WorldSpec { file: file.to_owned(), ..WorldSpec::default() },
+        width: None,
+        height: None,
+        frames: vec![Pose::default()],
+    };
+    for line in line::lines(text) {
+        let words = line.words();
+        if let Some((first, rest)) = words.split_first() {
+            reader.line(&words, first, rest);
+        }
+    }
+    reader.finish()
+}
+
+struct Reader {
+    sink: Sink,
+    world: WorldSpec,
+    width: Option<f64>,
+    height: Option<f64>,
+    /// World pose of each open local frame; the world's own first.
+    frames: Vec<Pose>,
+}
+
+impl Reader {
+    fn line(&mut self, words: &[Word<'_>], first: &Word<'_>, rest: &[Word<'_>]) {
+        match first.text {
+            "floor" => self.floor(first, rest),
+            "width" => self.width = self.side(first, rest, Code::WldWidthArity).or(self.width),
+            "height" => self.height = self.side(first, rest, Code::WldHeightArity).or(self.height),
+            "floor_texture" => self.texture(first, rest),
+            "position" => self.position(first, rest),
+            "push" => self.push(first, rest),
+            "pop" => self.pop(first, rest),
+            word if line::looks_numeric(word) => self.wall(words, first, rest),
+            _ => self.unknown(first),
+        }
+    }
+
+    /// The values of a keyword's line; fewer are a mistake, more are left out with a warning as EyeSim does silently.
+    fn arguments<const N: usize>(
+        &mut self,
+        keyword: &Word<'_>,
+        rest: &[Word<'_>],
+        quantities: &[Quantity; N],
+        code: Code,
+        form: &str,
+    ) -> Option<[f64; N]> {
+        if rest.len() < N {
+            let span = rest.last().map_or(keyword.span, |last| keyword.span.to(last.span));
+            let message = format!("`{}` has {} of {N} numbers", keyword.text, rest.len());
+            self.sink.warn(code, span, message, form);
+            return None;
+        }
+        if let Some(extra) = rest.get(N) {
+            let message = format!("`{}` is left over after the {N} numbers of `{}`", extra.text, keyword.text);
+            self.sink.warn(Code::WordExtra, extra.span, message, form);
+        }
+        line::numbers(&mut self.sink, Severity::Warning, &rest[..N], quantities)
+    }
+
+    fn floor(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let quantities = [Quantity::size("floor width"), Quantity::size("floor height")];
+        let form = "`floor WIDTH HEIGHT` in mm";
+        if let Some([width, height]) = self.arguments(keyword, rest, &quantities, Code::WldFloorArity, form) {
+            self.width = Some(width);
+            self.height = Some(height);
+        }
+    }
+
+    fn side(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], code: Code) -> Option<f64> {
+        let form = format!("`{} SIZE` in mm", keyword.text);
+        self.arguments(keyword, rest, &[Quantity::size("floor size")], code, &form).map(|[size]| size)
+    }
+
+    fn texture(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let form = "`floor_texture IMAGE`: a png, bmp or jpg file";
+        self.world.texture = path::reference(&mut self.sink, Severity::Warning, keyword, rest, form);
+    }
+
+    fn position(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let form = "`position X Y PHI` in mm and degrees counter-clockwise";
+        if let Some([x, y, phi]) = self.arguments(keyword, rest, &POSE, Code::WldPositionArity, form) {
+            let pose = self.frame().compose(&Pose::new(x, y, phi));
+            self.world.starts.push(StartSpec { pose, letter: None, span: keyword.span });
+        }
+    }
+
+    fn push(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let form = "`push X Y PHI` in mm and degrees clockwise";
+        let frame = match self.arguments(keyword, rest, &POSE, Code::WldPushArity, form) {
+            // Clockwise, unlike every other angle: the data files fit together only so.
+            Some([x, y, phi]) => self.frame().compose(&Pose::new(x, y, -phi)),
+            // A frame all the same, so that the `pop` that belongs to it closes no other.
+            None => self.frame(),
+        };
+        let is_near = frame.position.abs().max_element() <= MAX_LENGTH;
+        if !is_near {
+            self.too_far(keyword);
+        }
+        self.frames.push(if is_near { frame } else { self.frame() });
+    }
+
+    fn pop(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        if let Some(extra) = rest.first() {
+            let message = format!("`{}` is left over after `pop`", extra.text);
+            self.sink.warn(Code::WordExtra, extra.span, message, "`pop` alone");
+        }
+        if self.frames.len() > 1 {
+            self.frames.pop();
+        } else {
+            self.sink.warn(Code::WldPopEmpty, keyword.span, "`pop` closes no `push`", "a `push X Y PHI` before it");
+        }
+    }
+
+    fn wall(&mut self, words: &[Word<'_>], first: &Word<'_>, rest: &[Word<'_>]) {
+        let span = rest.last().map_or(first.span, |last| first.span.to(last.span));
+        let count = words.iter().position(|word| !line::looks_numeric(word.text)).unwrap_or(words.len());
+        if !matches!(words.len(), 4 | 6 | 9) {
+            let message = match words.get(count) {
+                Some(word) => format!("a wall of {count} numbers and the word `{}`", word.text),
+                None => format!("a wall of {count} numbers"),
+            };
+            let diagnostic = self.sink.warn(Code::WldWallArity, span, message, WALL_FORM);
+            if let ([x, y, phi], 3) = (words, count) {
+                let push = format!("`push {} {} {}`, if a frame is meant", x.text, y.text, phi.text);
+                diagnostic.suggestion = Some(push);
+            }
+            return;
+        }
+        let quantities = &WALL[..words.len()];
+        let values: Vec<Option<f64>> = words
+            .iter()
+            .zip(quantities)
+            .map(|(word, quantity)| line::number(&mut self.sink, Severity::Warning, word, quantity))
+            .collect();
+        let Some(values) = values.into_iter().collect::<Option<Vec<f64>>>() else {
+            return;
+        };
+        let frame = self.frame();
+        let [from, to] = [0, 2].map(|i| frame.transform_point(DVec2::new(values[i], values[i + 1])));
+        if from.abs().max(to.abs()).max_element() > MAX_LENGTH {
+            self.too_far(first);
+        } else if from == to {
+            let expected = "two different ends";
+            self.sink.warn(Code::WldWallLength, span, "the wall has no length: both its ends are equal", expected);
+        } else {
+            self.world.walls.push(WallSpec {
+                from,
+                to,
+                thickness: values.get(4).copied().unwrap_or(0.0),
+                height: values.get(5).copied().unwrap_or(DEFAULT_WALL_HEIGHT),
+                colour: values.get(6..9).map(|rgb| [rgb[0] as u8, rgb[1] as u8, rgb[2] as u8]),
+                surface: None,
+                span,
+            });
+        }
+    }
+
+    fn unknown(&mut self, word: &Word<'_>) {
+        let expected =
+            "a wall of 4, 6 or 9 numbers, or one of floor, width, height, floor_texture, position, push, pop";
+        let message = format!("unknown keyword `{}`", word.text);
+        let diagnostic = self.sink.warn(Code::WldKeyword, word.span, message, expected);
+        diagnostic.suggestion = line::nearest(word.text, KEYWORDS).map(|keyword| format!("write `{keyword}`"));
+    }
+
+    fn too_far(&mut self, word: &Word<'_>) {
+        let message = "the open `push` frames carry this beyond 1000 km".to_owned();
+        self.sink.error(Code::NumberRange, word.span, message, "places within 1e9 mm of the origin");
+    }
+
+    fn frame(&self) -> Pose {
+        self.frames.last().copied().unwrap_or_default()
+    }
+
+    fn finish(mut self) -> (WorldSpec, Vec<Diagnostic>) {
+        let (_, extent) = self.world.bounds();
+        self.world.floor = DVec2::new(self.width.unwrap_or(extent.x), self.height.unwrap_or(extent.y));
+        if self.width.is_none() || self.height.is_none() {
+            let (width, height) = (self.world.floor.x * 1000.0, self.world.floor.y * 1000.0);
+            let message =
+                format!("the size of the floor is not given; taken from the walls: {width:.0} x {height:.0} mm");
+            let expected = "`floor WIDTH HEIGHT`, or `width WIDTH` and `height HEIGHT`, in mm";
+            self.sink.warn(Code::WldFloorMissing, Default::default(), message, expected);
+        }
+        (self.world, self.sink.finish())
+    }
+}
+
+const WALL_FORM: &str =
+    "`X1 Y1 X2 Y2`, `X1 Y1 X2 Y2 THICKNESS HEIGHT` or `X1 Y1 X2 Y2 THICKNESS HEIGHT RED GREEN BLUE`, lengths in mm";
+
+const POSE: [Quantity; 3] = [Quantity::coordinate("x"), Quantity::coordinate("y"), Quantity::angle("phi")];
+
+const WALL: [Quantity; 9] = [
+    Quantity::coordinate("x of the wall's first end"),
+    Quantity::coordinate("y of the wall's first end"),
+    Quantity::coordinate("x of the wall's second end"),
+    Quantity::coordinate("y of the wall's second end"),
+    Quantity::length("thickness of the wall").minor(),
+    Quantity::size("height of the wall").minor(),
+    Quantity::number("red", 0.0, 255.0).minor(),
+    Quantity::number("green", 0.0, 255.0).minor(),
+    Quantity::number("blue", 0.0, 255.0).minor(),
+];

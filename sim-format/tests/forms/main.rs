@@ -1,0 +1,707 @@
+//! Our own form of a scene: what it reads as, its schema, and the way from and to all other forms.
+
+mod properties;
+
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use sim_core::radio::{Medium, Model};
+use sim_core::spec::Lens;
+use sim_core::time::Time;
+use sim_format::print::scene_schema;
+use sim_format::{
+    Code, FileError, Files, Severity, convert, load_scene, load_scene_with, read_companion, read_robi, read_scene, same,
+};
+
+/// Files below a folder, and before them those that were written here.
+#[derive(Default)]
+struct Overlay {
+    root: Option<PathBuf>,
+    written: RefCell<BTreeMap<String, String>>,
+}
+
+impl Overlay {
+    fn of(files: &[(&str, &str)]) -> Self {
+        let written = files.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect();
+        Self { root: None, written: RefCell::new(written) }
+    }
+
+    fn write(&self, converted: &sim_format::Converted) {
+        for output in &converted.outputs {
+            self.written.borrow_mut().insert(output.path.clone(), output.text.clone());
+        }
+    }
+}
+
+impl Files for Overlay {
+    fn read(&self, path: &str) -> Result<Vec<u8>, FileError> {
+        if let Some(text) = self.written.borrow().get(path) {
+            return Ok(text.clone().into_bytes());
+        }
+        let root = self.root.as_ref().ok_or(FileError::Missing)?;
+        fs::read(root.join(path)).map_err(|error| match error.kind() {
+            ErrorKind::NotFound | ErrorKind::NotADirectory => FileError::Missing,
+            _ => FileError::Unreadable(error.to_string()),
+        })
+    }
+
+    fn list(&self, folder: &str) -> Vec<String> {
+        let entries = self.root.iter().flat_map(|root| fs::read_dir(root.join(folder)).into_iter().flatten().flatten());
+        let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+        let prefix = if folder.is_empty() { String::new() } else { format!("{folder}/") };
+        let written = self.written.borrow();
+        let here = written.keys().filter_map(|path| path.strip_prefix(&prefix)).filter(|name| !name.contains('/'));
+        names.extend(here.map(str::to_owned));
+        names
+    }
+
+    fn home(&self) -> Option<&str> {
+        self.root.as_ref().map(|_| "vr-2018/Test Assets")
+    }
+}
+
+fn below(root: &Path, extension: &str) -> Vec<String> {
+    let mut open = vec![root.to_owned()];
+    let mut files = Vec::new();
+    while let Some(path) = open.pop() {
+        if path.is_dir() {
+            open.extend(fs::read_dir(&path).into_iter().flatten().flatten().map(|entry| entry.path()));
+        } else if path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension)) {
+            files.push(path.strip_prefix(root).expect("below").to_string_lossy().into_owned());
+        }
+    }
+    files.sort();
+    files
+}
+
+fn corpus() -> Option<Overlay> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/eyesim/corpus");
+    if !root.is_dir() {
+        eprintln!("skipped: no corpus at {}", root.display());
+        return None;
+    }
+    Some(Overlay { root: Some(root), ..Overlay::default() })
+}
+
+#[test]
+fn every_scene_of_the_corpus_goes_to_toml_and_back() {
+    let Some(files) = corpus() else { return };
+    let mut count = 0;
+    for sim in below(files.root.as_ref().expect("a root"), "sim") {
+        let first = load_scene(&sim, &files);
+        if first.has_errors() {
+            continue;
+        }
+        let (toml, back) = (sim.replace(".sim", "-there.scene.toml"), sim.replace(".sim", "-back.sim"));
+        for (from, to) in [(&sim, &toml), (&toml, &back)] {
+            let converted = convert(from, to, &files);
+            assert!(!sim_format::has_errors(&converted.diagnostics), "{from}: {:?}", converted.diagnostics);
+            assert!(
+                converted.diagnostics.iter().all(|said| said.code != Code::ConvertLost),
+                "{from}: something is lost"
+            );
+            files.write(&converted);
+            let read = load_scene(to, &files);
+            let text = &converted.outputs.last().expect("a file").text;
+            assert!(!read.has_errors(), "{from}: {:?}\n{text}", read.diagnostics);
+            assert_eq!(same::scene(&read.scene), same::scene(&first.scene), "{from} to {to}:\n{text}");
+        }
+        count += 1;
+    }
+    eprintln!("{count} scenes went to TOML and back");
+    assert!(count >= 10, "{count} scenes");
+}
+
+#[test]
+fn worlds_and_types_of_the_corpus_go_to_toml_and_back() {
+    let Some(files) = corpus() else { return };
+    let root = files.root.clone().expect("a root");
+    for extension in ["wld", "maz", "robi", "esObj"] {
+        for file in below(&root, extension) {
+            let stem = file.rsplit_once('.').expect("an extension").0;
+            let (toml, back) = (format!("{stem}-there.toml"), format!("{stem}-back.{extension}"));
+            let there = convert(&file, &toml, &files);
+            if sim_format::has_errors(&there.diagnostics) {
+                continue;
+            }
+            files.write(&there);
+            let again = convert(&toml, &back, &files);
+            let text = &there.outputs[0].text;
+            assert!(!sim_format::has_errors(&again.diagnostics), "{file}: {:?}\n{text}", again.diagnostics);
+            files.write(&again);
+            let text = &again.outputs[0].text;
+            let lost = again.diagnostics.iter().any(|said| said.code == Code::ConvertLost);
+            match extension {
+                "wld" => {
+                    let [old, new] = [&file, &back].map(|name| sim_format::load_world(name, &files).scene.world);
+                    assert_eq!((old.walls.len(), old.starts.len()), (new.walls.len(), new.starts.len()), "{file}");
+                    for (old, new) in old.walls.iter().zip(&new.walls) {
+                        let apart = (old.from - new.from).length().max((old.to - new.to).length());
+                        // Inside `push` frames no decimal may hit the double.
+                        assert!(apart <= 1e-12, "{file}: a wall moves by {apart} m");
+                    }
+                }
+                "maz" => {
+                    let [old, new] = [&file, &back].map(|name| sim_format::load_maze(name, &files).scene.world);
+                    assert_eq!(same::world(&new), same::world(&old), "{file}:\n{text}");
+                }
+                "robi" => {
+                    let [old, new] = [&file, &back].map(|name| sim_format::load_robi(name, &files).0.expect("a robi"));
+                    assert!(lost || same::robi(&new) == same::robi(&old), "{file}:\n{text}");
+                }
+                _ => {
+                    let [old, new] =
+                        [&file, &back].map(|name| sim_format::load_object(name, &files).0.expect("an object"));
+                    assert!(lost || same::object(&new) == same::object(&old), "{file}:\n{text}");
+                }
+            }
+        }
+    }
+}
+
+fn docs() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats")
+}
+
+#[test]
+fn the_schema_of_the_docs_is_that_of_the_code() {
+    let path = docs().join("scene.schema.json");
+    if std::env::var_os("UPDATE_SCHEMA").is_some() {
+        fs::write(&path, scene_schema()).expect("the schema is written");
+    }
+    let committed = fs::read_to_string(&path).unwrap_or_default();
+    assert_eq!(committed, scene_schema(), "write it anew with UPDATE_SCHEMA=1, or with `eyesim schema`");
+}
+
+/// The keys that the schema gives to a type, in all its variants together.
+fn keys_of_schema(schema: &serde_json::Value, name: &str) -> BTreeSet<String> {
+    let form = if name.is_empty() { schema } else { &schema["$defs"][name] };
+    let variants = form["oneOf"].as_array().cloned().unwrap_or_default();
+    let parts = std::iter::once(form.clone()).chain(variants);
+    let properties = parts.filter_map(|part| part["properties"].as_object().cloned());
+    properties.flat_map(|keys| keys.into_iter().map(|(key, _)| key)).collect()
+}
+
+/// The keys that the reader knows where `text` has the unknown key `zzz`.
+fn keys_of_reader(text: &str) -> BTreeSet<String> {
+    let said = read_scene("a.scene.toml", text).1;
+    let unknown = said.iter().find(|said| said.code == Code::TomlKey);
+    let unknown = unknown.unwrap_or_else(|| panic!("`zzz` is not reported in\n{text}\n{said:?}"));
+    let listed = unknown.expected.strip_prefix("one of ").expect("a list of keys");
+    listed.split(", ").map(str::to_owned).collect()
+}
+
+#[test]
+fn schema_and_reader_know_the_same_keys() {
+    let schema: serde_json::Value = serde_json::from_str(&scene_schema()).expect("JSON");
+    let robot = |inner: &str| format!("[[robot_type]]\nname = \"a\"\n{inner}\n");
+    let legged = |inner: &str| robot(&format!("drive = {{ kind = \"legged\" }}\n{inner}"));
+    let object = |inner: &str| format!("[[object_type]]\nname = \"a\"\n{inner}\n");
+    let layouts = ["starts", "line", "grid", "circle", "random"]
+        .map(|kind| format!("[[robot]]\ntype = \"S4\"\nlayout = {{ kind = \"{kind}\", zzz = 1 }}"));
+    let colliders = ["box", "sphere", "capsule", "cylinder"]
+        .map(|kind| object(&format!("collider = {{ kind = \"{kind}\", zzz = 1 }}")));
+    let echoes =
+        ["laser", "ultrasonic", "reflectance"].map(|kind| robot(&format!("{kind} = [{{ name = \"a\", zzz = 1 }}]")));
+    let noise = |section: &str| format!("[scene.noise.{section}]\nzzz = 1");
+    let function = |name| format!("[world.terrain]\nfunction = \"{name}\"\nzzz = 1");
+    let cases: &[(&str, Vec<String>)] = &[
+        ("", vec!["zzz = 1".into()]),
+        ("RunForm", vec!["[scene]\nzzz = 1".into()]),
+        ("GenerationsForm", vec!["[scene.costs]\nzzz = { a = 1 }".into()]),
+        ("ProfileForm", vec!["[scene.noise]\nzzz = 1".into(), "[[robot]]\ntype = \"S4\"\nnoise = { zzz = 1 }".into()]),
+        ("RangeNoiseForm", ["psd", "lidar"].map(noise).to_vec()),
+        ("EchoNoiseForm", ["laser", "ultrasonic", "reflectance", "sonar", "sensor.PSD_FRONT"].map(noise).to_vec()),
+        ("CompassNoiseForm", vec![noise("compass")]),
+        ("CameraNoiseForm", vec![noise("camera")]),
+        ("DriveNoiseForm", vec![noise("drive")]),
+        ("OdometryNoiseForm", vec![noise("odometry")]),
+        ("RadioNoiseForm", vec![noise("radio")]),
+        ("RadioForm", vec!["[radio]\nzzz = 1".into()]),
+        ("WorldForm", vec!["[world]\nfile = \"a.wld\"\nzzz = 1".into()]),
+        ("WallForm", vec!["[world]\nwall = [{ from_mm = [0, 0], to_mm = [1, 1], zzz = 1 }]".into()]),
+        ("StartForm", vec!["[world]\nstart = [{ x_mm = 0, y_mm = 0, zzz = 1 }]".into()]),
+        ("SettingsForm", vec!["[settings]\nzzz = 1".into()]),
+        ("RobotForm", vec!["[[robot]]\nzzz = 1".into()]),
+        ("ObjectForm", vec!["[[object]]\nzzz = 1".into()]),
+        ("MarkerForm", vec!["[[marker]]\nzzz = 1".into()]),
+        ("LayoutForm", layouts.to_vec()),
+        ("RobotTypeForm", vec![robot("zzz = 1")]),
+        ("ModelForm", vec![robot("model = { file = \"a\", zzz = 1 }")]),
+        ("ColliderForm", colliders.to_vec()),
+        ("BodyForm", vec![robot("body = { zzz = 1 }")]),
+        ("WheelForm", vec![robot("wheel = { zzz = 1 }")]),
+        ("DriveForm", vec![robot("drive = { zzz = 1 }")]),
+        ("MotorForm", vec![robot("drive = { motor = [{ name = \"a\", zzz = 1 }] }")]),
+        ("PsdForm", vec![robot("psd = [{ name = \"a\", zzz = 1 }]")]),
+        ("InfraredForm", vec![robot("infrared = [{ name = \"a\", zzz = 1 }]")]),
+        ("LinkForm", vec![robot("link = [{ name = \"a\", zzz = 1 }]")]),
+        ("LegsForm", vec![legged("legs = { zzz = 1 }")]),
+        ("GaitForm", vec![legged("legs = { gait = [{ zzz = 1 }] }")]),
+        ("LegForm", vec![legged("leg = [{ zzz = 1 }]")]),
+        ("FootForm", vec![legged("leg = [{ foot = { zzz = 1 } }]")]),
+        ("EchoForm", echoes.to_vec()),
+        ("SonarForm", vec![robot("sonar = [{ name = \"a\", zzz = 1 }]")]),
+        ("SideLobesForm", vec![robot("sonar = [{ name = \"a\", side_lobes = { zzz = 1 } }]")]),
+        ("SurfaceForm", vec![robot("surface = { zzz = 1 }"), object("surface = { zzz = 1 }")]),
+        ("PlacedTerrainForm", vec!["[world.terrain]\nzzz = 1".into()]),
+        ("ImageTerrainForm", vec!["[world.terrain]\nimage = \"a.png\"\nzzz = 1".into()]),
+        ("FunctionTerrainForm", ["hills", "boulders"].map(function).to_vec()),
+        ("DiscForm", vec!["[world.terrain]\nfunction = \"hills\"\nclear = [{ zzz = 1 }]".into()]),
+        ("StepsTerrainForm", vec!["[world.terrain]\nblock = []\nzzz = 1".into()]),
+        ("StairsForm", vec!["[world.terrain]\nstairs = [{ zzz = 1 }]".into()]),
+        ("BlockForm", vec!["[world.terrain]\nblock = [{ zzz = 1 }]".into()]),
+        ("CameraForm", vec![robot("camera = { zzz = 1 }")]),
+        ("LightForm", vec!["[world.light]\nzzz = 1".into(), "[world]\nfile = \"a.wld\"\nlight = { zzz = 1 }".into()]),
+        ("SkyForm", vec!["[world.sky]\nzzz = 1".into()]),
+        ("JointForm", vec![robot("camera = { pan_servo = { zzz = 1 } }")]),
+        ("LidarForm", vec![robot("lidar = { zzz = 1 }")]),
+        ("ArcForm", vec![robot("bumper = [{ name = \"a\", zzz = 1 }]")]),
+        ("ServoForm", vec![robot("servo = [{ name = \"a\", zzz = 1 }]")]),
+        ("CompassForm", vec![robot("compass = { zzz = 1 }")]),
+        ("InputForm", vec![robot("input = { zzz = 1 }")]),
+        ("LcdForm", vec![robot("lcd = { zzz = 1 }")]),
+        ("ObjectTypeForm", vec![object("zzz = 1")]),
+    ];
+    for (name, texts) in cases {
+        let known: BTreeSet<String> = texts.iter().flat_map(|text| keys_of_reader(text)).collect();
+        assert_eq!(known, keys_of_schema(&schema, name), "{name}: the reader's keys left, the schema's right");
+    }
+    let forms: BTreeSet<&str> = cases.iter().map(|(name, _)| *name).collect();
+    for name in schema["$defs"].as_object().expect("types").keys() {
+        let has_keys = !keys_of_schema(&schema, name).is_empty();
+        assert!(!has_keys || forms.contains(name.as_str()), "no case for {name}");
+    }
+}
+
+#[test]
+fn the_examples_of_the_page_have_no_mistakes() {
+    let page = fs::read_to_string(docs().join("scene.md")).expect("the page");
+    let examples: Vec<&str> = page.split("```toml\n").skip(1).filter_map(|rest| rest.split("```\n").next()).collect();
+    assert_eq!(examples.len(), 2);
+    let world = Path::new(env!("CARGO_MANIFEST_DIR")).join("../worlds/empty.wld");
+    let world = fs::read_to_string(world).expect("worlds/empty.wld");
+    for example in examples {
+        let text = example.replace("%sim%/worlds/", "");
+        let files = Overlay::of(&[("a.scene.toml", &text), ("empty.wld", &world)]);
+        let loaded = load_scene("a.scene.toml", &files);
+        assert_eq!(loaded.diagnostics, [], "{text}");
+        assert!(!loaded.scene.robots.is_empty());
+    }
+}
+
+/// A scene of 4 m by 3 m with what follows its world.
+fn scene(rest: &str) -> sim_format::Loaded {
+    let text = format!("[world]\nfloor_mm = [4000, 3000]\n{rest}");
+    load_scene("a.scene.toml", &Overlay::of(&[("a.scene.toml", &text)]))
+}
+
+/// Where the robots stand, in metres and degrees.
+fn places(loaded: &sim_format::Loaded) -> Vec<(f64, f64, f64)> {
+    let rounded = |value: f64| (value * 1e6).round() / 1e6;
+    let of = |robot: &sim_core::spec::RobotSpec| {
+        let (place, heading) = (robot.start.position, robot.start.heading.radians().to_degrees());
+        (rounded(place.x), rounded(place.y), rounded(heading))
+    };
+    loaded.scene.robots.iter().map(of).collect()
+}
+
+#[test]
+fn layouts_stand_as_the_page_says() {
+    let of = |layout: &str| {
+        let loaded = scene(&format!("[[robot]]\ntype = \"S4\"\ncount = 4\nlayout = {{ {layout} }}\n"));
+        assert_eq!(loaded.diagnostics, [], "{layout}");
+        places(&loaded)
+    };
+    let line = of("kind = \"line\", from_mm = [500, 1000], to_mm = [3500, 1000], heading_deg = 90");
+    assert_eq!(line, [(0.5, 1.0, 90.0), (1.5, 1.0, 90.0), (2.5, 1.0, 90.0), (3.5, 1.0, 90.0)]);
+    let grid = of("kind = \"grid\", from_mm = [500, 500], spacing_mm = [1000, 800]");
+    assert_eq!(grid, [(0.5, 0.5, 0.0), (1.5, 0.5, 0.0), (0.5, 1.3, 0.0), (1.5, 1.3, 0.0)]);
+    let row = of("kind = \"grid\", from_mm = [500, 500], spacing_mm = [1000, 800], columns = 3");
+    assert_eq!(row[3], (0.5, 1.3, 0.0));
+    let circle = of("kind = \"circle\", centre_mm = [2000, 1500], radius_mm = 1000, facing_deg = 180");
+    assert_eq!(circle, [(3.0, 1.5, 180.0), (2.0, 2.5, 270.0), (1.0, 1.5, 360.0), (2.0, 0.5, 450.0)]);
+}
+
+#[test]
+fn random_places_keep_clear_and_follow_the_seed() {
+    let text = "[scene]\nseed = 5\n[world]\nfloor_mm = [4000, 3000]\n\
+                wall = [{ from_mm = [2000, 0], to_mm = [2000, 3000] }]\n\
+                [[robot]]\ntype = \"S4\"\ncount = 30\nlayout = { kind = \"random\", clearance_mm = 100 }\n\
+                [[robot]]\ntype = \"S4\"\nx_mm = 1000\ny_mm = 1500\n";
+    let files = Overlay::of(&[("a.scene.toml", text)]);
+    let loaded = load_scene("a.scene.toml", &files);
+    assert_eq!(loaded.diagnostics, []);
+    let robots = &loaded.scene.robots;
+    assert_eq!(robots.len(), 31);
+    for (index, robot) in robots.iter().enumerate() {
+        let (radius, place) = (robot.robi.diameter / 2.0, robot.start.position);
+        assert!(index == 30 || (place.x - 2.0).abs() >= radius + 0.1, "{place}");
+        assert!(place.min_element() >= radius && place.x <= 4.0 - radius && place.y <= 3.0 - radius, "{place}");
+        for other in &robots[..index] {
+            assert!(place.distance(other.start.position) >= 2.0 * radius + 0.1 - 1e-12, "{place}");
+        }
+    }
+    assert_eq!(places(&load_scene("a.scene.toml", &files)), places(&loaded));
+    let other = load_scene_with("a.scene.toml", Some(6), &files);
+    assert_ne!(places(&other), places(&loaded));
+    assert_eq!(other.scene.run.seed, Some(6));
+}
+
+#[test]
+fn ugly_scenes_end_in_messages() {
+    let deep = format!("a = {}1{}", "[".repeat(10_000), "]".repeat(10_000));
+    let long = format!("[world]\nfile = \"{}\"\n", "x".repeat(1_000_000));
+    let robot = |rest: &str| format!("[world]\nfloor_mm = [4000, 3000]\n[[robot]]\ntype = \"S4\"\n{rest}\n");
+    let cases: &[(&str, String, Code)] = &[
+        ("nothing", String::new(), Code::TomlMissing),
+        ("deep nesting", deep, Code::TomlSyntax),
+        ("a long name", long, Code::FileMissing),
+        ("a huge count", robot("count = 1000000000000"), Code::NumberRange),
+        ("no count", robot("count = 0"), Code::NumberRange),
+        ("many groups", robot(&"count = 60000\n[[robot]]\ntype = \"S4\"\n".repeat(3)), Code::SceneCount),
+        ("NaN", robot("x_mm = nan\ny_mm = 1"), Code::NumberRange),
+        ("infinity", robot("x_mm = 1\ny_mm = inf"), Code::NumberRange),
+        ("a wrong type", robot("x_mm = \"1\"\ny_mm = true"), Code::TomlType),
+        ("no room", robot("count = 1000\nlayout = { kind = \"random\" }"), Code::SceneRoom),
+        ("tables that are none", "world = 3\nrobot = \"S4\"\n".into(), Code::TomlType),
+        ("an object as a robot", robot("[[robot]]\ntype = \"Can\"\nx_mm = 1\ny_mm = 1"), Code::SimTypeUnknown),
+        ("half a pose", robot("x_mm = 1"), Code::TomlMissing),
+        ("a slot that is none", "[scene]\nslot_ms = 0.0001\n".into(), Code::NumberRange),
+        ("a slot of parts", "[scene]\nslot_ms = 0.0015\n".into(), Code::NumberRange),
+        ("a broken maze", "[world]\nmaze = \"\"\"\n _\n|?|\n\"\"\"\n".into(), Code::MazLetter),
+    ];
+    for (what, text, code) in cases {
+        let loaded = load_scene("a.scene.toml", &Overlay::of(&[("a.scene.toml", text)]));
+        let codes: Vec<Code> = loaded.diagnostics.iter().map(|said| said.code).collect();
+        assert!(codes.contains(code), "{what}: {codes:?}");
+        for said in &loaded.diagnostics {
+            assert!(text.get(said.span.start..said.span.end).is_some(), "{what}: {:?}", said.span);
+        }
+    }
+}
+
+#[test]
+fn mistakes_in_a_drawn_maze_have_their_own_lines() {
+    let text = "[world]\nmaze = '''\n _ _\n|?  |\n|_ _|\n'''\n";
+    let said = read_scene("a.scene.toml", text).1;
+    let letter = said.iter().find(|said| said.code == Code::MazLetter).expect("a letter that means nothing");
+    assert_eq!((letter.span.line, letter.span.column), (4, 2));
+    assert_eq!(&text[letter.span.start..letter.span.end], "?");
+}
+
+#[test]
+fn a_companion_is_no_scene() {
+    assert!(!sim_format::is_scene("S4.toml", "[psd]\nrange_mm = 2000\n"));
+    assert!(!sim_format::is_scene("costs.toml", "[robios6]\nPSDGet = 3\n"));
+    assert!(sim_format::is_scene("a.toml", "[world]\nfile = \"a.wld\"\n"));
+    assert!(sim_format::is_scene("A.SCENE.TOML", ""));
+    assert!(!sim_format::is_scene("a.sim", "[world]\n"));
+}
+
+#[test]
+fn the_generation_of_the_api_is_that_of_the_robot_else_of_the_scene() {
+    let text = |scene: &str, robot: &str| {
+        format!(
+            "[scene]\n{scene}\n[world]\nfloor_mm = [4000, 3000]\n[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500\n\
+             {robot}\n[[robot]]\ntype = \"S4\"\nx_mm = 900\ny_mm = 900\n"
+        )
+    };
+    let load =
+        |scene: &str, robot: &str| load_scene("a.scene.toml", &Overlay::of(&[("a.scene.toml", &text(scene, robot))]));
+    let told = |scene: &str, robot: &str| {
+        let loaded = load(scene, robot);
+        assert_eq!(loaded.diagnostics, []);
+        loaded.scene.robots.iter().map(|robot| (robot.api, robot.dialect)).collect::<Vec<_>>()
+    };
+    assert_eq!(told("", ""), [(None, None); 2]);
+    assert_eq!(told("api = 7", "api = 6"), [(Some(6), None), (Some(7), None)]);
+    assert!(load("api = 5", "").has_errors() && load("", "api = \"7\"").has_errors());
+}
+
+#[test]
+fn what_a_sim_cannot_hold_is_named() {
+    let text = "[scene]\nseed = 3\napi = 6\ncosts = { robios6 = { PSDGet = 5 } }\n[world]\nfloor_mm = [4000, 3000]\n\
+                [radio]\nbaud = 9600\n\
+                [[robot_type]]\nname = \"Scout\"\ndiameter_mm = 120\n\
+                [[robot]]\ntype = \"Scout\"\nprogram = \"a.c\"\narguments = [\"-v\"]\napi = 7\n\
+                count = 2\nlayout = { kind = \"line\", from_mm = [500, 500], to_mm = [900, 500] }\n";
+    let files = Overlay::of(&[("a.scene.toml", text)]);
+    let converted = convert("a.scene.toml", "b.sim", &files);
+    let is_lost = |said: &sim_format::Diagnostic| (said.code, said.severity) == (Code::ConvertLost, Severity::Warning);
+    assert!(converted.diagnostics.iter().all(is_lost), "{:?}", converted.diagnostics);
+    for what in [
+        "the seed",
+        "the cost table",
+        "the generation of the API",
+        "the radio",
+        "the arguments of r1",
+        "r1 is written for RoBIOS 7",
+        "2 robots",
+    ] {
+        let is_named = converted.diagnostics.iter().any(|said| said.message.contains(what));
+        assert!(is_named, "{what}: {:?}", converted.diagnostics);
+    }
+    let paths: Vec<&str> = converted.outputs.iter().map(|output| output.path.as_str()).collect();
+    assert_eq!(paths, ["b.wld", "b-Scout.toml", "b-Scout.robi", "b.sim"]);
+    files.write(&converted);
+    let [old, new] = ["a.scene.toml", "b.sim"].map(|name| load_scene(name, &files));
+    assert!(!new.has_errors(), "{:?}", new.diagnostics);
+    assert_eq!(places(&new), places(&old));
+    assert_eq!(same::robi(&new.scene.robots[0].robi), same::robi(&old.scene.robots[0].robi));
+}
+
+#[test]
+fn references_are_rewritten_for_the_new_folder() {
+    let files = Overlay::of(&[
+        ("sims/a.sim", "world ../worlds/w.wld\nrobi r.robi p.c 200 200 0\nrobi r.robi %sim%/q.c 600 600 0\n"),
+        ("worlds/w.wld", "floor 1000 1000\n"),
+        ("sims/r.robi", "wheel 54 3600 1100 90\ndrive OMNI_DRIVE\n"),
+        ("sims/p.c", ""),
+    ]);
+    let converted = convert("sims/a.sim", "other/deep/b.scene.toml", &files);
+    let text = &converted.outputs[0].text;
+    for line in ["\"../../worlds/w.wld\"", "\"../../sims/r.robi\"", "\"../../sims/p.c\"", "\"%sim%/q.c\""] {
+        assert!(text.contains(line), "{line} is not in\n{text}");
+    }
+}
+
+#[test]
+fn a_companion_changes_the_camera_of_a_robi() {
+    let robi = "drive DIFFERENTIAL_DRIVE\ncamera 0 60 100 0 -10 160 120\nfisheye 150\n";
+    let read = |companion: &str| {
+        let mut robi = read_robi("a.robi", robi).0;
+        let said = read_companion("a.toml", companion, &mut robi);
+        (robi.camera.expect("a camera"), said)
+    };
+    let (camera, said) = read("[camera]\nfov_deg = 90\nsamples = 1\nz_mm = 70\nimage_px = [320, 240]\n");
+    assert_eq!(said, []);
+    assert_eq!(camera.lens, Lens::Pinhole { fov: 90.0_f64.to_radians() });
+    assert_eq!((camera.samples, camera.image, camera.position.to_array()), (1, Some([320, 240]), [0.06, 0.0, 0.07]));
+    assert_eq!(read("[camera]\n").0, read("").0, "nothing said, nothing changed");
+    let mut bare = read_robi("a.robi", "drive DIFFERENTIAL_DRIVE\n").0;
+    assert_eq!(read_companion("a.toml", "[camera]\nz_mm = 100\n", &mut bare), []);
+    assert_eq!(bare.camera.map(|camera| camera.lens), Some(sim_core::spec::DEFAULT_LENS), "a camera of its own");
+}
+
+#[test]
+fn cameras_and_looks_that_cannot_be_are_reported_where_they_stand() {
+    let said = |text: &str| -> Vec<String> {
+        let said = read_scene("a.scene.toml", text).1;
+        said.iter()
+            .map(|said| {
+                format!("{}:{} {} {}; {}", said.span.line, said.span.column, said.code, said.message, said.expected)
+            })
+            .collect()
+    };
+    let camera =
+        |keys: &str| said(&format!("[world]\nfile = \"a.wld\"\n[[robot_type]]\nname = \"A\"\ncamera = {{ {keys} }}\n"));
+    assert_eq!(
+        camera("fov_deg = 180"),
+        ["5:22 number-range field of view `180` is out of range; a number in degrees from 1 to 170"]
+    );
+    assert_eq!(
+        camera("fisheye_deg = 0"),
+        ["5:26 number-range field of view `0` is out of range; a number in degrees from 1 to 360"]
+    );
+    assert_eq!(camera("samples = 9"), ["5:22 number-range samples `9` is out of range; an integer from 1 to 8"]);
+    assert_eq!(
+        camera("fov_deg = 50, fisheye_deg = 150"),
+        ["5:12 toml-conflict `fov_deg` and `fisheye_deg` exclude each other; either `fov_deg` or `fisheye_deg`"]
+    );
+    let world = |keys: &str| said(&format!("[world]\nfile = \"a.wld\"\n{keys}\n"));
+    assert_eq!(
+        world("light = { elevation_deg = 0 }"),
+        ["3:27 number-range elevation of the sun `0` is out of range; a number in degrees from 1 to 90"]
+    );
+    assert_eq!(
+        world("light = { ambient = nan }"),
+        ["3:21 number-range share of ambient light `NaN` is out of range; a number from 0 to 1"]
+    );
+    assert_eq!(world("light = { shadows = 1 }"), ["3:21 toml-type `shadows` is of type integer; true or false"]);
+    assert_eq!(
+        world("sky = { zenith = [0, 0, 256] }"),
+        ["3:25 number-range zenith `256` is out of range; an integer from 0 to 255"]
+    );
+    assert_eq!(
+        world("sky = { ground = [1.5, 0, 0] }"),
+        ["3:19 toml-type `ground` is of type float; an integer from 0 to 255"]
+    );
+    let colours = "an array of 3 integers from 0 to 255";
+    assert_eq!(world("colour = \"grey\""), [format!("3:10 toml-type `colour` is of type string; {colours}")]);
+    assert_eq!(world("colour = [1, 2]"), [format!("3:10 toml-type `colour` has 2 values; {colours}")]);
+    assert_eq!(
+        world("light = \"bright\""),
+        ["3:9 toml-type `light` is of type string; a table such as `light = { azimuth_deg = -120, shadows = true }`"]
+    );
+    assert_eq!(
+        world("sky = [0, 0, 9]"),
+        [
+            "3:7 toml-type `sky` is of type array; a table such as `sky = { horizon = [200, 210, 220], ground = [90, 90, 80] }`"
+        ]
+    );
+    assert_eq!(
+        said("[world]\nfloor_mm = [9, 9]\ntexture = { file = \"a.png\" }\n"),
+        ["3:11 toml-type `texture` is of type table; the name of an image file, between double quotes"]
+    );
+}
+
+#[test]
+fn the_radio_is_what_the_scene_says() {
+    let radio = |keys: &str| scene(&format!("[radio]\n{keys}\n[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500\n"));
+    let all = radio("medium = \"token_ring\"\nbaud = 9600\nlatency_ms = 1.5\nrange_mm = 2500\nline_of_sight = true");
+    assert_eq!(all.diagnostics, []);
+    let said =
+        Model { medium: Medium::TokenRing, baud: 9600, latency: Time(1_500), range: Some(2.5), line_of_sight: true };
+    assert_eq!(all.scene.radio, said);
+    assert_eq!(radio("medium = \"aloha\"").scene.radio, Model { medium: Medium::Aloha, ..Model::default() });
+    assert_eq!(radio("medium = \"free\"").scene.radio, Model::default());
+    assert_eq!(scene("").scene.radio, Model::default(), "nothing said");
+}
+
+#[test]
+fn radios_that_cannot_be_are_reported_where_they_stand() {
+    let said = |keys: &str| -> Vec<String> {
+        let text = format!("[world]\nfile = \"a.wld\"\n[radio]\n{keys}\n");
+        let said = read_scene("a.scene.toml", &text).1;
+        let of = |said: &sim_format::Diagnostic| {
+            let suggestion = said.suggestion.as_ref().map_or(String::new(), |text| format!("; {text}"));
+            let place = format!("{}:{}", said.span.line, said.span.column);
+            format!("{place} {} {}; {}{suggestion}", said.code, said.message, said.expected)
+        };
+        said.iter().map(of).collect()
+    };
+    assert_eq!(
+        said("medium = \"alhoa\""),
+        ["4:10 toml-choice `alhoa` is no medium; one of free, aloha, token_ring; write `aloha`"]
+    );
+    assert_eq!(said("medium = 1"), ["4:10 toml-type `medium` is of type integer; one of free, aloha, token_ring"]);
+    let bauds = "an integer from 1 to 1000000000";
+    assert_eq!(said("baud = 0"), [format!("4:8 number-range baud `0` is out of range; {bauds}")]);
+    assert_eq!(said("baud = 1000000001"), [format!("4:8 number-range baud `1000000001` is out of range; {bauds}")]);
+    assert_eq!(said("baud = 9600.5"), [format!("4:8 toml-type `baud` is of type float; {bauds}")]);
+    let times = "a number in ms from 0 to 3600000";
+    for number in ["-1", "nan", "inf", "3600001"] {
+        let written = if number == "nan" { "NaN" } else { number };
+        let expected = format!("4:14 number-range latency `{written}` is out of range; {times}");
+        assert_eq!(said(&format!("latency_ms = {number}")), [expected]);
+    }
+    assert_eq!(
+        said("latency_ms = 0.0005"),
+        ["4:1 number-range latency `0.0005` ms is no whole number of microseconds; a multiple of 0.001"]
+    );
+    let lengths = "a number in mm from 0.001 to 1000000000";
+    for number in ["0", "-5", "nan", "inf"] {
+        let written = if number == "nan" { "NaN" } else { number };
+        let expected = format!("4:12 number-range range `{written}` is out of range; {lengths}");
+        assert_eq!(said(&format!("range_mm = {number}")), [expected]);
+    }
+    assert_eq!(said("line_of_sight = 1"), ["4:17 toml-type `line_of_sight` is of type integer; true or false"]);
+    assert_eq!(
+        said("range = 1"),
+        ["4:1 toml-key unknown key `range` in `radio`; one of medium, baud, latency_ms, range_mm, line_of_sight; \
+          write `range_mm`"]
+    );
+}
+
+/// Two robots at starts of their own, with the keys of each.
+fn numbered(first: &str, second: &str) -> sim_format::Loaded {
+    let robot = |keys: &str| format!("[[robot]]\ntype = \"S4\"\n{keys}\n");
+    scene(&format!(
+        "start = [{{ x_mm = 500, y_mm = 500 }}, {{ x_mm = 1500, y_mm = 500 }}]\n{}{}",
+        robot(first),
+        robot(second)
+    ))
+}
+
+#[test]
+fn robots_have_the_numbers_that_the_scene_gives_them() {
+    let programs = |loaded: &sim_format::Loaded| -> Vec<(u32, String)> {
+        loaded.scene.robots.iter().map(|robot| (robot.id.0, robot.program_name().to_owned())).collect()
+    };
+    let named = |first: &str, second: &str| {
+        let loaded = numbered(&format!("program = \"a.c\"\n{first}"), &format!("program = \"b.c\"\n{second}"));
+        assert_eq!(loaded.diagnostics, [], "{first}, {second}");
+        assert_eq!(places(&loaded), [(0.5, 0.5, 0.0), (1.5, 0.5, 0.0)], "the first number takes the first start");
+        programs(&loaded)
+    };
+    let (straight, turned) =
+        ([(1, "a.c".to_owned()), (2, "b.c".to_owned())], [(1, "b.c".to_owned()), (2, "a.c".to_owned())]);
+    assert_eq!(named("", ""), straight);
+    assert_eq!(named("id = 1", "id = 2"), straight);
+    assert_eq!(named("id = 2", "id = 1"), turned);
+    assert_eq!(named("id = 2", ""), turned, "the other one takes what is free");
+    assert_eq!(named("", "id = 1"), turned);
+    let group = "count = 3\nlayout = { kind = \"line\", from_mm = [500, 2000], to_mm = [2500, 2000] }";
+    let loaded = numbered(group, "id = 2");
+    assert_eq!(loaded.diagnostics, []);
+    let stand = places(&loaded);
+    assert_eq!(stand, [(0.5, 2.0, 0.0), (0.5, 0.5, 0.0), (1.5, 2.0, 0.0), (2.5, 2.0, 0.0)]);
+}
+
+#[test]
+fn numbers_that_robots_cannot_have_are_reported_where_they_stand() {
+    let said = |first: &str, second: &str| -> Vec<String> {
+        let said = numbered(first, second).diagnostics;
+        let of = |said: &sim_format::Diagnostic| {
+            format!("{}:{} {} {}; {}", said.span.line, said.span.column, said.code, said.message, said.expected)
+        };
+        said.iter().map(of).collect()
+    };
+    let range = "an integer from 1 to 100000";
+    for id in ["0", "-1", "100001", "99999999999999999999"] {
+        assert_eq!(said(&format!("id = {id}"), ""), [format!("6:6 number-range id `{id}` is out of range; {range}")]);
+    }
+    assert_eq!(said("id = 1.0", ""), [format!("6:6 toml-type `id` is of type float; {range}")]);
+    let each = "robot numbers go from 1 to the number of robots, 2, each once";
+    assert_eq!(
+        said("id = 2", "id = 2"),
+        [format!("9:1 robot-id-twice the number 2 is that of the robot of line 6; {each}")]
+    );
+    assert_eq!(said("id = 1", "id = 3"), [format!("9:1 robot-id-gap the number 3 leaves a gap; {each}")]);
+    assert_eq!(
+        said("id = 1\ncount = 2", ""),
+        [
+            "6:1 toml-conflict `id` and `count` exclude each other; either `id` or `count`",
+            "8:1 sim-start-missing no start is left for this robot: the world has 2; `x_mm` and `y_mm`, a `layout`, or a \
+             start in the world"
+        ]
+    );
+}
+
+#[test]
+fn a_sim_has_robots_in_the_order_of_their_numbers() {
+    let text = "[world]\nfloor_mm = [4000, 3000]\n\
+                start = [{ x_mm = 500, y_mm = 500 }, { x_mm = 1500, y_mm = 500 }, { x_mm = 2500, y_mm = 500 }]\n\
+                [[robot_type]]\nfile = \"s.robi\"\n\
+                [[robot]]\ntype = \"s.robi\"\nprogram = \"a.c\"\nid = 4\n\
+                [[robot]]\ntype = \"S4\"\nprogram = \"b.c\"\ncount = 2\n\
+                [[robot]]\ntype = \"S4\"\nprogram = \"c.c\"\nid = 2\nx_mm = 2000\ny_mm = 2000\n";
+    let files =
+        Overlay::of(&[("a.scene.toml", text), ("s.robi", "wheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE A B C D\n")]);
+    let converted = convert("a.scene.toml", "b.sim", &files);
+    files.write(&converted);
+    let [old, new] = ["a.scene.toml", "b.sim"].map(|name| load_scene(name, &files));
+    assert_eq!((old.diagnostics, new.diagnostics), (Vec::new(), Vec::new()));
+    let programs: Vec<&str> = old.scene.robots.iter().map(|robot| robot.program_name()).collect();
+    assert_eq!(programs, ["b.c", "c.c", "b.c", "a.c"]);
+    let text = &converted.outputs.last().expect("a sim").text;
+    assert_eq!(same::scene(&new.scene).robots, same::scene(&old.scene).robots, "{text}");
+    let back = convert("b.sim", "c.scene.toml", &files);
+    files.write(&back);
+    let again = load_scene("c.scene.toml", &files).scene;
+    assert_eq!(same::scene(&again).robots, same::scene(&old.scene).robots);
+}
+
+#[test]
+fn files_that_cannot_become_each_other_are_refused() {
+    let files = Overlay::of(&[("a.wld", "floor 1000 1000\n3 4 500 600\n"), ("a.sim", "")]);
+    let code = |from, to| convert(from, to, &files).diagnostics.last().expect("a message").code;
+    assert_eq!(code("a.wld", "b.robi"), Code::ConvertKind);
+    assert_eq!(code("a.wld", "b.maz"), Code::ConvertMaze);
+    assert_eq!(code("a.wld", "b.txt"), Code::FileKind);
+    assert!(convert("missing.sim", "b.toml", &files).outputs.is_empty());
+}
