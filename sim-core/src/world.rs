@@ -93,7 +93,10 @@ pub struct Stretch {
 }
 
 /// The static walls and the public trajectories of all robots, for the present slot and the 100 ms before.
-#[derive(Debug)]
+///
+/// A copy goes on as the original does, to the bit, and neither is disturbed by what the other one does. It shares what never
+/// changes: walls, shapes, surfaces.
+#[derive(Clone, Debug)]
 pub struct World {
     walls: Arc<Walls>,
     slot: Time,
@@ -112,7 +115,7 @@ pub struct World {
     /// The movable objects, in a scene that has any.
     objects: Option<Box<Objects>>,
     /// What rays in space meet beside all these.
-    stage: Stage,
+    stage: Arc<Stage>,
     calm: Calm,
     radio: Channel,
     /// Of robots with legs.
@@ -145,7 +148,7 @@ impl World {
     /// If `slot` is not positive or the ids are not 1, 2, ... in this order.
     pub fn new<'a>(walls: Arc<Walls>, slot: Time, motions: impl IntoIterator<Item = &'a mut Motion>) -> Self {
         assert!(slot > Time::ZERO, "a slot has a length");
-        let stage = Stage::new(Space::default(), &walls);
+        let stage = Arc::new(Stage::new(Space::default(), &walls));
         let mut world = Self {
             walls,
             slot,
@@ -182,7 +185,7 @@ impl World {
 
     /// This world with what only rays in space tell apart: shapes, heights and surfaces.
     pub fn with_space(mut self, space: Space) -> Self {
-        self.stage = Stage::new(space, &self.walls);
+        self.stage = Arc::new(Stage::new(space, &self.walls));
         self
     }
 

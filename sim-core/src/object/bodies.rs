@@ -64,6 +64,7 @@ pub struct Touch {
 }
 
 /// One object.
+#[derive(Clone)]
 struct Thing {
     properties: Arc<Properties>,
     gyration_squared: f64,
@@ -602,6 +603,31 @@ impl Bodies {
             }
         }
         Push { velocity: plain(body.linvel()), omega: body.angvel(), touch }
+    }
+}
+
+impl Clone for Bodies {
+    fn clone(&self) -> Self {
+        let PhysicsWorld { islands, broad_phase, narrow_phase, bodies, colliders, .. } = &self.world;
+        let world = PhysicsWorld {
+            gravity: self.world.gravity,
+            integration_parameters: self.world.integration_parameters,
+            islands: islands.clone(),
+            broad_phase: broad_phase.clone(),
+            narrow_phase: narrow_phase.clone(),
+            bodies: bodies.clone(),
+            colliders: colliders.clone(),
+            // Pipelines and solver keep nothing but memory from step to step; joints and soft bodies there are none.
+            ..PhysicsWorld::new()
+        };
+        Self {
+            world,
+            things: self.things.clone(),
+            robots: self.robots.clone(),
+            present: self.present.clone(),
+            awake: Vec::new(),
+            owners: self.owners.clone(),
+        }
     }
 }
 

@@ -43,7 +43,7 @@ impl ObjectTrack {
 }
 
 /// The movable objects of a world.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Objects {
     bodies: Bodies,
     tracks: Vec<ObjectTrack>,

@@ -51,7 +51,7 @@ impl World {
     pub fn add_robot(&mut self, motion: &mut Motion, figure: Option<Arc<Figure>>) {
         assert_eq!(motion.id().index(), self.tracks.len(), "ids of robots go on after the last");
         if let Some(figure) = figure {
-            self.stage.add_robot(figure, self.tracks.iter().map(Track::radius));
+            Arc::make_mut(&mut self.stage).add_robot(figure, self.tracks.iter().map(Track::radius));
         }
         let (now, end) = (self.now, self.slot_end());
         self.tracks.push(Track::new(motion, Presence::since(now), (now, end)));
@@ -94,7 +94,7 @@ impl World {
         let objects = self.objects.get_or_insert_with(|| Box::new(Objects::new(walls, [])));
         if let Some(figure) = figure {
             let known = (0..objects.len()).map(|index| objects.properties(ObjectId::from_index(index)));
-            self.stage.add_object(figure, known);
+            Arc::make_mut(&mut self.stage).add_object(figure, known);
         }
         objects.skip_to(now);
         let object = objects.add(properties, world_from_object, now);

@@ -73,7 +73,7 @@ impl Block {
 }
 
 /// A space with what is found out about it once.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Stage {
     pub space: Space,
     /// Rectangles of the fixed bodies, numbered from 1 on.
