@@ -104,9 +104,9 @@ pub struct World {
     /// In the order of the robots' ids.
     tracks: Vec<Track>,
     /// Where the public trajectories lead from 100 ms before the present slot to its end, of the bodies that move.
-    moving: Moving,
+    moving: Moving<RobotId>,
     /// Where the others stand.
-    resting: Moving,
+    resting: Moving<RobotId>,
     /// How many have been gone for longer than the world remembers.
     forgotten: usize,
     /// For the next rebuild of an index.

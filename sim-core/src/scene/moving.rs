@@ -6,16 +6,15 @@ use glam::DVec2;
 
 use super::Bounds;
 use super::grid::{Cells, FARTHEST, Grid, doubt, is_ray, rounding_margin};
-use crate::RobotId;
 
 /// The rectangles that moving bodies stay in during a slot, with a uniform grid over them.
 ///
 /// It is filled anew each slot, in time and memory proportional to the number of bodies however large they are, and
-/// keeps its memory. It knows rectangles only: whether a body itself is met is for the caller to find out.
-#[derive(Clone, Debug, Default)]
-pub struct Moving {
-    /// In ascending order of the ids.
-    bodies: Vec<(RobotId, Bounds)>,
+/// keeps its memory. It knows keys and rectangles only: whether a body itself is met is for the caller to find out.
+#[derive(Clone, Debug)]
+pub struct Moving<K> {
+    /// In ascending order of the keys.
+    bodies: Vec<(K, Bounds)>,
     /// `None` without bodies.
     grid: Option<Grid>,
     /// Margin by which bodies are larger when they are entered into cells: more than all rounding of rays and cells.
@@ -24,15 +23,21 @@ pub struct Moving {
     cells: Cells<u32>,
 }
 
-impl Moving {
-    /// Forgets all bodies and takes `bodies`, each with its own id and a rectangle that it does not leave.
+impl<K> Default for Moving<K> {
+    fn default() -> Self {
+        Self { bodies: Vec::new(), grid: None, margin: 0.0, cells: Cells::default() }
+    }
+}
+
+impl<K: Copy + Ord> Moving<K> {
+    /// Forgets all bodies and takes `bodies`, each with its own key and a rectangle that it does not leave.
     ///
     /// A rectangle without a point, or with a coordinate that is NaN, is never found; one without end is cut at
     /// 10^100 m.
     ///
     /// # Panics
     /// If there are 2^32 bodies or more.
-    pub fn rebuild(&mut self, bodies: &[(RobotId, Bounds)]) {
+    pub fn rebuild(&mut self, bodies: &[(K, Bounds)]) {
         let limits = Bounds { min: DVec2::splat(-FARTHEST), max: DVec2::splat(FARTHEST) };
         self.bodies.clear();
         self.bodies.extend(
@@ -47,7 +52,7 @@ impl Moving {
         self.lay_out();
         let Some(grid) = &self.grid else { return };
         let all_bodies = &self.bodies;
-        let places = 0..u32::try_from(all_bodies.len()).expect("a scene has fewer than 2^32 robots");
+        let places = 0..u32::try_from(all_bodies.len()).expect("a scene has fewer than 2^32 bodies");
         self.cells.fill(grid.len(), places, |place, visit| {
             let (columns, rows) = grid.span(&all_bodies[place as usize].1.grown(self.margin));
             for row in rows {
@@ -73,7 +78,7 @@ impl Moving {
     ///
     /// Rectangles that the ray misses by no more than rounding may be visited too. Arguments that are no ray (see
     /// [`Walls::cast`](super::Walls::cast)) visit nothing.
-    pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, mut visit: impl FnMut(RobotId)) {
+    pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, mut visit: impl FnMut(K)) {
         let Some(grid) = &self.grid else { return };
         if !is_ray(origin, direction, range) {
             return;
@@ -105,7 +110,7 @@ impl Moving {
     }
 
     /// Visits each body whose rectangle meets `bounds`, once, in ascending order.
-    pub fn for_each_in(&self, bounds: Bounds, mut visit: impl FnMut(RobotId)) {
+    pub fn for_each_in(&self, bounds: Bounds, mut visit: impl FnMut(K)) {
         let mut places = Vec::new();
         self.overlapping(&bounds, 0, &mut places);
         for place in places {
@@ -113,8 +118,8 @@ impl Moving {
         }
     }
 
-    /// Visits each pair of bodies whose rectangles meet, once: the lower id first, pairs in ascending order.
-    pub fn pairs(&self, mut visit: impl FnMut(RobotId, RobotId)) {
+    /// Visits each pair of bodies whose rectangles meet, once: the lower key first, pairs in ascending order.
+    pub fn pairs(&self, mut visit: impl FnMut(K, K)) {
         let mut places = Vec::new();
         for (after, (id, bounds)) in (1..).zip(&self.bodies) {
             self.overlapping(bounds, after, &mut places);
@@ -172,23 +177,23 @@ impl Moving {
 mod tests {
     use super::*;
 
-    fn bodies(discs: &[(u32, f64, f64, f64)]) -> Moving {
+    fn bodies(discs: &[(u32, f64, f64, f64)]) -> Moving<u32> {
         let list: Vec<_> =
-            discs.iter().map(|&(id, x, y, radius)| (RobotId(id), Bounds::of_disc(DVec2::new(x, y), radius))).collect();
+            discs.iter().map(|&(id, x, y, radius)| (id, Bounds::of_disc(DVec2::new(x, y), radius))).collect();
         let mut moving = Moving::default();
         moving.rebuild(&list);
         moving
     }
 
-    fn along(moving: &Moving, origin: DVec2, direction: DVec2, range: f64) -> Vec<u32> {
+    fn along(moving: &Moving<u32>, origin: DVec2, direction: DVec2, range: f64) -> Vec<u32> {
         let mut ids = Vec::new();
-        moving.along_ray(origin, direction, range, |id| ids.push(id.0));
+        moving.along_ray(origin, direction, range, |id| ids.push(id));
         ids
     }
 
-    fn pairs(moving: &Moving) -> Vec<(u32, u32)> {
+    fn pairs(moving: &Moving<u32>) -> Vec<(u32, u32)> {
         let mut pairs = Vec::new();
-        moving.pairs(|i, j| pairs.push((i.0, j.0)));
+        moving.pairs(|i, j| pairs.push((i, j)));
         pairs
     }
 
@@ -213,12 +218,7 @@ mod tests {
         let everywhere = Bounds { min: DVec2::NEG_INFINITY, max: DVec2::INFINITY };
         let nowhere = Bounds { min: DVec2::NAN, max: DVec2::NAN };
         let mut moving = Moving::default();
-        moving.rebuild(&[
-            (RobotId(1), Bounds::of_disc(DVec2::ONE, 0.1)),
-            (RobotId(2), everywhere),
-            (RobotId(3), nowhere),
-            (RobotId(4), Bounds::EMPTY),
-        ]);
+        moving.rebuild(&[(1, Bounds::of_disc(DVec2::ONE, 0.1)), (2, everywhere), (3, nowhere), (4, Bounds::EMPTY)]);
         assert_eq!(pairs(&moving), [(1, 2)]);
         assert_eq!(along(&moving, DVec2::ZERO, DVec2::NEG_Y, 1.0), [2]);
         moving.rebuild(&[]);

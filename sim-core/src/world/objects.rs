@@ -47,8 +47,8 @@ impl ObjectTrack {
 pub(super) struct Objects {
     bodies: Bodies,
     tracks: Vec<ObjectTrack>,
-    /// Public rectangles, by the numbers of the objects.
-    index: Moving,
+    /// Public rectangles.
+    index: Moving<ObjectId>,
     /// Until when the bodies have been stepped: on the grid of [`STEP`].
     stepped: Time,
     /// Objects that moved in the last slot, in ascending order.
@@ -176,8 +176,7 @@ impl Objects {
     /// The first object that a ray meets, nearer than `reach` or at it, and at equal distances that of the lower id.
     pub fn cast(&self, origin: DVec2, direction: DVec2, reach: f64, at: Time) -> Option<(f64, ObjectId)> {
         let mut nearest: Option<(f64, ObjectId)> = None;
-        self.index.along_ray(origin, direction, reach, |RobotId(number)| {
-            let object = ObjectId(number);
+        self.index.along_ray(origin, direction, reach, |object| {
             let Some(distance) = self.properties(object).cast(&self.pose(object, at), origin, direction) else {
                 return;
             };
@@ -191,26 +190,24 @@ impl Objects {
 
     /// Visits each object that is there at `at` whose public rectangle meets a ray, once.
     pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, at: Time, mut visit: impl FnMut(ObjectId)) {
-        self.index.along_ray(origin, direction, range, |RobotId(number)| self.visit_if_there(number, at, &mut visit));
+        self.index.along_ray(origin, direction, range, |object| self.visit_if_there(object, at, &mut visit));
     }
 
     /// Visits each object that is there at `at` whose public rectangle meets `bounds`, once, in ascending order.
     pub fn for_each_in(&self, bounds: Bounds, at: Time, mut visit: impl FnMut(ObjectId)) {
-        self.index.for_each_in(bounds, |RobotId(number)| self.visit_if_there(number, at, &mut visit));
+        self.index.for_each_in(bounds, |object| self.visit_if_there(object, at, &mut visit));
     }
 
-    fn visit_if_there(&self, number: u32, at: Time, mut visit: impl FnMut(ObjectId)) {
-        if self.presence(ObjectId(number)).holds(at) {
-            visit(ObjectId(number));
+    fn visit_if_there(&self, object: ObjectId, at: Time, mut visit: impl FnMut(ObjectId)) {
+        if self.presence(object).holds(at) {
+            visit(object);
         }
     }
 
     /// Whether an object that sleeps, or is there at the slot's start, may come near `bounds`.
     pub fn is_near(&self, bounds: Bounds) -> bool {
         let mut is_near = false;
-        self.index.for_each_in(bounds.grown(NEAR), |RobotId(number)| {
-            is_near |= !self.bodies.is_gone(ObjectId(number));
-        });
+        self.index.for_each_in(bounds.grown(NEAR), |object| is_near |= !self.bodies.is_gone(object));
         is_near
     }
 
@@ -291,7 +288,7 @@ impl Objects {
 
     fn rebuild_index(&mut self) {
         let bounds: Vec<_> =
-            self.tracks.iter().enumerate().map(|(index, track)| (RobotId::from_index(index), track.bounds)).collect();
+            self.tracks.iter().enumerate().map(|(index, track)| (ObjectId::from_index(index), track.bounds)).collect();
         self.index.rebuild(&bounds);
     }
 }

@@ -32,7 +32,7 @@ pub(super) struct Truth {
     /// Rectangles of the active motions' bodies in the slot.
     bounds: Vec<(RobotId, Bounds)>,
     /// Index of these bounds as they were before any contact was settled.
-    index: Moving,
+    index: Moving<RobotId>,
     /// Robots whose bounds have left those in the index.
     strays: BTreeSet<RobotId>,
 }

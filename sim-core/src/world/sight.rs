@@ -146,8 +146,8 @@ impl World {
 
     fn sight_blocks(&self, ray: &mut Ray) {
         let (origin, trace, reach) = (ray.origin.truncate(), ray.trace, ray.reach());
-        self.stage.blocks.along_ray(origin, trace, reach, |RobotId(number)| {
-            let block = &self.stage.space.blocks[number as usize - 1];
+        self.stage.blocks.along_ray(origin, trace, reach, |place| {
+            let block = &self.stage.space.blocks[place as usize];
             if let Some(met) = block.figure.cast_hollow(&block.world_from_block, ray.origin, ray.direction) {
                 ray.meet(met, Seen::Wall(block.wall), self.stage.wall_surface(block.wall));
             }
@@ -185,9 +185,9 @@ impl World {
                 ray.meet(met, thing, figure.surface);
             }
         };
-        self.stage.fixed.along_ray(origin, trace, reach, |RobotId(number)| {
-            let (pose, figure) = &self.stage.space.fixed[number as usize - 1];
-            look_at(Seen::Fixed(number - 1), pose, figure);
+        self.stage.fixed.along_ray(origin, trace, reach, |place| {
+            let (pose, figure) = &self.stage.space.fixed[place as usize];
+            look_at(Seen::Fixed(place), pose, figure);
         });
         let mut look_at_robot = |robot: RobotId| {
             if robot != by && self.is_robot_there(robot, at) {
@@ -261,12 +261,12 @@ impl World {
                 visit(segment.nearest_point(point.truncate()).extend(point.z.clamp(0.0, height)));
             }
         });
-        self.stage.blocks.for_each_in(near, |RobotId(number)| {
-            let block = &self.stage.space.blocks[number as usize - 1];
+        self.stage.blocks.for_each_in(near, |place| {
+            let block = &self.stage.space.blocks[place as usize];
             block.figure.for_each_nearest(&block.world_from_block, point, &mut visit);
         });
-        self.stage.fixed.for_each_in(near, |RobotId(number)| {
-            let (pose, figure) = &self.stage.space.fixed[number as usize - 1];
+        self.stage.fixed.for_each_in(near, |place| {
+            let (pose, figure) = &self.stage.space.fixed[place as usize];
             figure.for_each_nearest(pose, point, &mut visit);
         });
         self.for_each_near(near, at, |robot| {

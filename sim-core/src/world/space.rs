@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::{
-    ObjectId, RobotId, math,
+    ObjectId, math,
     object::{Figure, Properties, Shape, Solid},
     pose::Pose,
     scene::{Bounds, Moving, Segment, Surface, WallId, Walls},
@@ -76,10 +76,10 @@ impl Block {
 #[derive(Clone, Debug)]
 pub(super) struct Stage {
     pub space: Space,
-    /// Rectangles of the fixed bodies, numbered from 1 on.
-    pub fixed: Moving,
-    /// Rectangles of the blocks, numbered from 1 on.
-    pub blocks: Moving,
+    /// Rectangles of the fixed bodies, by their places.
+    pub fixed: Moving<u32>,
+    /// Rectangles of the blocks, by their places.
+    pub blocks: Moving<u32>,
     /// Up to this height all walls and bodies are prisms on the floor.
     pub plain_below: f64,
     /// Whether there is a mesh among the bodies.
@@ -137,9 +137,8 @@ impl Stage {
     }
 }
 
-fn index(bounds: impl Iterator<Item = Bounds>) -> Moving {
+fn index(bounds: impl Iterator<Item = Bounds>) -> Moving<u32> {
     let mut index = Moving::default();
-    let bounds: Vec<_> = bounds.enumerate().map(|(place, bounds)| (RobotId::from_index(place), bounds)).collect();
-    index.rebuild(&bounds);
+    index.rebuild(&(0..).zip(bounds).collect::<Vec<_>>());
     index
 }

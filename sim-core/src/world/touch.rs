@@ -100,16 +100,16 @@ impl World {
                 note(Seen::Wall(wall), touch_convex(capsule, nearest));
             }
         });
-        self.stage.blocks.for_each_in(near, |RobotId(number)| {
-            let block = &self.stage.space.blocks[number as usize - 1];
+        self.stage.blocks.for_each_in(near, |place| {
+            let block = &self.stage.space.blocks[place as usize];
             note(Seen::Wall(block.wall), touch_figure(&block.figure, &block.world_from_block, capsule));
         });
-        self.stage.fixed.for_each_in(near, |RobotId(number)| {
+        self.stage.fixed.for_each_in(near, |place| {
             // Without a floor the first of them is the ground.
-            let is_ground = number == 1 && self.stage.space.floor.is_none();
+            let is_ground = place == 0 && self.stage.space.floor.is_none();
             if !is_ground {
-                let (pose, figure) = &self.stage.space.fixed[number as usize - 1];
-                note(Seen::Fixed(number - 1), touch_figure(figure, pose, capsule));
+                let (pose, figure) = &self.stage.space.fixed[place as usize];
+                note(Seen::Fixed(place), touch_figure(figure, pose, capsule));
             }
         });
         self.for_each_near(near, at, |robot| {
