@@ -7,6 +7,7 @@
 pub mod build;
 pub mod camera;
 pub mod contact;
+pub mod device;
 pub mod drive;
 pub mod math;
 pub mod nearest;
@@ -17,6 +18,7 @@ pub mod radio;
 pub mod record;
 pub mod scene;
 pub mod sensor;
+pub mod simulation;
 pub mod spec;
 pub mod time;
 pub mod unit;

@@ -23,14 +23,15 @@ use crate::executive::program::{Exec, RobotProgram};
 use crate::program::load::Loader;
 use crate::program::prepare::Prepared;
 use crate::record::frame::Frames;
-use crate::robios::Devices;
+use crate::robios::Robios;
 use crate::robios::irtv::Remote;
 use crate::robios::key::{Keys, Press};
 use crate::robios::robot::{Robot, RobotParts};
 use crate::robios::storage::Storage;
-use crate::robios::truth::{Census, Placeable};
+use crate::robios::truth::Census;
 use crate::scenery::{LazyScenery, Newcomer};
 use crate::setup::{self, Profiles, Programs, RobotOptions};
+use sim_core::simulation::Placeable;
 pub use types::Types;
 
 /// Most robots that may come into a run after its start, those that have left again included: each keeps its number, its record
@@ -265,15 +266,14 @@ impl Maker {
         let is_meant = |press: &&Press| press.robot.is_none_or(|robot| robot == spec.id) && press.at >= since;
         let presses = self.keys.iter().filter(is_meant);
         let generation = program.and_then(|program| program.generation());
-        let new_devices = if generation == Some(7) { Devices::of_robios7 } else { Devices::new };
+        let new_robios = if generation == Some(7) { Robios::of_robios7 } else { Robios::new };
         let (remote, keys): (Vec<&Press>, Vec<_>) = presses.partition(|press| press.touch.remote_key().is_some());
         let keys = Keys::scripted(keys.iter().map(|press| (press.at, press.touch)));
-        let mut devices = new_devices(&spec.robi, keys).among(Arc::clone(&self.census));
-        devices.remote =
-            Remote::scripted(remote.iter().filter_map(|press| Some((press.at, press.touch.remote_key()?))));
-        devices.storage = Storage::new(&self.folder);
-        devices.os.may_execute = self.may_execute;
-        devices.camera = devices.camera.in_run(Arc::clone(&self.scenery), self.frames.clone());
+        let mut robios = new_robios(&spec.robi, keys).among(Arc::clone(&self.census));
+        robios.remote = Remote::scripted(remote.iter().filter_map(|press| Some((press.at, press.touch.remote_key()?))));
+        robios.storage = Storage::new(&self.folder);
+        robios.os.may_execute = self.may_execute;
+        robios.camera = robios.camera.in_run(Arc::clone(&self.scenery), self.frames.clone());
         let mut motion = Motion::new(spec.id, model, Arc::clone(&self.walls), spec.start).starting_at(since);
         if let Some(legs) = build::legs(&spec.robi) {
             motion = motion.with_legs(legs, Arc::clone(&self.ground));
@@ -284,7 +284,7 @@ impl Maker {
             start: since,
             motion,
             spec: Arc::clone(&spec.robi),
-            devices,
+            robios,
             seed: self.seed,
             is_verbose: self.is_verbose,
         });

@@ -306,7 +306,7 @@ impl Stage {
     fn show_end(&self, ran: &Ran, show: &mut Show, speed: Option<f64>) {
         let state = RunState::Ended { why: why(ran), digest: ran.ended.digest.to_string() };
         let (run, ends) = (&*ran.ended.run, &ran.ended.robots[..]);
-        let world = run.world.read();
+        let world = run.world();
         show.present(Moment { run, world: &world, now: ran.ended.time, state, speed, rate: 0.0, ends });
     }
 

@@ -112,6 +112,7 @@ pub fn carry_out(change: Change, at: Time, run: &Run, world: &mut World) -> Effe
                 robot.now = robot.now.max(at);
                 robot.halt(world);
             }
+            robot.is_removed = true;
             world.remove_robot(id);
             run.dismiss(id);
             Effect { left: Some(id), ..Effect::default() }

@@ -9,20 +9,18 @@ use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
 use parking_lot::MutexGuard;
-use sim_core::drive::Motion;
+use sim_core::RobotId;
+use sim_core::simulation::{self, Environment, SlotEnd};
 use sim_core::time::Time;
 use sim_core::world::World;
-use sim_core::{ObjectId, RobotId};
 
 use super::gate::{Boundary, Gate, Intervention, Pass};
 use super::intervene::{self, Effect, Refusal};
-use super::radio::Traffic;
 use super::run::Run;
 use super::signal;
-use crate::record::{RecordError, Sink as _, Sinks};
+use crate::record::{RecordError, Sinks};
 use crate::robios::robot::Robot;
-use crate::robios::truth::{Placeable, Placement};
-use sim_core::record::{ActionText, Digest, Event, Journal, Recorder, WORLD};
+use sim_core::record::{ActionText, Event};
 
 /// Who runs, who waits until when, and where the run's record goes.
 pub struct Conductor {
@@ -33,8 +31,6 @@ pub struct Conductor {
     homes: Vec<u32>,
     /// Suspended or ended in the present slot.
     ran: Vec<RobotId>,
-    /// Bodies in motion, or blocked by another body, at the present slot's start.
-    moving: Vec<RobotId>,
     wakes: BinaryHeap<Reverse<Wake>>,
     /// For each robot the number of its valid entry in `wakes`.
     wake_numbers: Vec<u32>,
@@ -46,14 +42,8 @@ pub struct Conductor {
     gate: Option<Box<dyn Gate>>,
     /// Somebody has acted since the last slot: the present one is due.
     has_acted: bool,
-    recorder: Recorder,
     /// Who wants to see the record.
     sinks: Sinks<'static>,
-    /// Where is recorded what belongs to no robot.
-    journal: Journal,
-    /// The movable objects have been recorded where they start.
-    has_recorded_starts: bool,
-    traffic: Traffic,
     end: Option<End>,
 }
 
@@ -115,7 +105,7 @@ pub struct Plan {
 
 impl Conductor {
     /// The slot loop before the first slot: all robots with programs are due at 0.
-    pub fn new(plan: &Plan, recorder: Recorder, sinks: Sinks<'static>, gate: Option<Box<dyn Gate>>) -> Self {
+    pub fn new(plan: &Plan, sinks: Sinks<'static>, gate: Option<Box<dyn Gate>>) -> Self {
         let count = plan.has_program.len();
         let ids = |has_program| {
             let robots = plan.has_program.iter().enumerate().filter(move |(_, has)| **has == has_program);
@@ -128,7 +118,6 @@ impl Conductor {
             most_lanes: plan.lanes,
             homes: vec![0; count],
             ran: Vec::new(),
-            moving: Vec::new(),
             wakes: BinaryHeap::new(),
             wake_numbers: vec![0; count],
             departed: plan.has_program.iter().map(|has_program| !has_program).collect(),
@@ -136,11 +125,7 @@ impl Conductor {
             until: plan.until,
             gate,
             has_acted: false,
-            recorder,
             sinks,
-            journal: Journal::new(WORLD, false),
-            has_recorded_starts: false,
-            traffic: Traffic::default(),
             end: None,
         };
         for (place, robot) in ids(true).enumerate() {
@@ -164,26 +149,14 @@ impl Conductor {
         self.lanes.iter().filter_map(|lane| lane.running)
     }
 
-    /// Where events go.
-    pub fn recorder(&mut self) -> &mut Recorder {
-        &mut self.recorder
-    }
-
-    /// Completes the record at the end of the run, `time`: its digest, and what kept it from being complete.
-    pub fn finish_record(&mut self, time: Time) -> (Digest, Result<(), RecordError>) {
-        let ended = self.sinks.take_slot(&mut self.recorder, time);
-        let digest = self.recorder.digest();
-        (digest, ended.and_then(|()| self.sinks.finish(time, digest)))
-    }
-
-    /// Gives what is left of the world's own record to the recorder, at the very end.
-    pub fn collect_world(&mut self) {
-        self.recorder.collect(&mut self.journal);
+    /// Who wants to see the record.
+    pub fn sinks(&mut self) -> &mut Sinks<'static> {
+        &mut self.sinks
     }
 
     /// Releases the first robots, if there are any with a program.
     pub fn begin(&mut self, run: &Run) -> HandOver {
-        self.begin_slot(run, &mut run.world.write());
+        self.begin_slot(run, &mut run.environment.write());
         if self.is_over() {
             run.bell().ring();
         }
@@ -300,31 +273,32 @@ impl Conductor {
 
     /// Completes the present slot and, unless the run ends with it, begins the next one in which anything happens.
     fn finish_slot(&mut self, run: &Run) -> Result<(), RecordError> {
-        let mut world = run.world.write();
-        self.advance_bodies(run, &mut world)?;
+        let mut environment = run.environment.write();
+        self.end_slot(run, &mut environment)?;
         if signal::is_interrupted() {
             self.end_with(End::Interrupted);
         }
         if self.end.is_some() {
             return Ok(());
         }
-        self.begin_slot(run, &mut world);
+        self.begin_slot(run, &mut environment);
         Ok(())
     }
 
     /// Begins the next slot in which anything happens, once the gate lets the run go on; without one the run ends.
-    fn begin_slot(&mut self, run: &Run, world: &mut World) {
+    fn begin_slot(&mut self, run: &Run, environment: &mut Environment) {
         while self.end.is_none() {
-            let next = self.next_start(world);
+            let next = self.next_start(environment);
             let pass = match &mut self.gate {
                 Some(gate) => {
+                    let world = &environment.world;
                     let following = world.slot_start();
                     gate.wait(&Boundary { run, world, following, next, until: self.until })
                 }
                 None => Pass::Begin,
             };
             match (pass, next) {
-                (Pass::Act { at, actions }, _) => self.act(at.min(next.unwrap_or(at)), actions, run, world),
+                (Pass::Act { at, actions }, _) => self.act(at.min(next.unwrap_or(at)), actions, run, environment),
                 (Pass::End(end), _) => self.end_with(end),
                 (Pass::Begin, None) => self.end_with(if self.alive == 0 { End::Finished } else { End::Stuck }),
                 // The first slot is run whatever the limit.
@@ -333,46 +307,50 @@ impl Conductor {
                 }
                 (Pass::Begin, Some(start)) => {
                     self.has_acted = false;
-                    world.advance_to(start);
-                    run.publish_slot(world);
-                    return self.take_due(world.slot_end());
+                    environment.world.advance_to(start);
+                    run.publish_slot(&environment.world);
+                    return self.take_due(environment.world.slot_end());
                 }
             }
         }
     }
 
     /// Lets these actions happen at the start of the slot that contains `at`; those that are refused change nothing.
-    fn act(&mut self, at: Time, actions: Vec<Intervention>, run: &Run, world: &mut World) {
-        let at = at.floor_to(world.slot()).max(world.slot_start());
+    fn act(&mut self, at: Time, actions: Vec<Intervention>, run: &Run, environment: &mut Environment) {
+        let at = at.floor_to(environment.world.slot()).max(environment.world.slot_start());
         for Intervention { action, answer } in actions {
-            let checked = if at < self.until { intervene::check(&action, at, run, world) } else { Err(Refusal::Over) };
+            let checked = if at < self.until {
+                intervene::check(&action, at, run, &environment.world)
+            } else {
+                Err(Refusal::Over)
+            };
             answer(checked.map(|deed| {
-                world.advance_to(at);
+                environment.world.advance_to(at);
                 self.has_acted = true;
-                self.record_starts(world);
+                environment.record_starts();
                 let text = serde_json::to_string(&action).unwrap_or_default();
-                self.journal.record(at, &Event::Intervention { action: ActionText(&text) });
-                let effect = intervene::carry_out(deed, at, run, world, &mut self.journal);
-                self.take_effect(effect, at, run, world);
+                environment.journal().record(at, &Event::Intervention { action: ActionText(&text) });
+                let effect = intervene::carry_out(deed, at, run, environment);
+                self.take_effect(effect, at, run, environment);
             }));
         }
     }
 
     /// Brings the list of wakes in line with what an action at `at` has changed.
-    fn take_effect(&mut self, effect: Effect, at: Time, run: &Run, world: &World) {
+    fn take_effect(&mut self, effect: Effect, at: Time, run: &Run, environment: &mut Environment) {
         for id in effect.robots {
             if let Some(wake) = run.robot(id).wake_after(at).filter(|_| !self.has_departed(id)) {
                 self.sleep_until(id, wake);
             }
             self.ran.push(id);
         }
-        self.record_objects(world, at, effect.object.into_iter());
+        effect.object.into_iter().for_each(|object| environment.record_object(at, object));
         if let Some((id, has_program)) = effect.came {
             self.admit(id, has_program, at);
         }
         if let Some(id) = effect.left {
             // Its program is turned back from the call that it is in.
-            self.moving.retain(|moving| *moving != id);
+            environment.forget(id);
             if !self.has_departed(id) {
                 self.sleep_until(id, at);
             }
@@ -398,111 +376,38 @@ impl Conductor {
         self.ran.push(robot);
     }
 
-    /// Records where the movable objects start, once.
-    fn record_starts(&mut self, world: &World) {
-        if !std::mem::replace(&mut self.has_recorded_starts, true) {
-            let all = (0..world.object_count()).map(ObjectId::from_index);
-            self.record_objects(world, Time::ZERO, all);
-        }
-    }
-
-    /// Moves the bodies to the slot's end, resolves their contacts and records what the slot brought.
-    fn advance_bodies(&mut self, run: &Run, world: &mut World) -> Result<(), RecordError> {
-        let slot_end = world.slot_end();
-        let mut active = std::mem::take(&mut self.moving);
-        active.append(&mut self.ran);
-        active.sort_unstable();
-        active.dedup();
-        let placements = self.take_requests(run, &active, world);
-        self.traffic.exchange(slot_end, world.radio_mut(), &mut active);
-        active.extend(placements.iter().filter_map(|placement| match placement.what {
-            Placeable::Robot(id) => Some(id),
-            Placeable::Object(_) => None,
-        }));
-        active.sort_unstable();
-        active.dedup();
-        self.record_starts(world);
+    /// Ends the slot for all robots that it concerns, and gives the sinks what it brought.
+    fn end_slot(&mut self, run: &Run, environment: &mut Environment) -> Result<(), RecordError> {
+        let active = environment.concerned(std::mem::take(&mut self.ran), |id, act| act(&mut run.robot(id).state));
         let mut robots: Vec<MutexGuard<'_, Robot>> = active.iter().map(|id| run.robot(*id)).collect();
-        for placement in &placements {
-            self.place(placement, world, &mut robots);
-        }
-        let contacts = {
-            let there = robots.iter_mut().filter(|robot| !run.is_removed(robot.id));
-            let mut motions: Vec<&mut Motion> = there.map(|robot| &mut robot.motion).collect();
-            world.advance(&mut motions)
-        };
-        self.record_objects(world, slot_end, world.moved_objects().iter().copied());
-        self.recorder.collect(&mut self.journal);
-        for contact in contacts {
-            if let Ok(place) = active.binary_search(&contact.robot) {
-                robots[place].record_contact(&contact);
-            }
-        }
-        self.traffic.deliver(slot_end, &mut robots);
         save_files(&mut robots);
-        for robot in &mut robots {
-            if run.is_removed(robot.id) {
-                self.recorder.collect(&mut robot.journal);
-                continue;
+        let SlotEnd { at, heard } = {
+            let mut states: Vec<&mut simulation::Robot> = robots.iter_mut().map(|robot| &mut robot.state).collect();
+            environment.end_slot(&mut states)
+        };
+        for (id, visible) in heard {
+            if let Ok(place) = active.binary_search(&id) {
+                robots[place].tasks.look_at_radio(visible);
             }
-            // Who follows poses knows the height of a walking body then.
-            robot.record_walk(world, slot_end);
-            robot.record_pose(slot_end);
-            if robot.motion.is_active() {
-                self.moving.push(robot.id);
-            }
-            if let Some(wake) = robot.wake_after(slot_end) {
+        }
+        for robot in robots.iter_mut().filter(|robot| !robot.is_removed) {
+            if let Some(wake) = robot.wake_after(at) {
                 self.sleep_until(robot.id, wake);
             }
-            self.recorder.collect(&mut robot.journal);
         }
-        self.sinks.take_slot(&mut self.recorder, slot_end)
-    }
-
-    /// Puts a robot or an object elsewhere, at the slot's end.
-    fn place(&mut self, placement: &Placement, world: &mut World, robots: &mut [MutexGuard<'_, Robot>]) {
-        let Placement { by, what, pose, .. } = *placement;
-        let slot_end = world.slot_end();
-        match what {
-            Placeable::Robot(id) => {
-                let Ok(place) = robots.binary_search_by_key(&id, |robot| robot.id) else { return };
-                // The program's millimetres are always a place, here and below.
-                let _ = robots[place].motion.place(slot_end, pose);
-                robots[place].record_placed(slot_end, by, &pose);
-            }
-            Placeable::Object(object) => {
-                let _ = world.place_object(object, pose);
-                let (x_m, y_m) = (pose.position.x, pose.position.y);
-                let event =
-                    Event::ObjectPlaced { object: object.0, by: by.0, x_m, y_m, phi_rad: pose.heading.remainder() };
-                self.journal.record(slot_end, &event);
-            }
-        }
-    }
-
-    /// Records where these movable objects are at `at`.
-    fn record_objects(&mut self, world: &World, at: Time, objects: impl Iterator<Item = ObjectId>) {
-        for object in objects {
-            let pose = world.object_pose(object, at);
-            let event = Event::Object {
-                object: object.0,
-                x_m: pose.position.x,
-                y_m: pose.position.y,
-                phi_rad: pose.heading.remainder(),
-                turns: pose.heading.turns(),
-            };
-            self.journal.record(at, &event);
-        }
+        drop(robots);
+        self.sinks.take_slot(environment.recorder(), at)
     }
 
     /// The start of the next slot in which a body moves or a robot is due; none when that never happens.
-    fn next_start(&mut self, world: &World) -> Option<Time> {
+    fn next_start(&mut self, environment: &Environment) -> Option<Time> {
+        let world = &environment.world;
         // The world has gone on to the slot after the one that was finished.
         let following = world.slot_start();
         if self.has_acted || world.is_object_moving() {
             return Some(following);
         }
-        if !self.moving.is_empty() {
+        if environment.is_robot_moving() {
             // A drive that nobody waits for may go on for ever once all programs have ended: that is no reason to run on.
             return (self.alive > 0).then_some(following);
         }
@@ -513,23 +418,9 @@ impl Conductor {
         }
         let wake = self.wakes.peek().map_or(Time::NEVER, |Reverse(wake)| wake.at);
         // A message that nobody lives to hear is no reason to run on either.
-        let message = if self.alive > 0 { self.traffic.due(world.radio()) } else { Time::NEVER };
+        let message = if self.alive > 0 { environment.message_due() } else { Time::NEVER };
         let due = wake.min(message);
         (due < Time::NEVER).then(|| due.floor_to(world.slot()).max(following))
-    }
-
-    /// Takes what these robots' programs have asked of the world in the slot: what is to be put elsewhere, in order, and what is
-    /// to be sent.
-    fn take_requests(&mut self, run: &Run, robots: &[RobotId], world: &mut World) -> Vec<Placement> {
-        let mut placements = Vec::new();
-        for id in robots {
-            let mut robot = run.robot(*id);
-            placements.append(&mut robot.placements);
-            self.traffic.collect(&mut robot, world.radio_mut());
-        }
-        // Each robot's own are in order already.
-        placements.sort_by_key(|placement| (placement.time, placement.by));
-        placements
     }
 
     /// Moves the robots that are due before `slot_end` to the ready list.
@@ -551,7 +442,7 @@ impl Conductor {
 fn save_files(robots: &mut [MutexGuard<'_, Robot>]) {
     let mut files = Vec::new();
     for (index, robot) in robots.iter_mut().enumerate() {
-        files.extend(robot.devices.storage.take_written().map(|file| (file, index)));
+        files.extend(robot.robios.storage.take_written().map(|file| (file, index)));
     }
     files.sort_by_key(|(file, index)| (file.at, *index));
     for (file, index) in files {

@@ -3,7 +3,8 @@
 use sim_core::noise::ParameterError;
 use sim_core::noise::Profile;
 use sim_core::pose::Pose;
-use sim_core::record::{Action, Event, Journal, WORLD};
+use sim_core::record::{Action, Event, WORLD};
+use sim_core::simulation::Environment;
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
@@ -138,9 +139,9 @@ pub fn check(action: &Action, at: Time, run: &Run, world: &World) -> Result<Deed
     })
 }
 
-/// Does what was checked, at the start of the slot at `at`, the world's present one; what is to be recorded of the world goes to
-/// `journal`.
-pub fn carry_out(deed: Deed, at: Time, run: &Run, world: &mut World, journal: &mut Journal) -> Effect {
+/// Does what was checked, at the start of the slot at `at`, the world's present one.
+pub fn carry_out(deed: Deed, at: Time, run: &Run, environment: &mut Environment) -> Effect {
+    let world = &mut environment.world;
     match deed {
         Deed::Press(id, touch) => {
             run.robot(id).press(at, touch);
@@ -158,7 +159,7 @@ pub fn carry_out(deed: Deed, at: Time, run: &Run, world: &mut World, journal: &m
             let placed = world.place_object_now(object, pose);
             debug_assert!(placed.is_ok(), "the place was checked");
             let (x_m, y_m, phi_rad) = (pose.position.x, pose.position.y, pose.heading.remainder());
-            journal.record(at, &Event::ObjectPlaced { object: object.0, by: WORLD.0, x_m, y_m, phi_rad });
+            environment.journal().record(at, &Event::ObjectPlaced { object: object.0, by: WORLD.0, x_m, y_m, phi_rad });
             Effect { object: Some(object), ..Effect::default() }
         }
         Deed::SetNoise(profiles) => {

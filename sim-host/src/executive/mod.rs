@@ -14,7 +14,6 @@ pub mod intervene;
 pub mod pace;
 pub mod process;
 pub mod program;
-pub mod radio;
 pub mod run;
 pub mod script;
 pub mod signal;

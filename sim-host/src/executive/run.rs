@@ -4,9 +4,10 @@ use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 use std::sync::{Arc, Weak};
 use std::time::{Duration, Instant};
 
-use parking_lot::{Mutex, MutexGuard, RwLock};
+use parking_lot::{MappedRwLockReadGuard, Mutex, MutexGuard, RwLock, RwLockReadGuard};
 use robios_sys::{Callback, Stop};
 use sim_core::pose::Pose;
+use sim_core::simulation::Environment;
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
@@ -31,8 +32,8 @@ use sim_core::record::{Digest, Outcome, Recorder};
 
 /// Everything that the robots' flows share.
 pub struct Run {
-    /// The world; written only between slots, when no robot runs.
-    pub(crate) world: RwLock<World>,
+    /// What all robots share; written only between slots, when no robot runs.
+    pub(crate) environment: RwLock<Environment>,
     /// All robots that ever were in the run, in the order of their ids.
     members: boxcar::Vec<Member>,
     /// What more of them are made of, where the run can grow.
@@ -169,7 +170,7 @@ impl Run {
         let run = Arc::new_cyclic(|own| Self {
             slot_start: AtomicI64::new(parts.world.slot_start().0),
             slot_end: AtomicI64::new(parts.world.slot_end().0),
-            world: RwLock::new(parts.world),
+            environment: RwLock::new(Environment::new(parts.world, parts.recorder)),
             members: parts
                 .robots
                 .into_iter()
@@ -177,7 +178,7 @@ impl Run {
                 .map(|(robot, program)| Member::new(robot, program))
                 .collect(),
             workshop: Mutex::new(parts.workshop),
-            conductor: Mutex::new(Conductor::new(&plan, parts.recorder, parts.sinks, parts.gate)),
+            conductor: Mutex::new(Conductor::new(&plan, parts.sinks, parts.gate)),
             executor: parts.executor,
             lost: Mutex::default(),
             costs: parts.costs,
@@ -236,6 +237,11 @@ impl Run {
     /// The state of robot `id`.
     pub fn robot(&self, id: RobotId) -> MutexGuard<'_, Robot> {
         self.members[id.index()].robot.lock()
+    }
+
+    /// The world, as it was made public at the start of the present slot.
+    pub fn world(&self) -> MappedRwLockReadGuard<'_, World> {
+        RwLockReadGuard::map(self.environment.read(), |environment| &environment.world)
     }
 
     /// Number of robots, those that have been removed included: the last has this id.
@@ -443,7 +449,7 @@ impl Run {
             if matches!(robot.ending, Some(Ending::Exited { .. })) {
                 robot.hint_at_pending_drive();
             }
-            robot.halt(&self.world.read());
+            robot.halt(&self.world());
             radio::end(&mut robot);
         }
         let hand_over = self.conductor.lock().depart(self, id);
@@ -518,12 +524,12 @@ impl Run {
     /// What the run has come to, once nobody runs any more.
     fn conclude(self: &Arc<Self>, broken: &[(RobotId, Broken)], start: Instant) -> Ended {
         let mut conductor = self.conductor.lock();
-        let time = conductor.time(&self.world.read());
+        let mut environment = self.environment.write();
+        let time = conductor.time(&environment.world);
         let end = conductor.take_end();
         let senders = Senders::among(self.ids_with_program().map(|id| self.robot(id)));
         let finish = Finish { end: &end, time, robots: self.robot_count(), senders };
-        let mut undecided = self.world.write().radio_mut().finish(time).into_iter().peekable();
-        conductor.collect_world();
+        environment.finish(time);
         let mut robots = Vec::with_capacity(self.robot_count());
         for (index, Member { program, .. }) in &self.members {
             let id = RobotId::from_index(index);
@@ -536,12 +542,9 @@ impl Run {
                 Some(program) => standing::judge(&mut robot, &finish, broken, program),
                 None => Standing::without_program(),
             };
-            while let Some(fate) = undecided.next_if(|fate| fate.to == id) {
-                radio::deliver(&mut robot, fate);
-            }
-            radio::finish(&mut robot, time);
+            environment.finish_radio(&mut robot.state);
             robot.record_standing(&standing);
-            conductor.recorder().collect(&mut robot.journal);
+            environment.recorder().collect(&mut robot.journal);
             robots.push(RobotEnd {
                 virtual_time: robot.now,
                 pose: robot.motion.pose(time),
@@ -549,16 +552,16 @@ impl Run {
                 path: robot.motion.path_length(time),
                 contacts: robot.motion.contacts(time),
                 steps: robot.motion.legs().map(|_| [robot.walk.footfalls, robot.walk.touches]),
-                panel: robot.devices.take_panel(),
+                panel: robot.robios.take_panel(),
                 outcome: standing.outcome,
                 reason: standing.reason,
                 exit_code: standing.exit_code,
             });
         }
-        let (digest, completed) = conductor.finish_record(time);
+        let (digest, completed) = conductor.sinks().finish_record(environment.recorder(), time);
         let end = completed.map_or_else(End::Record, |()| end);
         signal::uninstall();
-        let world = self.world.read();
+        let world = &environment.world;
         let objects =
             (0..world.object_count()).map(|index| world.object_pose(ObjectId::from_index(index), time)).collect();
         let run = Arc::clone(self);

@@ -129,6 +129,13 @@ impl<'s> Sinks<'s> {
         let digest = recorder.end_slot(end, |record| self.record(record))?;
         self.end_slot(end, digest)
     }
+
+    /// Completes the record at the end of the run, `time`: its digest, and what kept it from being complete.
+    pub fn finish_record(&mut self, recorder: &mut Recorder, time: Time) -> (Digest, Result<(), RecordError>) {
+        let ended = self.take_slot(recorder, time);
+        let digest = recorder.digest();
+        (digest, ended.and_then(|()| self.finish(time, digest)))
+    }
 }
 
 impl<'s> FromIterator<Box<dyn Sink + 's>> for Sinks<'s> {

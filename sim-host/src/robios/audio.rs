@@ -83,7 +83,7 @@ pub fn play_sample_7(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
         play(robot, wave);
         return 0;
     }
-    let file = robot.devices.storage.read(sample).map_err(|error| error.to_string());
+    let file = robot.robios.storage.read(sample).map_err(|error| error.to_string());
     match file.and_then(|file| Wave::parse(&file).ok_or_else(|| "it is no WAV file".to_owned())) {
         Ok(wave) => {
             play(robot, wave);
@@ -95,7 +95,7 @@ pub fn play_sample_7(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
 
 fn play(robot: &mut Robot, wave: Wave) {
     let duration = Time((u64::from(wave.bytes) * 1_000_000 / u64::from(wave.bytes_per_second)) as i64);
-    robot.devices.audio.play_sample(robot.now, duration);
+    robot.robios.audio.play_sample(robot.now, duration);
     robot.record(Event::Sample { length_bytes: wave.bytes.into() });
 }
 
@@ -105,14 +105,14 @@ pub fn play_tone(robot: &mut Robot, call: impl Into<Call>, failure: i32, frequen
         return robot.failed(call, failure);
     }
     let duration = Time::from_millis(span_ms.into());
-    robot.devices.audio.play_tone(robot.now, duration);
+    robot.robios.audio.play_tone(robot.now, duration);
     robot.record(Event::Tone { frequency_hz: frequency_hz.into(), duration_s: duration.seconds() });
     0
 }
 
 /// `AUBeep`
 pub fn beep(robot: &mut Robot) -> i32 {
-    robot.devices.audio.play_tone(robot.now, BEEP);
+    robot.robios.audio.play_tone(robot.now, BEEP);
     robot.record(Event::Beep {});
     0
 }
@@ -135,7 +135,7 @@ fn record(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> Option<i32>
     }
     let rate_hz = rate_hz.min(MAX_RATE) as i32;
     buffer.set(&vec![robot.spec.inputs.microphone; length]);
-    robot.devices.audio.record(robot.now, duration_of(length as i32, rate_hz));
+    robot.robios.audio.record(robot.now, duration_of(length as i32, rate_hz));
     Some(rate_hz)
 }
 

@@ -5,12 +5,13 @@
 use robios_sys::robios6::hdt_type::HDT_BUMP;
 use robios_sys::{Out, Robios6Call as Call};
 use sim_core::sensor::Bumper;
+use sim_core::simulation;
 use sim_core::time::Time;
 
 use super::handle::Handles;
 use super::os;
 use super::robot::Robot;
-use super::switch::Sensor;
+use sim_core::device::switch::Sensor;
 use sim_core::record::Event;
 
 /// The bumpers of a robot.
@@ -23,20 +24,20 @@ pub struct Bumpers {
 
 /// `BUMPInit`
 pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
-    let Some(index) = robot.devices.table.find(HDT_BUMP, semantics).map(|device| device.index) else {
+    let Some(index) = robot.robios.table.find(HDT_BUMP, semantics).map(|device| device.index) else {
         return robot.has_no(Call::BUMPInit, 0, HDT_BUMP, semantics);
     };
-    let bumpers = &mut robot.devices.bumpers;
+    let bumpers = &mut robot.robios.bumpers;
     if !bumpers.handles.is_open(index) {
         bumpers.since.resize(bumpers.since.len().max(index + 1), Time::ZERO);
-        bumpers.since[index] = robot.now;
+        bumpers.since[index] = robot.state.now;
     }
     bumpers.handles.open(index)
 }
 
 /// `BUMPRelease`
 pub fn release(robot: &mut Robot, handles: i32) -> i32 {
-    match robot.devices.bumpers.handles.release(handles) {
+    match robot.robios.bumpers.handles.release(handles) {
         0 => 0,
         left => robot.failed(Call::BUMPRelease, left),
     }
@@ -44,19 +45,20 @@ pub fn release(robot: &mut Robot, handles: i32) -> i32 {
 
 /// `BUMPCheck`: the switch closes when a contact begins; one that goes on counts once.
 pub fn check(robot: &mut Robot, handle: i32, stamp: &mut Out<i32>) -> i32 {
-    let Some(index) = robot.devices.bumpers.handles.one(handle) else { return robot.failed(Call::BUMPCheck, -1) };
-    let since = robot.devices.bumpers.since[index];
-    robot.devices.bumpers.since[index] = robot.now + Time(1);
+    let Some(index) = robot.robios.bumpers.handles.one(handle) else { return robot.failed(Call::BUMPCheck, -1) };
+    let since = robot.robios.bumpers.since[index];
+    robot.robios.bumpers.since[index] = robot.now + Time(1);
     let is_on = robot.devices.switches.is_on(Sensor::Bumper(index));
-    let first = robot.spec.bumpers.get(index).filter(|_| is_on).and_then(|spec| {
+    let simulation::Robot { spec, motion, now, .. } = &mut robot.state;
+    let first = spec.bumpers.get(index).filter(|_| is_on).and_then(|spec| {
         let bumper = Bumper { bearing: 0.5 * (spec.from + spec.to), half_width: 0.5 * (spec.to - spec.from) };
-        let impacts = robot.motion.impacts(since, robot.now);
+        let impacts = motion.impacts(since, *now);
         impacts.into_iter().find(|impact| impact.fresh && bumper.is_pressed_by(impact))
     });
     if let Some(impact) = first {
         stamp.set(os::hundredths(impact.time));
     }
-    let device = robot.devices.table.name(HDT_BUMP, index);
-    robot.journal.record(robot.now, &Event::Reading { device, value: first.is_some().into() });
+    let device = robot.robios.table.name(HDT_BUMP, index);
+    robot.state.journal.record(robot.state.now, &Event::Reading { device, value: first.is_some().into() });
     if first.is_some() { 0 } else { -1 }
 }

@@ -135,7 +135,7 @@ impl Caller {
         let call = call.into();
         self.within(call, |caller| {
             let mut robot = caller.spend(call)?;
-            let result = act(&mut robot, &caller.run.world.read());
+            let result = act(&mut robot, &caller.run.world());
             caller.take_turns(robot, call)?;
             Ok(result)
         })
@@ -180,7 +180,7 @@ impl Caller {
     ) -> Result<R, Stop> {
         let since = robot.now;
         loop {
-            let polled = poll(&mut robot, &self.run.world.read());
+            let polled = poll(&mut robot, &self.run.world());
             let (at, waits_for) = match polled {
                 Poll::Ready(result) => {
                     robot.tasks.end_wait();
@@ -395,8 +395,7 @@ impl Caller {
             }
             robot.now = target;
             if target >= measured {
-                let world = self.run.world.read();
-                super::settle(&mut robot, &world);
+                robot.settle(&self.run.world());
                 continue;
             }
             if tick > end {
@@ -440,7 +439,7 @@ impl CallContext for Caller {
         let result = record.result.map_or_else(|| "stopped".to_owned(), ToString::to_string);
         self.at_once(SupportCall::console, |robot| {
             let event = Event::Call { function: record.name, arguments: &arguments, result: &result };
-            robot.journal.record(robot.now, &event);
+            robot.state.journal.record(robot.state.now, &event);
         });
     }
 

@@ -25,12 +25,13 @@ use super::caller::Call;
 use super::level::Levels;
 use super::picture;
 use super::robot::Robot;
-use super::servo::Servos;
-use super::switch::Sensor;
-use super::truth::{Census, Counted, Placeable};
+use super::truth::{Census, Counted};
 use crate::record::frame::{Frame, Frames, Pixels};
 use crate::scenery::LazyScenery;
+use sim_core::device::servo::Servos;
+use sim_core::device::switch::Sensor;
 use sim_core::record::{Digest, Event};
+use sim_core::simulation::{self, Placeable};
 
 /// How long before the end of its call an image is exposed: what a sensor of 60 images a second takes to hand one over.
 /// World and servos remember for longer.
@@ -40,7 +41,7 @@ pub const READ_OUT: Time = Time(16_667);
 pub const DEFAULT_SIZE: [u32; 2] = [320, 240];
 
 /// The camera among the devices of its robot, whose errors are drawn by this name.
-pub const NAME: &str = "CAMERA";
+pub use sim_core::device::switch::CAMERA as NAME;
 
 /// The camera of a robot.
 #[derive(Default)]
@@ -153,7 +154,7 @@ impl Camera {
 /// # Errors
 /// [`NoImage`] if it is off, or there is none.
 pub(super) fn setting(robot: &Robot) -> Result<Setting, NoImage> {
-    match (&robot.spec.camera, robot.devices.camera.setting) {
+    match (&robot.spec.camera, robot.robios.camera.setting) {
         (None, _) => Err(NoImage::NoCamera(robot.spec.file.clone())),
         (Some(_), None) => Err(NoImage::Off),
         (Some(_), Some(setting)) => Ok(setting),
@@ -176,7 +177,7 @@ pub(super) fn take_grey(robot: &mut Robot, world: &World) -> Result<Picture<[u8;
     let grey = picture::grey_of_colour(picture.pixels().as_flattened());
     let mut picture = Picture::new(size, grey.into_iter().map(|level| [level]).collect());
     levels.grey(picture.pixels_mut());
-    robot.devices.camera.err(exposure.number, &mut picture);
+    robot.robios.camera.err(exposure.number, &mut picture);
     follow(robot, picture.pixels().as_flattened());
     keep(robot, exposure, size, Pixels::Grey(picture.pixels().as_flattened()));
     Ok(picture)
@@ -200,9 +201,9 @@ pub(super) fn take_bayer(robot: &mut Robot, world: &World, size: [u32; 2]) -> Re
 /// How far away what each pixel of the last image shows is, mm along the line of sight; infinite for the sky.
 fn take_depth(robot: &mut Robot) -> Result<Vec<f32>, NoImage> {
     setting(robot)?;
-    let Camera { last, renderer, .. } = &mut robot.devices.camera;
+    let Camera { last, renderer, .. } = &mut robot.robios.camera;
     let Exposure { view, scenery, poses, is_dark, .. } = last.as_ref().ok_or(NoImage::NotTaken)?;
-    let depth = renderer.depth(&scenery.standing(poses.clone()), view, Some(robot.id));
+    let depth = renderer.depth(&scenery.standing(poses.clone()), view, Some(robot.state.id));
     let (size, mut depth) = (view.size(), mm_of_depth(&depth));
     if *is_dark {
         depth.fill(f32::INFINITY);
@@ -214,10 +215,10 @@ fn take_depth(robot: &mut Robot) -> Result<Vec<f32>, NoImage> {
 /// The number of what each pixel of the last image shows.
 fn take_labels(robot: &mut Robot) -> Result<Vec<i32>, NoImage> {
     setting(robot)?;
-    let Camera { last, renderer, .. } = &mut robot.devices.camera;
+    let Camera { last, renderer, .. } = &mut robot.robios.camera;
     let Exposure { view, scenery, poses, is_dark, .. } = last.as_ref().ok_or(NoImage::NotTaken)?;
-    let labels = renderer.labels(&scenery.standing(poses.clone()), view, Some(robot.id));
-    let (size, mut labels) = (view.size(), numbers_of_labels(&labels, &robot.devices.census));
+    let labels = renderer.labels(&scenery.standing(poses.clone()), view, Some(robot.state.id));
+    let (size, mut labels) = (view.size(), numbers_of_labels(&labels, &robot.robios.census));
     if *is_dark {
         labels.fill(CAM_SKY);
     }
@@ -259,9 +260,9 @@ pub(super) fn refused(robot: &mut Robot, call: impl Into<Call>, answer: i32, why
 /// # Errors
 /// [`NoImage`] if there is no camera, or no camera can look from there.
 pub fn view(robot: &mut Robot, at: Time, size: Option<[u32; 2]>) -> Result<View, NoImage> {
-    let Robot { motion, spec, devices, .. } = robot;
+    let simulation::Robot { motion, spec, devices, .. } = &mut robot.state;
     let camera = spec.camera.as_ref().ok_or_else(|| NoImage::NoCamera(spec.file.clone()))?;
-    let setting = devices.camera.setting.unwrap_or_default();
+    let setting = robot.robios.camera.setting.unwrap_or_default();
     let robot_from_camera = mount(spec, camera, &devices.servos, at);
     let world_from_camera = Pose3::from_planar(&motion.pose(at), motion.lift(at)).then(&robot_from_camera);
     Ok(View::new(world_from_camera, zoomed(camera.lens, setting.zoom), size.unwrap_or(setting.size))?)
@@ -280,7 +281,7 @@ pub fn samples(robot: &Robot) -> u32 {
 
 /// Makes of what the robot's camera sees at `at` the image that a program gets: levels as they are set, blur and noise.
 pub fn develop_at(robot: &Robot, at: Time, picture: &mut Picture<[u8; 3]>) {
-    develop(robot, robot.devices.camera.number_at(at), picture);
+    develop(robot, robot.robios.camera.number_at(at), picture);
 }
 
 /// Depths in metres as programs get them, in mm.
@@ -316,10 +317,10 @@ fn expose(robot: &mut Robot, world: &World, size: [u32; 2]) -> Result<(Exposure,
     let [view, exposed] = [view(robot, at, None)?, view(robot, at, Some(size))?];
     let samples = samples(robot);
     let is_dark = !robot.devices.switches.is_on(Sensor::Camera);
-    let Camera { scenery, renderer, taken, .. } = &mut robot.devices.camera;
+    let Camera { scenery, renderer, taken, .. } = &mut robot.robios.camera;
     let scenery = scenery.get();
     let still = scenery.still(world, at);
-    let mut picture = renderer.colour(&still, &exposed, Some(robot.id), samples);
+    let mut picture = renderer.colour(&still, &exposed, Some(robot.state.id), samples);
     if is_dark {
         picture.pixels_mut().fill([0; 3]);
     }
@@ -329,14 +330,14 @@ fn expose(robot: &mut Robot, world: &World, size: [u32; 2]) -> Result<(Exposure,
 
 /// Makes of what the camera sees image `number`.
 fn develop(robot: &Robot, number: u64, picture: &mut Picture<[u8; 3]>) {
-    let camera = &robot.devices.camera;
+    let camera = &robot.robios.camera;
     camera.setting.unwrap_or_default().levels.colour(picture.pixels_mut());
     camera.err(number, picture);
 }
 
 /// Lets an automatic brightness follow an image with these levels.
 fn follow(robot: &mut Robot, levels: &[u8]) {
-    if let Some(setting) = &mut robot.devices.camera.setting {
+    if let Some(setting) = &mut robot.robios.camera.setting {
         let sum: u64 = levels.iter().map(|level| u64::from(*level)).sum();
         setting.levels.follow(sum as f64 / levels.len().max(1) as f64);
     }
@@ -344,7 +345,7 @@ fn follow(robot: &mut Robot, levels: &[u8]) {
 
 /// Counts an image that has been taken, and records it.
 fn keep(robot: &mut Robot, exposure: Exposure, size: [u32; 2], pixels: Pixels<'_>) {
-    let Camera { taken, exposed, last, .. } = &mut robot.devices.camera;
+    let Camera { taken, exposed, last, .. } = &mut robot.robios.camera;
     *taken = exposure.number;
     while exposed.front().is_some_and(|oldest| *oldest + HISTORY < exposure.at) {
         exposed.pop_front();
@@ -356,8 +357,9 @@ fn keep(robot: &mut Robot, exposure: Exposure, size: [u32; 2], pixels: Pixels<'_
 
 /// Records the last image, or what it shows.
 fn tell(robot: &mut Robot, size: [u32; 2], pixels: Pixels<'_>) {
-    let Robot { id, now, journal, devices, .. } = robot;
-    let Camera { last, frames, .. } = &devices.camera;
+    let Robot { state, robios, .. } = robot;
+    let simulation::Robot { id, now, journal, .. } = state;
+    let Camera { last, frames, .. } = &robios.camera;
     let Some(Exposure { number, at, .. }) = last else { return };
     let hash = Digest(*blake3::hash(&pixels.bytes()).as_bytes()).to_string();
     let [width_px, height_px] = size;
@@ -401,7 +403,7 @@ mod tests {
     use sim_format::read_robi;
 
     use super::super::robot::RobotParts;
-    use super::super::{Devices, key, servo};
+    use super::super::{Robios, key, servo};
     use super::*;
 
     /// A robot at (1, 0.5) that looks along y, with a camera 100 mm ahead of it, 50 mm to its left and 200 mm high.
@@ -414,22 +416,19 @@ mod tests {
         let model = Arc::new(build::model(&spec));
         let mut motion = Motion::new(RobotId(1), model, walls.clone(), Pose::new(1.0, 0.5, FRAC_PI_2));
         let world = World::new(walls, Time::from_millis(100_000), [&mut motion]);
-        let devices = Devices::new(&spec, key::Keys::default());
+        let robios = Robios::new(&spec, key::Keys::default());
         let (program, spec) = ("test".to_owned(), Arc::new(spec));
-        (
-            Robot::new(RobotParts { program, start: Time::ZERO, motion, devices, spec, seed: 0, is_verbose: false }),
-            world,
-        )
+        (Robot::new(RobotParts { program, start: Time::ZERO, motion, robios, spec, seed: 0, is_verbose: false }), world)
     }
 
     #[test]
     fn an_image_is_exposed_where_the_robot_was_a_sixtieth_of_a_second_ago() {
         let (mut robot, world) = bench();
-        robot.devices.camera.switch_on(Setting::default());
+        robot.robios.camera.switch_on(Setting::default());
         robot.command(&world, Command::Twist(Twist::new(3.0, 0.0))).expect("it drives");
         robot.now = Time(100_000 + READ_OUT.0);
         take_colour(&mut robot, &world).expect("an image");
-        let exposure = robot.devices.camera.last.clone().expect("the last image");
+        let exposure = robot.robios.camera.last.clone().expect("the last image");
         assert_eq!((exposure.number, exposure.at), (1, Time(100_000)));
         // 300 mm on, and the camera ahead and to the left: x to the right, so left is -x.
         let place = exposure.view.world_from_camera().position;
@@ -457,12 +456,12 @@ mod tests {
     #[test]
     fn an_image_has_the_number_that_it_had() {
         let (mut robot, world) = bench();
-        robot.devices.camera.switch_on(Setting { size: [8, 6], ..Setting::default() });
+        robot.robios.camera.switch_on(Setting { size: [8, 6], ..Setting::default() });
         for at in [100_000, 200_000, 900_000] {
             robot.now = Time(at) + READ_OUT;
             take_grey(&mut robot, &world).expect("an image");
         }
-        let camera = &robot.devices.camera;
+        let camera = &robot.robios.camera;
         let numbers = [850_000, 900_000, 900_001].map(|at| camera.number_at(Time(at)));
         assert_eq!(numbers, [3, 3, 4]);
         assert_eq!(camera.exposed.len(), 1, "what is long ago is forgotten");
@@ -472,13 +471,13 @@ mod tests {
     fn without_a_camera_or_an_image_there_is_a_reason() {
         let (mut robot, world) = bench();
         assert_eq!(take_colour(&mut robot, &world).err(), Some(NoImage::Off));
-        robot.devices.camera.switch_on(Setting::default());
+        robot.robios.camera.switch_on(Setting::default());
         assert_eq!(take_depth(&mut robot).err(), Some(NoImage::NotTaken));
         take_grey(&mut robot, &world).expect("an image");
         assert_eq!(take_depth(&mut robot).map(|depth| depth.len()), Ok(320 * 240));
-        robot.devices.camera.switch_on(Setting::default());
+        robot.robios.camera.switch_on(Setting::default());
         assert_eq!(take_labels(&mut robot).err(), Some(NoImage::NotTaken), "a new start");
-        assert!(robot.devices.camera.switch_off() && !robot.devices.camera.switch_off());
+        assert!(robot.robios.camera.switch_off() && !robot.robios.camera.switch_off());
     }
 
     #[test]

@@ -50,8 +50,8 @@ pub fn init(robot: &mut Robot, mode: i32) -> i32 {
         TELE => 2.0,
         _ => return robot.refused(Call::CAMInit, INITERROR, |_| "it takes NORMAL, WIDE or TELE".to_owned()),
     };
-    robot.devices.camera.switch_on(Setting { size: SIZE, zoom, levels: Levels::default() });
-    robot.devices.camera6 = Settings::default();
+    robot.robios.camera.switch_on(Setting { size: SIZE, zoom, levels: Levels::default() });
+    robot.robios.camera6 = Settings::default();
     VERSION
 }
 
@@ -59,7 +59,7 @@ pub fn init(robot: &mut Robot, mode: i32) -> i32 {
 pub fn release(robot: &mut Robot) -> i32 {
     match camera::setting(robot) {
         Ok(_) => {
-            robot.devices.camera.switch_off();
+            robot.robios.camera.switch_off();
             0
         }
         Err(why) => camera::refused(robot, Call::CAMRelease, -1, &why),
@@ -112,7 +112,7 @@ pub fn set(robot: &mut Robot, numbers: [i32; 3]) -> i32 {
     if let Err(why) = camera::setting(robot) {
         return camera::refused(robot, Call::CAMSet, -1, &why);
     }
-    let Settings { rate, is_rate_last } = &mut robot.devices.camera6;
+    let Settings { rate, is_rate_last } = &mut robot.robios.camera6;
     if let [FPS60..=FPS0_46875, 0, 0] = numbers {
         *rate = Some(numbers[0]);
         *is_rate_last = true;
@@ -124,7 +124,7 @@ pub fn set(robot: &mut Robot, numbers: [i32; 3]) -> i32 {
         });
     };
     *is_rate_last = false;
-    if let Some(setting) = &mut robot.devices.camera.setting {
+    if let Some(setting) = &mut robot.robios.camera.setting {
         setting.levels.numbers = [first, second, third];
     }
     0
@@ -139,7 +139,7 @@ pub fn get(robot: &mut Robot, into: [&mut Out<i32>; 3]) -> i32 {
     if into.iter().any(|out| out.is_null()) {
         return robot.failed(Call::CAMGet, -1);
     }
-    let numbers = match robot.devices.camera6 {
+    let numbers = match robot.robios.camera6 {
         Settings { rate: Some(rate), is_rate_last: true } => [rate, 0, 0],
         _ => setting.levels.numbers.map(i32::from),
     };
@@ -160,7 +160,7 @@ pub fn set_mode(robot: &mut Robot, mode: i32) -> i32 {
             return robot.refused(Call::CAMMode, -1, |_| accepted.to_owned());
         }
     };
-    if let Some(setting) = &mut robot.devices.camera.setting {
+    if let Some(setting) = &mut robot.robios.camera.setting {
         setting.levels.is_automatic = is_automatic;
     }
     0
@@ -186,7 +186,7 @@ fn take<T>(
     let taken = match camera::setting(robot) {
         Ok(_) if buffer.is_null() => Err(NoImage::Null),
         Ok(_) => {
-            let due = robot.devices.camera6.rate.map_or(robot.now, |rate| next_frame(rate, robot.now));
+            let due = robot.robios.camera6.rate.map_or(robot.now, |rate| next_frame(rate, robot.now));
             if due > robot.now {
                 return Poll::Until { at: due, waits_for: Waits::Time(due) };
             }

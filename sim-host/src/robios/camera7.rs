@@ -30,13 +30,13 @@ pub fn init(robot: &mut Robot, resolution: i32, [width, height]: [i32; 2]) -> i3
         });
     }
     let size = [width as u32, height as u32];
-    robot.devices.camera.switch_on(Setting { size, ..Setting::default() });
+    robot.robios.camera.switch_on(Setting { size, ..Setting::default() });
     0
 }
 
 /// `CAMRelease`
 pub fn release(robot: &mut Robot) -> i32 {
-    if robot.devices.camera.switch_off() { 0 } else { refuse(robot, Call::CAMRelease) }
+    if robot.robios.camera.switch_off() { 0 } else { refuse(robot, Call::CAMRelease) }
 }
 
 /// `CAMGet`

@@ -18,10 +18,10 @@ const MAX_FORMAT: i32 = 112;
 
 /// Writes text at the cursor.
 pub fn write(robot: &mut Robot, characters: &[u8]) {
-    let (row, column) = robot.devices.lcd.position();
+    let (row, column) = robot.robios.lcd.position();
     let event = Event::LcdText { row: row as u8, column: column as u8, text: &text(characters) };
-    robot.journal.record(robot.now, &event);
-    robot.devices.lcd.write(characters);
+    robot.state.journal.record(robot.state.now, &event);
+    robot.robios.lcd.write(characters);
 }
 
 /// `LCDPrintf`, `LCDPutString`
@@ -34,7 +34,7 @@ pub fn put(robot: &mut Robot, call: Call, characters: Option<&[u8]>) -> i32 {
 /// `LCDSetPrintf`, `LCDSetString`, `LCDSetChar`
 pub fn put_at(robot: &mut Robot, call: Call, [row, column]: [i32; 2], characters: Option<&[u8]>) -> i32 {
     let Some(characters) = characters else { return robot.failed(call, -1) };
-    match robot.devices.lcd.set_position(row, column) {
+    match robot.robios.lcd.set_position(row, column) {
         Ok(()) => put(robot, call, Some(characters)),
         Err(OffDisplay) => robot.failed(call, -1),
     }
@@ -42,7 +42,7 @@ pub fn put_at(robot: &mut Robot, call: Call, [row, column]: [i32; 2], characters
 
 /// `LCDClear`
 pub fn clear(robot: &mut Robot) -> i32 {
-    robot.devices.lcd.clear();
+    robot.robios.lcd.clear();
     robot.record(Event::LcdClear {});
     0
 }
@@ -63,14 +63,14 @@ pub fn put_float(robot: &mut Robot, value: f32, spaces: i32, decimals: i32) -> i
 
 /// `LCDMode`
 pub fn set_mode(robot: &mut Robot, mode: i32) -> i32 {
-    robot.devices.lcd.is_scrolling = mode & SCROLLING != 0;
-    robot.devices.lcd.has_cursor = mode & CURSOR != 0;
+    robot.robios.lcd.is_scrolling = mode & SCROLLING != 0;
+    robot.robios.lcd.has_cursor = mode & CURSOR != 0;
     0
 }
 
 /// `LCDSetPos`
 pub fn set_position(robot: &mut Robot, row: i32, column: i32) -> i32 {
-    match robot.devices.lcd.set_position(row, column) {
+    match robot.robios.lcd.set_position(row, column) {
         Ok(()) => 0,
         Err(OffDisplay) => robot.failed(Call::LCDSetPos, -1),
     }
@@ -81,7 +81,7 @@ pub fn position(robot: &mut Robot, row: &mut Out<i32>, column: &mut Out<i32>) ->
     if row.is_null() || column.is_null() {
         return robot.failed(Call::LCDGetPos, -1);
     }
-    let position = robot.devices.lcd.position();
+    let position = robot.robios.lcd.position();
     row.set(position.0 as i32);
     column.set(position.1 as i32);
     0
@@ -105,7 +105,7 @@ pub fn set_menu_entry(robot: &mut Robot, position: i32, text: Option<&[u8]>) -> 
 }
 
 fn set_menu_text(robot: &mut Robot, position: i32, characters: &[u8]) {
-    if !characters.is_empty() && robot.devices.lcd.set_menu(position, characters).is_ok() {
+    if !characters.is_empty() && robot.robios.lcd.set_menu(position, characters).is_ok() {
         robot.record(Event::LcdMenu { position: position as u8, text: &text(characters) });
     }
 }
@@ -113,7 +113,7 @@ fn set_menu_text(robot: &mut Robot, position: i32, characters: &[u8]) {
 /// `LCDPutGraphic`
 pub fn put_grey(robot: &mut Robot, grey: Option<&Image>) -> i32 {
     let Some(grey) = grey else { return robot.failed(Call::LCDPutGraphic, -1) };
-    let changed = robot.devices.lcd.show_grey(image::shown(grey), SHOWN_COLUMNS);
+    let changed = robot.robios.lcd.show_grey(image::shown(grey), SHOWN_COLUMNS);
     drawn(robot, Call::LCDPutGraphic, changed)
 }
 
@@ -124,20 +124,20 @@ pub fn put_colour(robot: &mut Robot, colour: Option<&mut ColImage>) -> i32 {
     for (row, levels) in colour.iter_mut().zip(&dithered) {
         row.iter_mut().zip(levels).for_each(|(pixel, level)| *pixel = [*level; 3]);
     }
-    let changed = robot.devices.lcd.show_grey(image::shown(&dithered), SHOWN_COLUMNS);
+    let changed = robot.robios.lcd.show_grey(image::shown(&dithered), SHOWN_COLUMNS);
     drawn(robot, Call::LCDPutColorGraphic, changed)
 }
 
 /// `LCDPutImage`
 pub fn put_picture(robot: &mut Robot, picture: Option<&BitImage>) -> i32 {
     let Some(picture) = picture else { return robot.failed(Call::LCDPutImage, -1) };
-    let changed = robot.devices.lcd.show_picture(picture);
+    let changed = robot.robios.lcd.show_picture(picture);
     drawn(robot, Call::LCDPutImage, changed)
 }
 
 /// `LCDGetPixel`
 pub fn pixel(robot: &mut Robot, row: i32, column: i32) -> i32 {
-    match robot.devices.lcd.pixel(row, column) {
+    match robot.robios.lcd.pixel(row, column) {
         Ok(is_black) => is_black.into(),
         Err(OffDisplay) => robot.failed(Call::LCDGetPixel, -1),
     }
@@ -150,7 +150,7 @@ pub fn draw(
     code: i32,
     shape: impl FnOnce(&mut Lcd, Ink) -> Result<u32, OffDisplay>,
 ) -> i32 {
-    match Ink::try_from(code).and_then(|ink| shape(&mut robot.devices.lcd, ink)) {
+    match Ink::try_from(code).and_then(|ink| shape(&mut robot.robios.lcd, ink)) {
         Ok(changed) => drawn(robot, call, changed),
         Err(OffDisplay) => robot.failed(call, -1),
     }

@@ -11,7 +11,7 @@ use super::table::Device;
 
 /// `HDT_FindEntry`: 1 if there is such a device.
 pub fn find_entry(robot: &mut Robot, kind: i32, semantics: i32, entry: &mut Out<HDTEntry>) -> i32 {
-    match robot.devices.table.find(kind, semantics) {
+    match robot.robios.table.find(kind, semantics) {
         Some(device) => {
             entry.set(HDTEntry { semantics, ..row(device) });
             1
@@ -22,7 +22,7 @@ pub fn find_entry(robot: &mut Robot, kind: i32, semantics: i32, entry: &mut Out<
 
 /// `HDT_FindTable`
 pub fn find_nth(robot: &mut Robot, kind: i32, index: i32, entry: &mut Out<HDTEntry>) -> i32 {
-    let nth = usize::try_from(index).ok().and_then(|index| robot.devices.table.of_kind(kind).nth(index));
+    let nth = usize::try_from(index).ok().and_then(|index| robot.robios.table.of_kind(kind).nth(index));
     match nth {
         Some(device) if !entry.is_null() => {
             entry.set(row(device));
@@ -35,7 +35,7 @@ pub fn find_nth(robot: &mut Robot, kind: i32, index: i32, entry: &mut Out<HDTEnt
 /// `HDT_TypeCount`
 pub fn count(robot: &Robot, kind: i32) -> i32 {
     let is_kind = (HDT_MOTOR..=HDT_IRTV).contains(&kind);
-    if is_kind { robot.devices.table.of_kind(kind).count() as i32 } else { 0 }
+    if is_kind { robot.robios.table.of_kind(kind).count() as i32 } else { 0 }
 }
 
 fn row(device: &Device) -> HDTEntry {

@@ -20,7 +20,7 @@ pub fn set_size(robot: &mut Robot, resolution: i32) -> i32 {
 pub fn read_file(robot: &mut Robot, name: Option<&[u8]>, [width, height]: [i32; 2], image: &mut OutBytes) -> i32 {
     let read = || {
         let size = Size::new(width, height).filter(|_| !image.is_null()).ok_or("there is no room for an image")?;
-        let file = robot.devices.storage.read(name.ok_or("it has no name")?).map_err(|error| error.to_string())?;
+        let file = robot.robios.storage.read(name.ok_or("it has no name")?).map_err(|error| error.to_string())?;
         pnm::read(&file, size).map_err(|error| error.to_string())
     };
     match read() {
@@ -50,7 +50,7 @@ pub fn write_file(
         let image = image.and_then(|image| image.get(..size.pixels() * depth)).ok_or("there is no image")?;
         let now = robot.now;
         let name = name.ok_or("it has no name")?;
-        robot.devices.storage.write(now, name, encode(size, image)).map_err(|error| error.to_string())
+        robot.robios.storage.write(now, name, encode(size, image)).map_err(|error| error.to_string())
     };
     match write() {
         Ok(()) => 0,

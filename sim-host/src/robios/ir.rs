@@ -10,9 +10,9 @@ use sim_core::spec::InfraredSpec;
 use sim_core::time::Time;
 use sim_core::world::World;
 
-use super::range::Sight;
 use super::robot::Robot;
-use super::switch::Sensor;
+use sim_core::device::range::Sight;
+use sim_core::device::switch::Sensor;
 use sim_core::record::Event;
 
 /// Where each infrared sensor of the robot looks from at `at`, in the world, and how far away what it sees is.
@@ -30,15 +30,15 @@ pub fn sights(robot: &mut Robot, world: &World, at: Time) -> Vec<Sight> {
 
 /// `IRInit`
 pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
-    match robot.devices.table.find(HDT_IR, semantics).map(|device| device.index) {
-        Some(index) => robot.devices.infrareds.open(index),
+    match robot.robios.table.find(HDT_IR, semantics).map(|device| device.index) {
+        Some(index) => robot.robios.infrareds.open(index),
         None => robot.has_no(Call::IRInit, 0, HDT_IR, semantics),
     }
 }
 
 /// `IRRelease`
 pub fn release(robot: &mut Robot, handles: i32) -> i32 {
-    match robot.devices.infrareds.release(handles) {
+    match robot.robios.infrareds.release(handles) {
         0 => 0,
         left => robot.failed(Call::IRRelease, left),
     }
@@ -46,15 +46,16 @@ pub fn release(robot: &mut Robot, handles: i32) -> i32 {
 
 /// `IRRead`
 pub fn read(robot: &mut Robot, world: &World, handle: i32) -> i32 {
-    let index = robot.devices.infrareds.one(handle);
+    let index = robot.robios.infrareds.one(handle);
     let Some((index, infrared)) = index.and_then(|index| Some((index, robot.spec.infrareds.get(index)?))) else {
         return robot.failed(Call::IRRead, -1);
     };
     let mount = Mount::new(infrared.position.x, infrared.position.y, infrared.angle);
     let beam = Beam { mount, range: infrared.range };
     let is_on = robot.devices.switches.is_on(Sensor::Infrared(index));
-    let value = i32::from(is_on && beam.is_interrupted(world, robot.id, &robot.motion.pose(robot.now), robot.now));
-    let device = robot.devices.table.name(HDT_IR, index);
-    robot.journal.record(robot.now, &Event::Reading { device, value: value.into() });
+    let value =
+        i32::from(is_on && beam.is_interrupted(world, robot.id, &robot.state.motion.pose(robot.now), robot.state.now));
+    let device = robot.robios.table.name(HDT_IR, index);
+    robot.state.journal.record(robot.state.now, &Event::Reading { device, value: value.into() });
     value
 }

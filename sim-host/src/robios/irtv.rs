@@ -110,10 +110,10 @@ const STANDARD: Settings = Settings {
 
 /// `IRTVInitHDT`
 pub fn init_standard(robot: &mut Robot, semantics: i32) -> i32 {
-    if robot.devices.table.find(HDT_IRTV, semantics).is_none() {
+    if robot.robios.table.find(HDT_IRTV, semantics).is_none() {
         return robot.failed(Call::IRTVInitHDT, -1);
     }
-    robot.devices.irtv = Some(STANDARD);
+    robot.robios.irtv = Some(STANDARD);
     0
 }
 
@@ -127,13 +127,13 @@ pub fn init(robot: &mut Robot, settings: Settings) -> i32 {
     if !is_valid {
         return robot.failed(Call::IRTVInit, -1);
     }
-    robot.devices.irtv = Some(settings);
+    robot.robios.irtv = Some(settings);
     0
 }
 
 /// `IRTVGet`: waits, for ever, once the receiver is on.
 pub fn get(robot: &mut Robot) -> Poll<i32> {
-    if robot.devices.irtv.is_none() {
+    if robot.robios.irtv.is_none() {
         return Poll::Ready(robot.failed(Call::IRTVGet, 0));
     }
     no_key(Time::NEVER)
@@ -147,14 +147,14 @@ fn no_key(at: Time) -> Poll<i32> {
 /// `IRTVGet` of RoBIOS-7
 pub fn get_7(robot: &mut Robot) -> Poll<i32> {
     match read_7(robot) {
-        0 => no_key(robot.devices.remote.presses.front().map_or(Time::NEVER, |(at, _)| *at)),
+        0 => no_key(robot.robios.remote.presses.front().map_or(Time::NEVER, |(at, _)| *at)),
         code => Poll::Ready(code),
     }
 }
 
 /// `IRTVRead` of RoBIOS-7
 pub fn read_7(robot: &mut Robot) -> i32 {
-    let code = robot.devices.remote.take(robot.now).unwrap_or(0);
+    let code = robot.robios.remote.take(robot.now).unwrap_or(0);
     if code != 0 {
         robot.record(Event::Key { key: name(code) });
     }
@@ -163,13 +163,13 @@ pub fn read_7(robot: &mut Robot) -> i32 {
 
 /// `IRTVFlush` of RoBIOS-7
 pub fn flush_7(robot: &mut Robot) -> i32 {
-    while robot.devices.remote.take(robot.now).is_some() {}
+    while robot.robios.remote.take(robot.now).is_some() {}
     0
 }
 
 /// `IRTVGetStatus`: all 0 while the receiver is off.
 pub fn status(robot: &mut Robot, out: [&mut Out<i32>; 7]) {
-    let values = robot.devices.irtv.map_or([0; 7], |settings| {
+    let values = robot.robios.irtv.map_or([0; 7], |settings| {
         let Settings { type_code, length, tog_mask, inv_mask, mode, bufsize, delay } = settings;
         [type_code, length, tog_mask, inv_mask, mode, bufsize, delay]
     });

@@ -17,7 +17,7 @@ use sim_core::time::Time;
 use super::caller::Poll;
 use super::robot::{Robot, Waits};
 use super::screen::Screen;
-use super::{Devices, irtv};
+use super::{Robios, irtv};
 use sim_core::record::Event;
 
 /// The keys from left to right: their names and codes, one bit each.
@@ -258,8 +258,8 @@ pub fn get_into(robot: &mut Robot, buffer: &mut Out<u8>) -> Poll<i32> {
 
 /// `KEYRead`
 pub fn read(robot: &mut Robot) -> i32 {
-    let Devices { keys, screen, .. } = &mut robot.devices;
-    keys.take(robot.now, |touch| key_under(touch, screen)).map_or(NOKEY, |code| taken(robot, code))
+    let Robios { keys, screen, .. } = &mut robot.robios;
+    keys.take(robot.state.now, |touch| key_under(touch, screen)).map_or(NOKEY, |code| taken(robot, code))
 }
 
 /// `KEYWait`
@@ -275,9 +275,9 @@ pub fn wait(robot: &mut Robot, codes: i32) -> Poll<i32> {
 
 /// Waits for a key of an OR of codes; its code. Presses of other keys before it are forgotten.
 pub fn wait_for(robot: &mut Robot, codes: i32) -> Poll<i32> {
-    let Devices { keys, screen, .. } = &mut robot.devices;
+    let Robios { keys, screen, .. } = &mut robot.robios;
     let key_of = |touch| key_under(touch, screen);
-    match keys.take_of(codes, robot.now, key_of) {
+    match keys.take_of(codes, robot.state.now, key_of) {
         Some(code) => Poll::Ready(taken(robot, code)),
         None => Poll::Until { at: keys.next_of(codes, key_of), waits_for: Waits::Key(name(codes)) },
     }
@@ -299,7 +299,7 @@ pub fn touched(robot: &mut Robot, x: &mut Out<i32>, y: &mut Out<i32>) -> Poll<i3
             [x, y].into_iter().zip(place).for_each(|(out, pixel)| out.set(pixel));
             Poll::Ready(0)
         }
-        None => Poll::Until { at: robot.devices.keys.next_touch(), waits_for: Waits::Key("a touch".to_owned()) },
+        None => Poll::Until { at: robot.robios.keys.next_touch(), waits_for: Waits::Key("a touch".to_owned()) },
     }
 }
 
@@ -312,7 +312,7 @@ pub fn read_place(robot: &mut Robot, x: &mut Out<i32>, y: &mut Out<i32>) -> i32 
 
 /// Takes the earliest touch of the display: that of a key is in its middle, and one beside the display is not felt.
 fn take_place(robot: &mut Robot) -> Option<[i32; 2]> {
-    while let Some(touch) = robot.devices.keys.take_touch(robot.now) {
+    while let Some(touch) = robot.robios.keys.take_touch(robot.now) {
         let size = robot.screen().size().map(i32::from);
         let place = match touch {
             Touch::Key(code) => {

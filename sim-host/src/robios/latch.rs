@@ -61,7 +61,7 @@ pub fn read_input(robot: &mut Robot, number: i32) -> u8 {
 
 /// `OSWriteOutLatch`
 pub fn write_output(robot: &mut Robot, number: i32, mask: u8, value: u8) -> u8 {
-    match robot.devices.latches.write(number, mask, value) {
+    match robot.robios.latches.write(number, mask, value) {
         Some((old, new)) => {
             robot.record(Event::Output { device: "output latch", value: new.into() });
             old
@@ -75,14 +75,14 @@ pub fn write_output(robot: &mut Robot, number: i32, mask: u8, value: u8) -> u8 {
 
 /// `OSReadParData`: what was written last; before that, what the companion says.
 pub fn read_parallel(robot: &mut Robot) -> u8 {
-    let value = robot.devices.latches.parallel_data.unwrap_or(robot.spec.inputs.parallel_data);
+    let value = robot.robios.latches.parallel_data.unwrap_or(robot.spec.inputs.parallel_data);
     robot.record(Event::Reading { device: "parallel data", value: value.into() });
     value
 }
 
 /// `OSWriteParData`
 pub fn write_parallel(robot: &mut Robot, value: u8) {
-    robot.devices.latches.parallel_data = Some(value);
+    robot.robios.latches.parallel_data = Some(value);
     robot.record(Event::Output { device: "parallel data", value: value.into() });
 }
 
@@ -95,7 +95,7 @@ pub fn read_parallel_status(robot: &mut Robot) -> u8 {
 
 /// `OSWriteParCTRL`
 pub fn write_parallel_control(robot: &mut Robot, value: u8) {
-    robot.devices.latches.parallel_control = value;
+    robot.robios.latches.parallel_control = value;
     robot.record(Event::Output { device: "parallel control", value: value.into() });
 }
 

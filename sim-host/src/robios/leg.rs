@@ -34,7 +34,7 @@ pub fn set_gait(robot: &mut Robot, call: impl Into<Call>, number: i32) -> i32 {
     let name = |legs: &Legs, index: usize| legs.gaits.get(index).map(|gait| gait.name.clone());
     let found = robot.motion.legs().zip(place(number)).and_then(|(legs, index)| Some((index, name(legs, index)?)));
     let Some((index, name)) = found else { return has_no(robot, call, "gait", number, gaits) };
-    let accepted = robot.motion.command_legs(robot.now, LegCommand::Gait(index));
+    let accepted = robot.state.motion.command_legs(robot.state.now, LegCommand::Gait(index));
     if accepted.is_ok() {
         robot.record(Event::Gait { gait: index as u32 + 1, name: &name });
     }
@@ -62,7 +62,7 @@ pub fn set_step(robot: &mut Robot, call: impl Into<Call>, height_mm: i32) -> i32
     if robot.motion.legs().is_none() {
         return has_none(robot, call);
     }
-    let accepted = robot.motion.command_legs(robot.now, LegCommand::StepHeight(height));
+    let accepted = robot.state.motion.command_legs(robot.state.now, LegCommand::StepHeight(height));
     if accepted.is_ok() {
         robot.record(Event::StepHeight { height_m: height });
     }
@@ -80,7 +80,7 @@ pub fn joint(robot: &mut Robot, call: impl Into<Call>, [number, joint]: [i32; 2]
     if degrees.is_null() {
         return robot.refused(call, FAILURE, |_| "it takes a place for the angle".to_owned());
     }
-    let angle = robot.motion.stance(robot.now).joints[found.first_joint + index];
+    let angle = robot.state.motion.stance(robot.state.now).joints[found.first_joint + index];
     robot.record(Event::Joint { joint: &format!("{}.{}", found.leg.name, JOINTS[index]), angle_rad: angle });
     degrees.set(unit::degrees_from_radians(angle) as f32);
     0
@@ -97,7 +97,7 @@ pub fn link(robot: &mut Robot, call: impl Into<Call>, [number, link]: [i32; 2], 
     if pose.is_null() {
         return robot.refused(call, FAILURE, |_| "it takes room for 6 numbers".to_owned());
     }
-    let joints = robot.motion.stance(robot.now).joints;
+    let joints = robot.state.motion.stance(robot.state.now).joints;
     let body_from_link = link_pose(&found.leg.links(0, found.first_joint), &joints, index);
     let (place, [roll, pitch, yaw]) = (body_from_link.position, body_from_link.angles());
     let name = format!("{}.{part}", found.leg.name);
@@ -126,7 +126,7 @@ pub fn height(robot: &mut Robot, call: impl Into<Call>, mm: &mut Out<f32>) -> i3
     if mm.is_null() {
         return robot.refused(call, FAILURE, |_| "it takes a place for the height".to_owned());
     }
-    let height = robot.motion.stance(robot.now).lift;
+    let height = robot.state.motion.stance(robot.state.now).lift;
     robot.record(Event::BodyHeight { height_m: height });
     mm.set(unit::mm_from_metres(height) as f32);
     0
@@ -138,7 +138,7 @@ pub fn foot(robot: &mut Robot, call: impl Into<Call>, number: i32) -> i32 {
     let Some(Found { leg, index, .. }) = Found::leg(robot, number) else {
         return has_no(robot, call, "leg", number, legs);
     };
-    let is_down = robot.motion.stance(robot.now).feet[index].is_down;
+    let is_down = robot.state.motion.stance(robot.state.now).feet[index].is_down;
     robot.record(Event::Reading { device: &format!("{} foot", leg.name), value: i64::from(is_down) });
     i32::from(is_down)
 }
@@ -151,7 +151,7 @@ pub fn correct(robot: &mut Robot, call: impl Into<Call>, number: i32, [dx_mm, dy
     };
     let [dx, dy, dz] = [dx_mm, dy_mm, dz_mm].map(metres);
     let command = LegCommand::Correct { leg: index, shift: DVec2::new(dx, dy), lift: dz };
-    let accepted = robot.motion.command_legs(robot.now, command);
+    let accepted = robot.state.motion.command_legs(robot.state.now, command);
     if accepted.is_ok() {
         robot.record(Event::LegCorrection { leg: &leg.name, dx_m: dx, dy_m: dy, dz_m: dz });
     }

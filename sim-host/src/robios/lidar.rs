@@ -12,30 +12,24 @@ use robios_sys::{OutInts, Robios6Call as Call6, Robios7Call as Call};
 use sim_core::time::Time;
 use sim_core::world::World;
 
-use super::Devices;
 use super::caller::Call as AnyCall;
 use super::psd::mm_from_distance;
-use super::range::Scanner;
 use super::robot::Robot;
-use super::switch::Sensor;
 use super::unit7::radians;
 use crate::record::frame::KeptScan;
+use sim_core::device::Devices;
+use sim_core::device::range::Scanner;
+use sim_core::device::switch::Sensor;
 use sim_core::record::Event;
-
-/// The scanner of a robot.
-#[derive(Clone, Debug, Default)]
-pub struct Lidar {
-    /// Its rays, once a scan was set or taken.
-    scanner: Option<Scanner>,
-}
+use sim_core::simulation;
 
 /// Where the robot's scanner is at `at`, in the world, and the points that it would measure then without errors; `None` where it
 /// has no scanner.
 pub fn points(robot: &mut Robot, world: &World, at: Time) -> Option<(DVec3, Vec<DVec3>)> {
-    let Robot { spec, motion, devices, .. } = robot;
+    let simulation::Robot { spec, motion, devices, .. } = &mut robot.state;
     let lidar = spec.lidar.as_ref()?;
     let as_described;
-    let scanner = match &devices.lidar.scanner {
+    let scanner = match &devices.scanner {
         Some(scanner) => scanner,
         None => {
             as_described = Scanner::new(spec, lidar, [lidar.sweep, lidar.tilt], lidar.points);
@@ -66,10 +60,11 @@ fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances
     if distances.is_null() {
         return Err(robot.refused(call, failure, |_| "it takes room for the distances".to_owned()));
     }
-    let Robot { id, now, motion, journal, devices, .. } = robot;
-    let Devices { lidar: state, servos, ranges, switches, camera, .. } = devices;
+    let Robot { state, robios, .. } = robot;
+    let simulation::Robot { id, now, motion, journal, devices, .. } = state;
+    let Devices { scanner, servos, ranges, switches, .. } = devices;
     let as_described = || Scanner::new(&spec, lidar, [lidar.sweep, lidar.tilt], lidar.points);
-    let scanner = state.scanner.get_or_insert_with(as_described);
+    let scanner = scanner.get_or_insert_with(as_described);
     let (world_from_scanner, mut metres) = ranges.scan(scanner, servos, motion, world, *now);
     if !switches.is_on(Sensor::Lidar) {
         metres.fill(None);
@@ -87,7 +82,7 @@ fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances
             sum_mm: numbers.iter().map(|mm| i64::from(*mm)).sum(),
         },
     );
-    if let Some(frames) = &camera.frames {
+    if let Some(frames) = &robios.camera.frames {
         let fan = scanner.fan();
         let last = fan.len().saturating_sub(1) as u32;
         frames.keep_scan(*id, *now, || KeptScan {
@@ -113,7 +108,7 @@ pub fn set(robot: &mut Robot, range_degrees: i32, tilt_degrees: i32, points: i32
     }
     let sweep = if range_degrees == 360 { TAU } else { radians(range_degrees) };
     let scanner = Scanner::new(&spec, lidar, [sweep, radians(tilt_degrees)], points as u32);
-    robot.devices.lidar.scanner = Some(scanner);
+    robot.devices.scanner = Some(scanner);
     let numbers = [("LIDAR range", range_degrees), ("LIDAR tilt", tilt_degrees), ("LIDAR points", points)];
     for (device, value) in numbers {
         robot.record(Event::Output { device, value: value.into() });

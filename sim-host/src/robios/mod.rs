@@ -15,7 +15,6 @@ pub mod camera6;
 mod camera7;
 pub mod compass;
 pub mod cost;
-pub mod cycle;
 mod display;
 mod display7;
 pub mod handle;
@@ -45,7 +44,6 @@ mod psd7;
 pub mod radio;
 mod radio6;
 mod radio7;
-pub mod range;
 mod robios6;
 mod robios7;
 pub mod robot;
@@ -55,7 +53,6 @@ pub mod servo;
 mod servo7;
 pub mod storage;
 pub mod support;
-pub mod switch;
 pub mod table;
 pub mod task;
 #[cfg(test)]
@@ -72,11 +69,8 @@ use std::sync::Arc;
 
 use robios_sys::Robios7Call as Call7;
 use robios_sys::robios6::semantics::SEMANTICS;
-use sim_core::RobotId;
 use sim_core::drive::{Command, CommandError};
-use sim_core::noise::{AngleErrors, Profile};
 use sim_core::spec::RobiSpec;
-use sim_core::time::Time;
 use sim_core::world::World;
 
 use caller::Call;
@@ -84,11 +78,10 @@ use hint::Mistake;
 use panel::{Panel, PanelRef};
 use robot::Robot;
 use screen::Screen;
-use sim_core::record::Event;
 
-/// The devices of one robot, as RoBIOS shows them.
+/// What RoBIOS keeps for a robot's program: handles, settings, displays, keys, files.
 #[derive(Default)]
-pub struct Devices {
+pub struct Robios {
     /// The table by which programs ask for devices.
     pub table: table::Table,
     /// Variables and clock of the system.
@@ -101,18 +94,14 @@ pub struct Devices {
     pub keys: key::Keys,
     /// Loudspeaker and microphone.
     pub audio: audio::Audio,
-    /// PSD distance sensors.
-    pub psds: psd::Psds,
-    /// What PSDs and other range sensors measure.
-    pub ranges: range::Ranges,
-    /// Motors driven one by one.
-    pub motors: motor::Motors,
-    /// Encoders.
-    pub quads: motor::Quads,
+    /// PSD distance sensors that the program has opened.
+    pub psds: handle::Handles,
+    /// Motors that it drives one by one.
+    pub motors: handle::Handles,
+    /// Encoders that it has opened.
+    pub quads: handle::Handles,
     /// Servos.
     pub servos: servo::Servos,
-    /// The laser scanner.
-    pub lidar: lidar::Lidar,
     /// The camera.
     pub camera: camera::Camera,
     /// What a program of RoBIOS 6 has set of it.
@@ -123,8 +112,8 @@ pub struct Devices {
     pub bumpers: bump::Bumpers,
     /// Infrared proximity sensors.
     pub infrareds: handle::Handles,
-    /// The compass.
-    pub compass: compass::Compass,
+    /// True between `COMPASSInit` and `COMPASSRelease`.
+    pub has_compass: bool,
     /// Latches and parallel port.
     pub latches: latch::Latches,
     /// Serial interfaces.
@@ -141,31 +130,20 @@ pub struct Devices {
     pub census: Arc<truth::Census>,
     /// Keys of a remote control.
     pub remote: irtv::Remote,
-    /// Which sensors are off.
-    pub switches: switch::Switches,
     /// Hints that the program was given.
     pub hints: hint::Hints,
 }
 
-impl Devices {
-    /// The devices of a robot of this type, whose keys are pressed as `keys` says.
+impl Robios {
+    /// That of a robot of this type, whose keys are pressed as `keys` says.
     pub fn new(spec: &RobiSpec, keys: key::Keys) -> Self {
         let serial = serial::Serial::new(&spec.serials);
-        let ranges = range::Ranges::new(spec);
-        Self { table: table::Table::new(spec), keys, serial, ranges, ..Self::default() }
+        Self { table: table::Table::new(spec), keys, serial, ..Self::default() }
     }
 
     /// The same for a program of RoBIOS-7.
     pub fn of_robios7(spec: &RobiSpec, keys: key::Keys) -> Self {
         Self { screen: Some(new_screen(spec)), ..Self::new(spec, keys) }
-    }
-
-    /// Gives them the errors of `profile` on `robot`, in a run with `seed`, in place of those that they have.
-    pub fn set_errors(&mut self, spec: &RobiSpec, profile: &Profile, seed: u64, robot: RobotId) {
-        self.ranges.set_errors(spec, profile, seed, robot);
-        self.camera.set_errors(profile, seed, robot);
-        let compass = spec.compass.as_ref();
-        self.compass.errors = compass.map(|it| AngleErrors::new(profile.compass, seed, robot, &it.name));
     }
 
     /// The display.
@@ -181,14 +159,9 @@ impl Devices {
         }
     }
 
-    /// These devices in a scene with these robots and objects.
+    /// The same in a scene with these robots and objects.
     pub fn among(self, census: Arc<truth::Census>) -> Self {
         Self { census, ..self }
-    }
-
-    /// When [`settle`] is due next; [`Time::NEVER`] if nothing waits for it.
-    pub fn due(&self) -> Time {
-        self.psds.due().min(self.compass.due())
     }
 }
 
@@ -196,33 +169,17 @@ fn new_screen(spec: &RobiSpec) -> Box<Screen> {
     Box::new(Screen::new([spec.lcd.width, spec.lcd.height]))
 }
 
-/// Computes what sensors have measured that end to measure now.
-///
-/// To be called when virtual time reaches [`Devices::due`]: the world remembers for 100 ms only what a sensor saw, and a
-/// program may ask much later. Sensors that measure without end need it not.
-pub fn settle(robot: &mut Robot, world: &World) {
-    if robot.now >= robot.devices.due() {
-        psd::settle(robot, world);
-        compass::settle(robot);
-    }
-}
-
 /// What the families do to a robot.
 impl Robot {
-    /// Records an event now.
-    fn record(&mut self, event: Event<'_>) {
-        self.journal.record(self.now, &event);
-    }
-
     /// Its colour display.
     fn screen(&mut self) -> &mut Screen {
-        let Self { spec, devices, .. } = self;
-        devices.screen.get_or_insert_with(|| new_screen(spec))
+        let Self { state, robios, .. } = self;
+        robios.screen.get_or_insert_with(|| new_screen(&state.spec))
     }
 
     /// The answer of a call that has failed; a program that never looks at it gets a hint.
     fn failed(&mut self, call: impl Into<Call>, answer: i32) -> i32 {
-        if let Some(text) = self.devices.hints.count_failure(call.into()) {
+        if let Some(text) = self.robios.hints.count_failure(call.into()) {
             self.hint(&text);
         }
         answer
@@ -231,7 +188,7 @@ impl Robot {
     /// The answer of a call that has failed for a reason that the program cannot see: the user is told once a function.
     fn refused(&mut self, call: impl Into<Call>, answer: i32, reason: impl FnOnce(&Self) -> String) -> i32 {
         let call = call.into();
-        if self.devices.hints.is_first_failure(call) {
+        if self.robios.hints.is_first_failure(call) {
             let text = format!("`{}` returned {answer}: {}", call.name(), reason(self));
             self.hint(&text);
         }
@@ -246,7 +203,7 @@ impl Robot {
     /// Tells the user, once a function, why a call without an answer did nothing.
     fn rejected(&mut self, call: impl Into<Call>, reason: impl FnOnce(&Self) -> String) {
         let call = call.into();
-        if self.devices.hints.is_first_failure(call) {
+        if self.robios.hints.is_first_failure(call) {
             let text = format!("`{}` did nothing: {}", call.name(), reason(self));
             self.hint(&text);
         }
@@ -262,7 +219,7 @@ impl Robot {
                 0 => format!("{} (without a number)", device.name),
                 _ => device.name.clone(),
             };
-            let known: Vec<String> = robot.devices.table.of_kind(kind).map(name).collect();
+            let known: Vec<String> = robot.robios.table.of_kind(kind).map(name).collect();
             let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
             format!("`{}` has no `{wanted}`; of this kind it has: {known}", robot.spec.file)
         })
@@ -270,9 +227,9 @@ impl Robot {
 
     /// Place of the device of a kind that RoBIOS-7 calls `number`; tells the user, once a function, if there is none.
     fn find_numbered(&mut self, call: Call7, kind: i32, number: i32, names: &[&str]) -> Option<usize> {
-        let found = self.devices.table.numbered(kind, number, names).map(|device| device.index);
-        if found.is_none() && self.devices.hints.is_first_failure(call.into()) {
-            let table = &self.devices.table;
+        let found = self.robios.table.numbered(kind, number, names).map(|device| device.index);
+        if found.is_none() && self.robios.hints.is_first_failure(call.into()) {
+            let table = &self.robios.table;
             let known: Vec<_> = (1..=table::MAX_NUMBER)
                 .filter_map(|number| Some(format!("{number} ({})", table.numbered(kind, number, names)?.name)))
                 .collect();
@@ -290,16 +247,15 @@ impl Robot {
 
     /// Tells the user of a likely mistake in these words, once.
     fn hint_once(&mut self, mistake: Mistake, text: &str) {
-        if self.devices.hints.is_first(mistake) {
+        if self.robios.hints.is_first(mistake) {
             self.hint(text);
         }
     }
 
     /// Gives the drive a command now.
     fn command(&mut self, world: &World, command: Command) -> Result<(), CommandError> {
-        let touching = world.touching(&mut self.motion, self.now);
-        self.tasks.look_at_drive(self.now);
-        self.motion.command(self.now, command, &touching)
+        self.tasks.look_at_drive(self.state.now);
+        self.state.command(world, command)
     }
 }
 

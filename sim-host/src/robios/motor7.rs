@@ -32,8 +32,8 @@ pub fn speed(robot: &mut Robot, world: &World, motor: i32, ticks_per_s: i32) -> 
     let Some(wheel) = find(robot, Call::MOTORSpeed, motor) else { return 1 };
     let rate = f64::from(ticks_per_s) / robot.motion.model().ticks_per_turn * TAU;
     let accepted = robot.command(world, Command::WheelSpeed { wheel, rate });
-    let device = &robot.spec.drive.motors[wheel].motor;
-    robot.journal.record(robot.now, &Event::Output { device, value: ticks_per_s.into() });
+    let device = &robot.state.spec.drive.motors[wheel].motor;
+    robot.state.journal.record(robot.state.now, &Event::Output { device, value: ticks_per_s.into() });
     robot.answered(Call::MOTORSpeed, 1, accepted)
 }
 
@@ -45,14 +45,14 @@ pub fn start_control(robot: &mut Robot, motor: i32, [p, i, d]: [i32; 3]) -> i32 
         return robot.refused(Call::MOTORPID, 1, |_| "each parameter must be 0 to 255".to_owned());
     }
     let pid = Pid { p: f64::from(p) / 10.0, i: f64::from(i) / 10.0, d: f64::from(d) / 1000.0 };
-    let accepted = robot.motion.start_wheel_control(robot.now, wheel, pid);
+    let accepted = robot.state.motion.start_wheel_control(robot.state.now, wheel, pid);
     robot.answered(Call::MOTORPID, 1, accepted)
 }
 
 /// `MOTORPIDOff`
 pub fn stop_control(robot: &mut Robot, motor: i32) -> i32 {
     let Some(wheel) = find(robot, Call::MOTORPIDOff, motor) else { return 1 };
-    let accepted = robot.motion.stop_wheel_control(robot.now, wheel);
+    let accepted = robot.state.motion.stop_wheel_control(robot.state.now, wheel);
     robot.answered(Call::MOTORPIDOff, 1, accepted)
 }
 
@@ -78,8 +78,8 @@ fn set(robot: &mut Robot, world: &World, call: Call, motor: i32, part: f64) -> i
     let Some(wheel) = find(robot, call, motor) else { return 1 };
     let rate = part * robot.motion.model().max_wheel_rate;
     let accepted = robot.command(world, Command::Wheel { wheel, rate });
-    let device = &robot.spec.drive.motors[wheel].motor;
-    robot.journal.record(robot.now, &Event::Motor { device, percent: (100.0 * part).round() as i32 });
+    let device = &robot.state.spec.drive.motors[wheel].motor;
+    robot.state.journal.record(robot.state.now, &Event::Motor { device, percent: (100.0 * part).round() as i32 });
     robot.answered(call, 1, accepted)
 }
 

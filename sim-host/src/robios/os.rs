@@ -103,7 +103,7 @@ pub fn error(robot: &mut Robot, message: Option<&[u8]>, number: i32, is_dead: bo
 
 /// Writes at the cursor of the robot's display, of either generation.
 fn show(robot: &mut Robot, text: &[u8]) {
-    if robot.devices.screen.is_some() {
+    if robot.robios.screen.is_some() {
         display7::put(robot, Robios7Call::LCDPrintf, Some(text));
     } else {
         display::write(robot, text);
@@ -130,7 +130,7 @@ pub fn exit(robot: &mut Robot, code: i32) {
 /// `OSGetVar`
 pub fn variable(robot: &mut Robot, number: i32) -> i32 {
     let index = usize::try_from(number).ok();
-    match index.and_then(|index| robot.devices.os.variables.get(index)) {
+    match index.and_then(|index| robot.robios.os.variables.get(index)) {
         Some(value) => *value,
         None => robot.failed(Call::OSGetVar, 0),
     }
@@ -139,7 +139,7 @@ pub fn variable(robot: &mut Robot, number: i32) -> i32 {
 /// `OSPutVar`
 pub fn set_variable(robot: &mut Robot, number: i32, value: i32) -> i32 {
     let index = usize::try_from(number).ok();
-    match index.and_then(|index| robot.devices.os.variables.get_mut(index)) {
+    match index.and_then(|index| robot.robios.os.variables.get_mut(index)) {
         Some(variable) => {
             *variable = value;
             0
@@ -158,7 +158,7 @@ pub fn set_clock(robot: &mut Robot, [hours, minutes, seconds]: [i32; 3]) -> bool
     let is_time = (0..24).contains(&hours) && (0..60).contains(&minutes) && (0..60).contains(&seconds);
     if is_time {
         let clock = Time((i64::from(hours) * 3600 + i64::from(minutes) * 60 + i64::from(seconds)) * 1_000_000);
-        robot.devices.os.clock_start = Time((clock - robot.now).0.rem_euclid(DAY.0));
+        robot.robios.os.clock_start = Time((clock - robot.now).0.rem_euclid(DAY.0));
     }
     is_time
 }
@@ -179,7 +179,7 @@ pub fn show_time(robot: &mut Robot) -> i32 {
 /// Hours, minutes, seconds and ticks of the robot's clock.
 pub fn clock(robot: &Robot, tick: Time) -> [i32; 4] {
     const SECOND: i64 = 1_000_000;
-    let clock = (robot.devices.os.clock_start + robot.now).0.rem_euclid(DAY.0);
+    let clock = (robot.robios.os.clock_start + robot.now).0.rem_euclid(DAY.0);
     let seconds = clock / SECOND;
     [seconds / 3600, seconds / 60 % 60, seconds % 60, clock % SECOND / tick.0].map(|value| value as i32)
 }

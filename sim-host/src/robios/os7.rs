@@ -87,12 +87,12 @@ pub fn time(robot: &Robot, out: [&mut Out<i32>; 4]) -> i32 {
 /// `OSExecute`: runs a command where the user has allowed it, and waits in real time for its end.
 pub fn execute(robot: &mut Robot, command: Option<&[u8]>, out: &mut OutBytes) -> i32 {
     let Some(command) = command else { return robot.failed(Call::OSExecute, 1) };
-    if !robot.devices.os.may_execute {
+    if !robot.robios.os.may_execute {
         return robot.refused(Call::OSExecute, 1, |_| {
             format!("`{}` is not run: `--allow-execute` on the command line allows it", super::text(command))
         });
     }
-    if !std::mem::replace(&mut robot.devices.os.has_executed, true) {
+    if !std::mem::replace(&mut robot.robios.os.has_executed, true) {
         robot.hint("`OSExecute` runs commands, which are outside of the simulation: a run with them need not repeat");
     }
     let shell = Command::new("sh").arg("-c").arg(OsStr::from_bytes(command)).stdin(Stdio::null()).output();

@@ -101,21 +101,21 @@ pub fn set_up(robot: &mut Robot, line: i32, direction: Char) -> i32 {
         let reason = |_: &Robot| format!("expected a line from 1 to {LINES}, and 'i', 'o', 'I' or 'J'");
         return robot.refused(Call::DIGITALSetup, 1, reason);
     };
-    robot.devices.ports.lines[index] = direction;
+    robot.robios.ports.lines[index] = direction;
     0
 }
 
 /// `DIGITALRead`
 pub fn read(robot: &mut Robot, line: i32) -> i32 {
     let Some(index) = index_of(line) else { return robot.failed(Call::DIGITALRead, -1) };
-    let state = robot.devices.ports.state(&robot.spec.inputs, index);
+    let state = robot.robios.ports.state(&robot.spec.inputs, index);
     robot.record(Event::Reading { device: NAMES[index], value: state.into() });
     state.into()
 }
 
 /// `DIGITALReadAll`
 pub fn read_all(robot: &mut Robot) -> i32 {
-    let state = |index: usize| i32::from(robot.devices.ports.state(&robot.spec.inputs, index)) << index;
+    let state = |index: usize| i32::from(robot.robios.ports.state(&robot.spec.inputs, index)) << index;
     let states = (0..LINES).map(state).sum();
     robot.record(Event::Reading { device: "DIGITAL", value: i64::from(states) });
     states
@@ -124,13 +124,13 @@ pub fn read_all(robot: &mut Robot) -> i32 {
 /// `DIGITALWrite`
 pub fn write(robot: &mut Robot, line: i32, state: i32) -> i32 {
     let line_of =
-        |robot: &Robot| index_of(line).filter(|index| matches!(robot.devices.ports.lines[*index], Direction::Out(_)));
+        |robot: &Robot| index_of(line).filter(|index| matches!(robot.robios.ports.lines[*index], Direction::Out(_)));
     let (Some(index), 0 | 1) = (line_of(robot), state) else {
         return robot.refused(Call::DIGITALWrite, 1, |_| {
             format!("expected 0 or 1, and a line that `DIGITALSetup({line}, 'o')` has made an output")
         });
     };
-    robot.devices.ports.lines[index] = Direction::Out(state == 1);
+    robot.robios.ports.lines[index] = Direction::Out(state == 1);
     robot.record(Event::Output { device: NAMES[index], value: state.into() });
     0
 }
@@ -158,18 +158,18 @@ pub fn read_voltage(robot: &mut Robot) -> i32 {
 
 /// `ANALOGRecord`
 pub fn record(robot: &mut Robot, channel: i32, count: i32) -> i32 {
-    let is_busy = robot.devices.ports.recording.is_some_and(|recording| recording.end > robot.now);
+    let is_busy = robot.robios.ports.recording.is_some_and(|recording| recording.end > robot.now);
     let value = analog(&robot.spec.inputs, channel).filter(|_| !is_busy && (1..=MAX_RECORDING).contains(&count));
     let Some(value) = value else { return robot.failed(Call::ANALOGRecord, 1) };
     let end = robot.now + Time(i64::from(count) * MILLISECOND.0);
-    robot.devices.ports.recording = Some(Recording { end, value: (value >> 2) as u8, count: count as usize });
+    robot.robios.ports.recording = Some(Recording { end, value: (value >> 2) as u8, count: count as usize });
     0
 }
 
 /// `ANALOGTransfer`
 pub fn transfer(robot: &mut Robot, buffer: &mut OutBytes) -> i32 {
     let now = robot.now;
-    match robot.devices.ports.recording.take_if(|recording| recording.end <= now && !buffer.is_null()) {
+    match robot.robios.ports.recording.take_if(|recording| recording.end <= now && !buffer.is_null()) {
         Some(Recording { value, count, .. }) => buffer.set(&vec![value; count]) as i32,
         None => 0,
     }

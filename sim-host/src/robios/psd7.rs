@@ -7,10 +7,8 @@ use robios_sys::robios6::hdt_type::HDT_PSD;
 use sim_core::sensor::Reading;
 use sim_core::world::World;
 
-use super::Devices;
 use super::psd::{NO_SIGNAL, mm_from_distance, raw_from_distance, record_distance, record_signal};
 use super::robot::Robot;
-use super::switch::Sensor;
 
 /// The sensors 1 to 7 by name. Source: EyeSim VR; RoBIOS-7's header has the first four.
 const NAMES: [&str; 7] =
@@ -46,9 +44,5 @@ fn read(robot: &mut Robot, world: &World, call: Call, psd: i32) -> Option<(usize
         robot.failed(call, 0);
         return None;
     };
-    let Robot { now, motion, devices, .. } = robot;
-    let Devices { ranges, servos, switches, .. } = devices;
-    let is_on = switches.is_on(Sensor::Range(index));
-    let reading = if is_on { ranges.read(index, servos, motion, world, *now) } else { ranges.nothing(index) };
-    Some((index, reading))
+    Some((index, robot.read_range(world, index)))
 }

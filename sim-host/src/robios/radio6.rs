@@ -63,7 +63,7 @@ pub fn get_settings(robot: &mut Robot, world: &World, parameters: &mut Out<Radio
 pub fn set_settings(robot: &mut Robot, world: &World, parameters: Option<&RadioIOParameters>) -> i32 {
     let outcome = accepted(robot, world, parameters);
     if let Ok(settings) = outcome {
-        robot.devices.radio.settings = Some(settings);
+        robot.robios.radio.settings = Some(settings);
     }
     robot.answered(Call::RADIOSetIoctl, FAILURE, outcome.map(drop))
 }
@@ -73,17 +73,16 @@ pub fn status(robot: &mut Robot, status: &mut Out<RadioStatus>) -> i32 {
     if status.is_null() {
         return robot.refused(Call::RADIOGetStatus, FAILURE, |_| "no place for the status".to_owned());
     }
-    radio::settle(robot, robot.now);
-    let radio = &robot.devices.radio;
-    let Some(member) = radio.member() else { return radio::is_off(robot, Call::RADIOGetStatus, FAILURE) };
-    let (sent, received, waiting) = (radio.sent, radio.taken, radio.waiting());
+    let Some(member) = robot.radio_member() else { return radio::is_off(robot, Call::RADIOGetStatus, FAILURE) };
+    let waiting = robot.radio_waiting() as i32;
+    let radio::Radio { sent, taken: received, .. } = robot.robios.radio;
     status.set(RadioStatus { id: member.address as i32, sent, received, waiting });
     0
 }
 
 /// What the program has set, else how the robot comes.
 fn settings(robot: &Robot, world: &World) -> RadioIOParameters {
-    robot.devices.radio.settings.unwrap_or_else(|| RadioIOParameters {
+    robot.robios.radio.settings.unwrap_or_else(|| RadioIOParameters {
         interface: SERIAL1,
         speed: i32::try_from(world.radio().model().baud).unwrap_or(i32::MAX),
         id: os::machine_id(robot).into(),
@@ -96,7 +95,7 @@ fn settings(robot: &Robot, world: &World) -> RadioIOParameters {
 /// The settings that the program wants, if they can be.
 fn accepted(robot: &Robot, world: &World, parameters: Option<&RadioIOParameters>) -> Result<RadioIOParameters, String> {
     let Some(wanted) = parameters else { return Err("no settings".to_owned()) };
-    if robot.devices.radio.member().is_some() {
+    if robot.radio_member().is_some() {
         return Err("the radio is on: its settings are made before `RADIOInit`".to_owned());
     }
     let RadioIOParameters { interface, speed, id, remote_on, image_transfer, debug } = *wanted;

@@ -167,14 +167,14 @@ impl Robios6 for Caller {
     // Sound.
     act! {
         fn AUPlaySample(sample: Option<&[u8]>) -> i32 = |robot, _| audio::play_sample_6(robot, sample);
-        fn AUCheckSample() -> i32 = |robot, _| robot.devices.audio.is_sample_done(robot.now).into();
+        fn AUCheckSample() -> i32 = |robot, _| robot.robios.audio.is_sample_done(robot.now).into();
         fn AUTone(frequency_hz: i32, span_ms: i32) -> i32 =
             |robot, _| audio::play_tone(robot, Call::AUTone, -1, frequency_hz, span_ms);
-        fn AUCheckTone() -> i32 = |robot, _| robot.devices.audio.is_tone_done(robot.now).into();
+        fn AUCheckTone() -> i32 = |robot, _| robot.robios.audio.is_tone_done(robot.now).into();
         fn AUBeep() -> i32 = |robot, _| audio::beep(robot);
         fn AURecordSample(buffer: &mut OutBytes, rate_hz: i64) -> i32 =
             |robot, _| audio::record_6(robot, buffer, rate_hz);
-        fn AUCheckRecord() -> i32 = |robot, _| robot.devices.audio.is_record_done(robot.now).into();
+        fn AUCheckRecord() -> i32 = |robot, _| robot.robios.audio.is_record_done(robot.now).into();
         fn AUCaptureMic() -> i32 = |robot, _| audio::microphone_6(robot);
     }
 
@@ -258,12 +258,12 @@ impl Robios6 for Caller {
         fn OSReadInLatch(number: i32) -> u8 = |robot, _| latch::read_input(robot, number);
         fn OSWriteOutLatch(number: i32, mask: u8, value: u8) -> u8 =
             |robot, _| latch::write_output(robot, number, mask, value);
-        fn OSReadOutLatch(number: i32) -> u8 = |robot, _| robot.devices.latches.output(number);
+        fn OSReadOutLatch(number: i32) -> u8 = |robot, _| robot.robios.latches.output(number);
         fn OSReadParData() -> u8 = |robot, _| latch::read_parallel(robot);
         fn OSWriteParData(value: u8) -> () = |robot, _| latch::write_parallel(robot, value);
         fn OSReadParSR() -> u8 = |robot, _| latch::read_parallel_status(robot);
         fn OSWriteParCTRL(value: u8) -> () = |robot, _| latch::write_parallel_control(robot, value);
-        fn OSReadParCTRL() -> u8 = |robot, _| robot.devices.latches.parallel_control;
+        fn OSReadParCTRL() -> u8 = |robot, _| robot.robios.latches.parallel_control;
         fn OSGetAD(channel: i32) -> i32 = |robot, _| latch::read_analog(robot, channel);
         fn OSOffAD(_mode: i32) -> i32 = |_, _| 0;
     }
@@ -276,7 +276,7 @@ impl Robios6 for Caller {
         ) -> i32 = |robot, _| {
             irtv::init(robot, irtv::Settings { type_code, length, tog_mask, inv_mask, mode, bufsize, delay })
         };
-        fn IRTVTerm() -> () = |robot, _| robot.devices.irtv = None;
+        fn IRTVTerm() -> () = |robot, _| robot.robios.irtv = None;
         fn IRTVPressed() -> i32 = |_, _| 0;
         fn IRTVRead() -> i32 = |_, _| 0;
         fn IRTVFlush() -> () = |_, _| ();

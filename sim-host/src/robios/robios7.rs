@@ -185,14 +185,14 @@ impl Robios7 for Caller {
     act! {
         fn AUBeep() -> i32 = |robot, _| audio::beep(robot);
         fn AUPlay(sample: Bytes<'_>) -> i32 = |robot, _| audio::play_sample_7(robot, sample);
-        fn AUDone() -> i32 = |robot, _| robot.devices.audio.is_silent(robot.now).into();
+        fn AUDone() -> i32 = |robot, _| robot.robios.audio.is_silent(robot.now).into();
         fn AUMicrophone() -> i32 = |robot, _| audio::microphone_7(robot);
         fn AUTone(freq_hz: i32, time_ms: i32) -> i32 =
             |robot, _| audio::play_tone(robot, Call::AUTone, 1, freq_hz, time_ms);
-        fn AUCheckTone() -> i32 = |robot, _| robot.devices.audio.is_tone_done(robot.now).into();
-        fn AUCheckPlay() -> i32 = |robot, _| robot.devices.audio.is_sample_done(robot.now).into();
+        fn AUCheckTone() -> i32 = |robot, _| robot.robios.audio.is_tone_done(robot.now).into();
+        fn AUCheckPlay() -> i32 = |robot, _| robot.robios.audio.is_sample_done(robot.now).into();
         fn AURecord(buf: &mut OutBytes, freq_hz: i64) -> i32 = |robot, _| audio::record_7(robot, buf, freq_hz);
-        fn AUCheckRecord() -> i32 = |robot, _| robot.devices.audio.is_record_done(robot.now).into();
+        fn AUCheckRecord() -> i32 = |robot, _| robot.robios.audio.is_record_done(robot.now).into();
     }
 
     // PSD.

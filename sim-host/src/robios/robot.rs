@@ -1,49 +1,34 @@
-//! All state of one robot: its virtual time, its motion, its devices, what it waits for and how it ended.
+//! One robot of a run: the robot of the simulation, and what its running program keeps, waits for and how it ended.
 
+use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
 use robios_sys::{Robios6Call, SupportCall};
-use sim_core::RobotId;
-use sim_core::contact::Thing;
-use sim_core::drive::legged::{Footfall, Stance, Touching};
-use sim_core::drive::{Command, HISTORY, ModelError, Motion};
-use sim_core::noise::Parameter;
-use sim_core::noise::{Profile, RangeKind};
-use sim_core::pose::Pose;
+use sim_core::drive::{ModelError, Motion};
+use sim_core::noise::Profile;
+use sim_core::record::Event;
+use sim_core::simulation;
 use sim_core::spec::RobiSpec;
 use sim_core::time::Time;
-use sim_core::world::{Contact, LegTouch, Seen, World};
 
-use super::Devices;
+use super::Robios;
 use super::caller::Call;
 use super::key::Touch;
-use super::motor;
 use super::support::Generators;
-use super::switch::{self, Sensor};
 use super::task::{TaskWait, Tasks};
 use super::timer::Timers;
-use super::truth::Placement;
 use crate::executive::fault::Broken;
 use crate::executive::program::Site;
 use crate::executive::standing::Standing;
-use sim_core::record::{Event, Journal, Numbers, Obstacle};
 
-/// One robot, as its calls and the slot loop see it; one lock guards it all.
+/// One robot with what its running program keeps; one lock guards it all.
 pub struct Robot {
-    /// Its number.
-    pub id: RobotId,
-    /// Its virtual time: the end of its last call, or the beginning of the one in progress.
-    pub now: Time,
+    /// The robot as the simulation knows it.
+    pub state: simulation::Robot,
+    /// What RoBIOS keeps for its program.
+    pub robios: Robios,
     /// The name of its program; empty for a robot without one.
     pub program: String,
-    /// Where it is and how it moves.
-    pub motion: Motion,
-    /// What its robi file says.
-    pub spec: Arc<RobiSpec>,
-    /// What its program did and read in the present slot.
-    pub journal: Journal,
-    /// The devices that RoBIOS shows.
-    pub devices: Devices,
     /// The generators that its program draws from.
     pub generators: Generators,
     /// The timers that its program has attached.
@@ -52,16 +37,20 @@ pub struct Robot {
     pub tasks: Tasks,
     /// How its program ended, once that is known.
     pub ending: Option<Ending>,
-    /// What its program has asked for in the present slot to be put elsewhere, in order.
-    pub placements: Vec<Placement>,
-    /// The errors of its devices, its drive and its radio.
-    noise: Profile,
-    /// Seed of the run.
-    seed: u64,
-    /// The pose that was recorded last.
-    recorded_pose: Option<Pose>,
-    /// How it walked and held itself, of a robot with legs.
-    pub walk: WalkRecord,
+}
+
+impl Deref for Robot {
+    type Target = simulation::Robot;
+
+    fn deref(&self) -> &Self::Target {
+        &self.state
+    }
+}
+
+impl DerefMut for Robot {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.state
+    }
 }
 
 /// What a robot is made of.
@@ -74,8 +63,8 @@ pub struct RobotParts {
     pub motion: Motion,
     /// What its robi file says.
     pub spec: Arc<RobiSpec>,
-    /// Its devices.
-    pub devices: Devices,
+    /// What RoBIOS keeps for its program.
+    pub robios: Robios,
     /// Seed of the run.
     pub seed: u64,
     /// True when its calls are to be recorded.
@@ -116,23 +105,6 @@ pub enum Waits {
     Ready,
 }
 
-/// How often is looked at what legs touch. Source: our choice.
-const TOUCH_GRID: Time = Time::from_millis(10);
-
-/// What has been recorded of a robot's legs.
-#[derive(Clone, Debug, Default)]
-pub struct WalkRecord {
-    /// The posture that was recorded last.
-    posture: Option<(f64, Vec<f64>)>,
-    /// What its parts touched when that was looked at last, and when that was.
-    touching: Vec<(Touching, Seen)>,
-    looked_at: Time,
-    /// How often a foot has come down.
-    pub footfalls: u64,
-    /// How often a part has begun to touch something.
-    pub touches: u64,
-}
-
 /// How a robot's program ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ending {
@@ -158,34 +130,24 @@ pub enum Ending {
 impl Robot {
     /// A robot at its start.
     pub fn new(parts: RobotParts) -> Self {
-        let RobotParts { program, start, mut motion, spec, devices, seed, is_verbose } = parts;
-        let id = motion.id();
-        let recorded_pose = Some(motion.pose(start));
+        let RobotParts { program, start, motion, spec, robios, seed, is_verbose } = parts;
+        let generators = Generators::new(seed, motion.id());
         Self {
-            id,
-            now: start,
+            state: simulation::Robot::new(motion, spec, start, seed, is_verbose),
+            robios,
             program,
-            motion,
-            spec,
-            journal: Journal::new(id, is_verbose),
-            devices,
-            generators: Generators::new(seed, id),
+            generators,
             timers: Timers::default(),
             tasks: Tasks::default(),
             ending: None,
-            placements: Vec::new(),
-            noise: Profile::default(),
-            seed,
-            recorded_pose,
-            walk: WalkRecord::default(),
         }
     }
 
     /// Somebody presses a key, touches the display or uses a remote control at `at`, the start of a slot.
     pub fn press(&mut self, at: Time, touch: Touch) {
         match touch.remote_key() {
-            Some(code) => self.devices.remote.press(at, code),
-            None => self.devices.keys.press(at, touch),
+            Some(code) => self.robios.remote.press(at, code),
+            None => self.robios.keys.press(at, touch),
         }
         self.tasks.look_at_input(at);
     }
@@ -204,58 +166,15 @@ impl Robot {
     /// # Errors
     /// The first number that makes no sense for its drive; nothing changes then.
     pub fn set_noise(&mut self, at: Time, profile: &Profile) -> Result<(), ModelError> {
-        let imperfection = profile.motion.imperfection(self.motion.model().kind, self.seed, self.id);
-        if imperfection != self.motion.imperfection() {
-            self.motion.set_imperfection(at, self.seed, imperfection)?;
-        }
-        self.devices.set_errors(&self.spec, profile, self.seed, self.id);
-        self.noise = profile.clone();
+        self.state.set_noise(at, profile)?;
+        self.robios.camera.set_errors(profile, self.state.seed(), self.state.id);
         Ok(())
-    }
-
-    /// The errors of its devices, its drive and its radio.
-    pub fn noise(&self) -> &Profile {
-        &self.noise
-    }
-
-    /// The numbers of its errors that concern what it has.
-    pub fn noise_parameters(&self) -> Vec<Parameter> {
-        let spec = &*self.spec;
-        let has_table = |table: &str| match table {
-            "psd" => !spec.psds.is_empty(),
-            "lidar" => spec.lidar.is_some(),
-            "compass" => spec.compass.is_some(),
-            "camera" => spec.camera.is_some(),
-            "drive" | "odometry" | "radio" => true,
-            kind => spec.ranges.iter().any(|range| RangeKind::from(&range.model).name() == kind),
-        };
-        let parameters = self.noise.parameters().into_iter();
-        parameters.filter(|parameter| has_table(parameter.table)).collect()
-    }
-
-    /// Its sensors by name, and whether they are switched on.
-    pub fn sensors_on(&self) -> Vec<(&str, bool)> {
-        switch::sensors(&self.spec).map(|(name, sensor)| (name, self.devices.switches.is_on(sensor))).collect()
-    }
-
-    /// Switches its sensors of this name on or off at `at`, the start of a slot; false if it has none.
-    pub fn switch_sensor(&mut self, at: Time, name: &str, is_on: bool) -> bool {
-        let spec = Arc::clone(&self.spec);
-        let mut has_any = false;
-        for (_, sensor) in switch::sensors(&spec).filter(|(known, _)| *known == name) {
-            has_any = true;
-            self.devices.switches.set(sensor, is_on);
-            if let Sensor::Encoder(index) = sensor {
-                motor::switch_encoder(self, index, is_on, at);
-            }
-        }
-        has_any
     }
 
     /// Tells the user when the program has ended before a drive that it commanded.
     pub fn hint_at_pending_drive(&mut self) {
         if self.motion.drive_end().is_some_and(|end| end > self.now) {
-            let wait = if self.devices.vw.begun.is_some() { "VWWait" } else { "VWDriveWait" };
+            let wait = if self.robios.vw.begun.is_some() { "VWWait" } else { "VWDriveWait" };
             self.hint(&format!(
                 "the program ended while it drove, which stops the motors: `{wait}` waits for the end of a drive"
             ));
@@ -271,132 +190,22 @@ impl Robot {
         }
     }
 
-    /// Stops its motors, at the end of its program.
-    pub fn halt(&mut self, world: &World) {
-        let touching = world.touching(&mut self.motion, self.now);
-        if let Err(error) = self.motion.command(self.now, Command::Halt, &touching) {
-            unreachable!("a halt is never refused: {error}");
-        }
-    }
-
-    /// Records where it is when it comes into a running world; of a robot that is there from the start the scene says it.
-    pub fn record_arrival(&mut self, world: &World) {
-        self.recorded_pose = None;
-        self.record_walk(world, self.now);
-        self.record_pose(self.now);
-    }
-
-    /// Records where it is at the end of a slot, if it has moved since the last record.
-    pub fn record_pose(&mut self, slot_end: Time) {
-        let pose = self.motion.pose(slot_end);
-        if self.recorded_pose != Some(pose) {
-            self.recorded_pose = Some(pose);
-            let Pose { position, heading } = pose;
-            let event =
-                Event::Pose { x_m: position.x, y_m: position.y, phi_rad: heading.remainder(), turns: heading.turns() };
-            self.journal.record(slot_end, &event);
-        }
-    }
-
-    /// Records where the feet of a robot with legs have trod in the slot, and how it holds itself at its end, if that has
-    /// changed since the last record.
-    pub fn record_walk(&mut self, world: &World, slot_end: Time) {
-        if self.motion.legs().is_none() {
-            return;
-        }
-        for Footfall { time, leg, point } in self.motion.take_footfalls(slot_end) {
-            let name = self.motion.legs().and_then(|legs| legs.legs.get(leg)).map_or("", |leg| &leg.name);
-            self.journal.record(time, &Event::Footfall { leg: name, x_m: point.x, y_m: point.y, z_m: point.z });
-            self.walk.footfalls += 1;
-        }
-        self.record_touches(world, slot_end);
-        let Stance { lift, joints, .. } = self.motion.stance(slot_end);
-        let posture = Some((lift, joints));
-        if self.walk.posture != posture {
-            let bytes: Vec<[u8; 8]> =
-                posture.iter().flat_map(|(_, joints)| joints).map(|angle| angle.to_le_bytes()).collect();
-            self.journal.record(slot_end, &Event::Posture { lift_m: lift, joints_rad: Numbers::new(&bytes) });
-            self.walk.posture = posture;
-        }
-    }
-
-    /// Records what thighs, shanks and body have begun to touch since that was looked at last, each [`TOUCH_GRID`]; of slots
-    /// longer than what the world remembers only the end is looked at.
-    fn record_touches(&mut self, world: &World, slot_end: Time) {
-        let first = self.walk.looked_at.max(slot_end - HISTORY);
-        let mut at = Time((first.0.div_euclid(TOUCH_GRID.0) + 1) * TOUCH_GRID.0);
-        while at <= slot_end {
-            let touches = world.closeness(&mut self.motion, at, 0.0).map(|near| near.touches).unwrap_or_default();
-            for LegTouch { part, thing, point } in &touches {
-                if !self.walk.touching.contains(&(*part, *thing)) {
-                    let part = self.part_name(*part);
-                    let with = match thing {
-                        Seen::Wall(_) | Seen::Fixed(_) => Obstacle::Wall,
-                        Seen::Floor => Obstacle::Terrain,
-                        Seen::Robot(id) => Obstacle::Robot(id.0),
-                        Seen::Object(id) => Obstacle::Object(id.0),
-                    };
-                    let event = Event::Touch { part: &part, with, x_m: point.x, y_m: point.y, z_m: point.z };
-                    self.journal.record(at, &event);
-                    self.walk.touches += 1;
-                }
-            }
-            self.walk.touching = touches.iter().map(|touch| (touch.part, touch.thing)).collect();
-            self.walk.looked_at = at;
-            at += TOUCH_GRID;
-        }
-    }
-
-    /// The name of a part in events: that of its link, or `body`.
-    fn part_name(&self, part: Touching) -> String {
-        let (leg, link) = match part {
-            Touching::Body => return "body".to_owned(),
-            Touching::Thigh(leg) => (leg, "thigh"),
-            Touching::Shank(leg) => (leg, "shank"),
-        };
-        let name = self.motion.legs().and_then(|legs| legs.legs.get(leg)).map_or("", |leg| &leg.name);
-        format!("{name}.{link}")
-    }
-
-    /// Records a contact that began in the present slot.
-    pub fn record_contact(&mut self, contact: &Contact) {
-        let with = match contact.with {
-            Thing::Wall(_) => Obstacle::Wall,
-            Thing::Robot(id) => Obstacle::Robot(id.0),
-            Thing::Object(id) => Obstacle::Object(id.0),
-        };
-        let event = Event::Contact { at_s: contact.time.seconds(), with, x_m: contact.point.x, y_m: contact.point.y };
-        self.journal.record(contact.time, &event);
-    }
-
-    /// Records that the program of robot `by` has put it at `pose` at `at`.
-    pub fn record_placed(&mut self, at: Time, by: RobotId, pose: &Pose) {
-        let Pose { position, heading } = pose;
-        let event = Event::Placed { by: by.0, x_m: position.x, y_m: position.y, phi_rad: heading.remainder() };
-        self.journal.record(at, &event);
-    }
-
     /// Records that its program begins.
     pub fn record_start(&mut self) {
-        self.journal.record(self.now, &Event::ProgramStarted { program: &self.program });
+        self.state.journal.record(self.state.now, &Event::ProgramStarted { program: &self.program });
     }
 
     /// Records how its program stands at the end of the run.
     pub fn record_standing(&mut self, standing: &Standing) {
-        let now = self.now;
+        let now = self.state.now;
         if let Some(fault) = &standing.fault {
             let event = Event::Fault { what: &fault.what, location: &fault.location, last_call: fault.last_call };
-            self.journal.record(now, &event);
+            self.state.journal.record(now, &event);
         }
         self.journal.record(now, &Event::ProgramEnded { outcome: standing.outcome, exit_code: standing.exit_code });
         if let Some(reason) = &standing.reason {
             self.journal.record(now, &Event::Reason { text: reason });
         }
-    }
-
-    /// Tells the user of a likely mistake in the program.
-    pub fn hint(&mut self, text: &str) {
-        self.journal.record(self.now, &Event::Hint { text });
     }
 }
 

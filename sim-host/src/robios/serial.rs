@@ -171,7 +171,7 @@ pub fn init_6(robot: &mut Robot, baud: i32, handshake: i32, number: i32) -> i32 
     if !is_setting || !(1..=PORTS_OF_6).contains(&number) {
         return robot.failed(Robios6Call::OSInitRS232, -1);
     }
-    robot.devices.serial.open(number, baud, robot.now);
+    robot.robios.serial.open(number, baud, robot.now);
     0
 }
 
@@ -186,23 +186,23 @@ pub fn init_7(robot: &mut Robot, number: i32, baud: i32, handshake: i32) -> i32 
             )
         });
     }
-    robot.devices.serial.open(number, baud, robot.now);
+    robot.robios.serial.open(number, baud, robot.now);
     0
 }
 
 /// `OSSendCharRS232`, `OSSendRS232`, `SERSendChar`, `SERSend`
 pub fn send(robot: &mut Robot, call: impl Into<Call>, failure: i32, data: Option<&[u8]>, number: i32) -> i32 {
-    let (Some(data), Some(port)) = (data, robot.devices.serial.opened(number)) else {
+    let (Some(data), Some(port)) = (data, robot.robios.serial.opened(number)) else {
         return robot.failed(call, failure);
     };
-    robot.devices.serial.send(number, robot.now, data);
+    robot.robios.serial.send(number, robot.now, data);
     robot.record(Event::SerialSent { port, data });
     0
 }
 
 /// `OSRecvRS232`
 pub fn receive_6(robot: &mut Robot, buffer: &mut Out<u8>, number: i32) -> Poll<i32> {
-    if buffer.is_null() || robot.devices.serial.opened(number).is_none() {
+    if buffer.is_null() || robot.robios.serial.opened(number).is_none() {
         return Poll::Ready(robot.failed(Robios6Call::OSRecvRS232, -1));
     }
     receive(robot, number).map(|byte| {
@@ -213,7 +213,7 @@ pub fn receive_6(robot: &mut Robot, buffer: &mut Out<u8>, number: i32) -> Poll<i
 
 /// `SERReceiveChar`
 pub fn receive_char(robot: &mut Robot, number: i32) -> Poll<Char> {
-    if robot.devices.serial.opened(number).is_none() {
+    if robot.robios.serial.opened(number).is_none() {
         robot.failed(Robios7Call::SERReceiveChar, 0);
         return Poll::Ready(0);
     }
@@ -225,7 +225,7 @@ fn receive(robot: &mut Robot, number: i32) -> Poll<u8> {
     if let [byte] = take(robot, number, 1)[..] {
         return Poll::Ready(byte);
     }
-    let serial = &robot.devices.serial;
+    let serial = &robot.robios.serial;
     let (name, at) = (serial.opened(number).unwrap_or_default(), serial.next_arrival(number));
     let what = match serial.lines.get(&number) {
         None => "to which nothing is connected",
@@ -238,8 +238,8 @@ fn receive(robot: &mut Robot, number: i32) -> Poll<u8> {
 /// Takes what has come in, and records it.
 fn take(robot: &mut Robot, number: i32, most: usize) -> Vec<u8> {
     let now = robot.now;
-    let data = robot.devices.serial.take(number, now, most);
-    if let (false, Some(port)) = (data.is_empty(), robot.devices.serial.opened(number)) {
+    let data = robot.robios.serial.take(number, now, most);
+    if let (false, Some(port)) = (data.is_empty(), robot.robios.serial.opened(number)) {
         robot.record(Event::SerialReceived { port, data: &data });
     }
     data
@@ -247,7 +247,7 @@ fn take(robot: &mut Robot, number: i32, most: usize) -> Vec<u8> {
 
 /// `SERReceive`: what has come in, and a final 0.
 pub fn receive_all(robot: &mut Robot, number: i32, buffer: &mut OutBytes) -> i32 {
-    if buffer.is_null() || robot.devices.serial.opened(number).is_none() {
+    if buffer.is_null() || robot.robios.serial.opened(number).is_none() {
         return robot.failed(Robios7Call::SERReceive, 0);
     }
     let mut data = take(robot, number, buffer.capacity().min(MAX_SERIAL).saturating_sub(1));
@@ -259,38 +259,38 @@ pub fn receive_all(robot: &mut Robot, number: i32, buffer: &mut OutBytes) -> i32
 
 /// `OSCheckInRS232`: how many bytes have come in.
 pub fn check_in(robot: &mut Robot, number: i32) -> i32 {
-    if robot.devices.serial.opened(number).is_none() {
+    if robot.robios.serial.opened(number).is_none() {
         return robot.failed(Robios6Call::OSCheckInRS232, -1);
     }
-    robot.devices.serial.waiting(number, robot.now) as i32
+    robot.robios.serial.waiting(number, robot.now) as i32
 }
 
 /// `SERCheck`
 pub fn has_input(robot: &mut Robot, number: i32) -> Flag {
-    if robot.devices.serial.opened(number).is_none() {
+    if robot.robios.serial.opened(number).is_none() {
         robot.failed(Robios7Call::SERCheck, 0);
     }
-    (robot.devices.serial.waiting(number, robot.now) > 0).into()
+    (robot.robios.serial.waiting(number, robot.now) > 0).into()
 }
 
 /// `OSFlushInRS232`, `SERFlush`: forgets what has come in.
 pub fn flush(robot: &mut Robot, call: impl Into<Call>, failure: i32, number: i32) -> i32 {
-    if robot.devices.serial.opened(number).is_none() {
+    if robot.robios.serial.opened(number).is_none() {
         return robot.failed(call, failure);
     }
-    robot.devices.serial.take(number, robot.now, usize::MAX);
+    robot.robios.serial.take(number, robot.now, usize::MAX);
     0
 }
 
 /// `OSFlushOutRS232`, `OSCheckOutRS232`: the buffers for output are always empty.
 pub fn check_out(robot: &mut Robot, call: Robios6Call, number: i32) -> i32 {
-    if robot.devices.serial.opened(number).is_some() { 0 } else { robot.failed(call, -1) }
+    if robot.robios.serial.opened(number).is_some() { 0 } else { robot.failed(call, -1) }
 }
 
 /// `SERClose`
 pub fn close(robot: &mut Robot, number: i32) -> i32 {
     let now = robot.now;
-    if robot.devices.serial.close(number, now) { 0 } else { robot.failed(Robios7Call::SERClose, 1) }
+    if robot.robios.serial.close(number, now) { 0 } else { robot.failed(Robios7Call::SERClose, 1) }
 }
 
 #[cfg(test)]

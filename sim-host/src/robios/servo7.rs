@@ -12,7 +12,7 @@ use super::servo;
 /// `SERVOSet`
 pub fn set(robot: &mut Robot, world: &World, servo: i32, position: i32) -> i32 {
     let Some((index, position)) = find(robot, Call::SERVOSet, servo, position) else { return 1 };
-    let [low, high] = robot.devices.servos.range(index).map(f64::from);
+    let [low, high] = robot.robios.servos.range(index).map(f64::from);
     let own = low + f64::from(position) / 255.0 * (high - low);
     servo::turn(robot, world, index, own.round() as u8);
     0
@@ -29,7 +29,7 @@ pub fn set_raw(robot: &mut Robot, world: &World, servo: i32, position: i32) -> i
 pub fn set_range(robot: &mut Robot, servo: i32, [low, high]: [i32; 2]) -> i32 {
     let Some((index, low)) = find(robot, Call::SERVORange, servo, low) else { return 1 };
     let Some((_, high)) = find(robot, Call::SERVORange, servo, high) else { return 1 };
-    robot.devices.servos.set_range(index, [low, high]);
+    robot.robios.servos.set_range(index, [low, high]);
     0
 }
 

@@ -12,6 +12,7 @@ use sim_core::RobotId;
 use sim_core::build;
 use sim_core::drive::Motion;
 use sim_core::pose::Pose;
+use sim_core::time::Time;
 use sim_format::{read_companion, read_robi, read_world};
 
 use super::caller::Poll;
@@ -82,7 +83,7 @@ impl Bench {
             start: Time::ZERO,
             program: "test".to_owned(),
             motion,
-            devices: Devices::new(&spec, keys),
+            robios: Robios::new(&spec, keys),
             spec: Arc::new(spec),
             seed: 0,
             is_verbose: false,
@@ -97,7 +98,7 @@ impl Bench {
     /// The same, later.
     fn at_ms(&mut self, ms: i64) -> &mut Self {
         self.robot.now = Time::from_millis(ms);
-        settle(&mut self.robot, &self.world);
+        self.robot.settle(&self.world);
         self
     }
 
@@ -126,14 +127,14 @@ fn ready<R>(poll: Poll<R>) -> R {
 
 #[test]
 fn devices_answer_to_the_numbers_of_robi_and_header() {
-    let table = Bench::rover().robot.devices.table;
+    let table = Bench::rover().robot.robios.table;
     let name = |number| table.find(HDT_PSD, number).map(|device| device.name.as_str());
     assert_eq!([name(PSD_FRONT), name(2), name(PSD_LEFT)], [Some("PSD_FRONT"), Some("PSD_LEFT"), Some("PSD_LEFT")]);
     assert_eq!([name(PSD_RIGHT), name(0), name(MOTOR_LEFT)], [None; 3]);
     assert_eq!(table.find(0, QUAD_RIGHT).unwrap().index, 1);
 
     let mut bench = Bench::new(CAR, "");
-    let table = &bench.robot.devices.table;
+    let table = &bench.robot.robios.table;
     let servos: Vec<&str> = table.of_kind(HDT_SERVO).map(|device| device.name.as_str()).collect();
     assert_eq!(servos, ["SERVO_STEER", "SERVO1", "SERVO2"]);
     let mut entry = Out::<HDTEntry>::wanted();
@@ -302,7 +303,7 @@ fn motors_turn_wheels_and_encoders_count_them() {
     assert!((motor::odometer_read(robot, other) - std::f32::consts::PI * 0.1).abs() < 1e-6);
     assert_eq!([motor::release(robot, world, 8), motor::release(robot, world, 9)], [handle::WRONG_HANDLE, 8]);
     assert_eq!(motor::release(robot, world, left | right), 0);
-    assert!(!robot.motion.is_moving(robot.now), "released motors stop");
+    assert!(!robot.state.motion.is_moving(robot.state.now), "released motors stop");
     let vw = vw::init(robot, world, VW_DRIVE, 1);
     assert_eq!((vw, motor::init(robot, MOTOR_LEFT)), (vw::HANDLE, 0));
     vw::release(robot, world, vw);
@@ -317,12 +318,12 @@ fn a_car_steers_and_cannot_turn_on_the_spot() {
     let (motor, servo) = (motor::init(robot, MOTOR_DRIVE), servo::init(robot, SERVO_STEER));
     assert_eq!(servo::set(robot, world, servo, 0), 0);
     motor::drive(robot, world, motor, 5);
-    let steering = robot.motion.steering(robot.now);
+    let steering = robot.state.motion.steering(robot.state.now);
     assert!((steering - std::f64::consts::FRAC_PI_4).abs() < 1e-12, "45 degrees to the left: {steering}");
-    assert!(robot.motion.speed(robot.now).omega > 0.0);
+    assert!(robot.state.motion.speed(robot.state.now).omega > 0.0);
     for straight in [127, 128] {
         servo::set(robot, world, servo, straight);
-        assert_eq!(robot.motion.steering(robot.now), 0.0);
+        assert_eq!(robot.state.motion.steering(robot.state.now), 0.0);
     }
     assert_eq!([servo::set(robot, world, servo, 256), servo::set(robot, world, servo, -1)], [-1, -1]);
     assert_eq!([servo::set(robot, world, 2, 0), servo::init(robot, SERVO9)], [-1, 0]);
@@ -362,7 +363,7 @@ fn infrared_compass_and_inputs() {
     );
     assert_eq!([latch::read_input(robot, 2), latch::read_input(robot, 9)], [5, 0]);
     assert_eq!([latch::write_output(robot, 1, 0, 9), latch::write_output(robot, 1, 1, 4)], [0, 9]);
-    assert_eq!(robot.devices.latches.output(1), 5);
+    assert_eq!(robot.robios.latches.output(1), 5);
     assert_eq!(latch::read_parallel(robot), 0);
     latch::write_parallel(robot, 7);
     assert_eq!(latch::read_parallel(robot), 7);
@@ -404,7 +405,7 @@ fn the_display_takes_text_and_numbers() {
     assert_eq!(display::set_menu_entry(robot, 5, Some(b"x")), -1);
     assert_eq!(display::set_menu_entry(robot, 1, None), -1);
     let expected = ["ab", "   -7    2.50", " nan inf1", "", "", "              x", "A           END"];
-    assert_eq!(robot.devices.lcd.lines(), expected);
+    assert_eq!(robot.robios.lcd.lines(), expected);
     let (mut row, mut column) = (Out::wanted(), Out::wanted());
     assert_eq!(display::position(robot, &mut row, &mut column), 0);
     assert_eq!((row.value(), column.value()), (Some(&5), Some(&15)));
@@ -445,7 +446,7 @@ fn the_machine() {
     assert_eq!([os::span_of_hundredths(-1), os::span_of_hundredths(i32::MIN)], [Time::ZERO; 2]);
     os::error(&mut bench.robot, Some(b"motor"), 7, true);
     assert_eq!(bench.robot.ending, Some(Ending::Failed { reason: "OSError 7: motor".to_owned() }));
-    assert_eq!(bench.robot.devices.lcd.lines()[..2], ["motor", "Error 7"]);
+    assert_eq!(bench.robot.robios.lcd.lines()[..2], ["motor", "Error 7"]);
 }
 
 #[test]
@@ -472,11 +473,11 @@ fn what_nobody_sends_is_waited_for_in_vain() {
         ],
         [-1, -1, 0]
     );
-    assert_eq!(i32::from(robot.devices.audio.is_tone_done(robot.now)), FALSE);
+    assert_eq!(i32::from(robot.robios.audio.is_tone_done(robot.now)), FALSE);
     let mut buffer = OutBytes::with_capacity(4);
     assert_eq!((audio::record_6(robot, &mut buffer, 8_000), buffer.bytes()), (8_000, [128; 4].as_slice()));
     assert_eq!(audio::record_6(robot, &mut OutBytes::null(), 8_000), 0);
-    assert_eq!(robot.devices.table.name(HDT_MOTOR, 7), "");
+    assert_eq!(robot.robios.table.name(HDT_MOTOR, 7), "");
 }
 
 /// Numbers from a linear congruential generator, mostly those at which programs and devices break.
@@ -507,8 +508,8 @@ impl Storm {
 fn no_argument_does_harm() {
     let (mut bench, mut storm) = (Bench::rover(), Storm(1));
     for step in 0..4_000 {
-        bench.robot.now += Time(storm.next(22_000) as i64);
-        settle(&mut bench.robot, &bench.world);
+        bench.robot.state.now += Time(storm.next(22_000) as i64);
+        bench.robot.settle(&bench.world);
         let Bench { robot, world } = &mut bench;
         let ints: [i32; 7] = std::array::from_fn(|_| storm.int());
         let [a, b, c, d, ..] = ints;
@@ -571,7 +572,7 @@ fn no_argument_does_harm() {
             52 => _ = audio::play_sample_6(robot, storm.text()),
             _ => _ = hdt::find_nth(robot, a, b, &mut Out::wanted()),
         }
-        let pose = robot.motion.pose(robot.now);
+        let pose = robot.state.motion.pose(robot.state.now);
         let margin = 0.1 - 1e-6;
         let is_inside = |place: f64, size: f64| (margin..=size - margin).contains(&place);
         assert!(is_inside(pose.position.x, 2.0) && is_inside(pose.position.y, 1.0), "step {step}: {pose:?}");

@@ -3,7 +3,7 @@
 //! Source: EyeSim VR, simulation functions. Headings are those of the sim file and of VW: 0 along x, counter-clockwise.
 
 use sim_core::pose::Pose;
-use sim_core::time::Time;
+use sim_core::simulation::{self, Placeable, Placement};
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 
@@ -31,28 +31,6 @@ pub enum Counted {
     Movable(ObjectId),
     /// One that never moves, and where it is.
     Fixed(Pose),
-}
-
-/// What a robot's program wants to be put elsewhere at the slot's end.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placement {
-    /// When it was asked for.
-    pub time: Time,
-    /// Whose program asked.
-    pub by: RobotId,
-    /// What.
-    pub what: Placeable,
-    /// Where to.
-    pub pose: Pose,
-}
-
-/// What can be put elsewhere.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Placeable {
-    /// Another robot.
-    Robot(RobotId),
-    /// A movable object.
-    Object(ObjectId),
 }
 
 impl Census {
@@ -91,7 +69,7 @@ impl Census {
 
 /// `SIMGetRobot`
 pub fn robot_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out<i32>; 4]) {
-    let Some(id) = robot.devices.census.robot(number, robot.id) else {
+    let Some(id) = robot.robios.census.robot(number, robot.id) else {
         return no_robot(robot, Call::SIMGetRobot, number);
     };
     let now = robot.now;
@@ -104,7 +82,7 @@ pub fn robot_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out
 
 /// `SIMSetRobot`: at once for the own robot, of another one at the slot's end. Odometry does not notice it.
 pub fn set_robot(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
-    let Some(id) = robot.devices.census.robot(number, robot.id) else {
+    let Some(id) = robot.robios.census.robot(number, robot.id) else {
         return no_robot(robot, Call::SIMSetRobot, number);
     };
     if id != robot.id && !world.is_robot_there(id, robot.now) {
@@ -115,13 +93,14 @@ pub fn set_robot(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
         return place(robot, Placeable::Robot(id), pose);
     }
     // Whole millimetres are always a place.
-    let _ = robot.motion.place(robot.now, pose);
-    robot.record_placed(robot.now, robot.id, &pose);
+    let _ = robot.state.motion.place(robot.state.now, pose);
+    let (now, id) = (robot.now, robot.id);
+    robot.record_placed(now, id, &pose);
 }
 
 /// `SIMGetObject`
 pub fn object_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out<i32>; 4]) {
-    let pose = match robot.devices.census.object(number) {
+    let pose = match robot.robios.census.object(number) {
         Some(Counted::Movable(object)) if !world.is_object_there(object, robot.now) => {
             return robot.rejected(Call::SIMGetObject, |_| is_gone("object", number));
         }
@@ -134,7 +113,7 @@ pub fn object_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Ou
 
 /// `SIMSetObject`: at the slot's end.
 pub fn set_object(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
-    match robot.devices.census.object(number) {
+    match robot.robios.census.object(number) {
         Some(Counted::Movable(object)) if !world.is_object_there(object, robot.now) => {
             robot.rejected(Call::SIMSetObject, |_| is_gone("object", number));
         }
@@ -148,12 +127,12 @@ pub fn set_object(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
 
 /// `SIMGetRobotCount`
 pub fn robot_count(robot: &Robot) -> i32 {
-    robot.devices.census.robots as i32
+    robot.robios.census.robots as i32
 }
 
 /// `SIMGetObjectCount`
 pub fn object_count(robot: &Robot) -> i32 {
-    robot.devices.census.objects.len() as i32
+    robot.robios.census.objects.len() as i32
 }
 
 /// Everything stands on the floor: z is 0.
@@ -168,18 +147,19 @@ fn is_gone(what: &str, number: i32) -> String {
 }
 
 fn place(robot: &mut Robot, what: Placeable, pose: Pose) {
-    robot.placements.push(Placement { time: robot.now, by: robot.id, what, pose });
+    let simulation::Robot { now, id, placements, .. } = &mut robot.state;
+    placements.push(Placement { time: *now, by: *id, what, pose });
 }
 
 fn no_robot(robot: &mut Robot, call: Call, number: i32) {
     robot.rejected(call, |robot| {
-        format!("there is no robot {number}, accepted: 0 for the own one, 1 to {}", robot.devices.census.robots)
+        format!("there is no robot {number}, accepted: 0 for the own one, 1 to {}", robot.robios.census.robots)
     });
 }
 
 fn no_object(robot: &mut Robot, call: Call, number: i32) {
     robot.rejected(call, |robot| {
-        let Census { robots, objects, .. } = &*robot.devices.census;
+        let Census { robots, objects, .. } = &*robot.robios.census;
         match objects.len() {
             0 => format!("there is no object {number}, since the scene has none"),
             count => format!(

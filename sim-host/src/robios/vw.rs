@@ -43,10 +43,10 @@ pub fn init(robot: &mut Robot, world: &World, semantics: i32, timescale: i32) ->
     if let Some(obstacle) = obstacle(robot, semantics, timescale) {
         return robot.refused(Call::VWInit, 0, |_| obstacle.to_owned());
     }
-    robot.devices.vw.is_open = true;
+    robot.robios.vw.is_open = true;
     robot.halt(world);
     // Nothing to refuse: the origin is finite.
-    let _ = robot.motion.set_odometry(robot.now, Pose::default());
+    let _ = robot.state.motion.set_odometry(robot.state.now, Pose::default());
     robot.record(Event::SetOdometry { x_m: 0.0, y_m: 0.0, phi_rad: 0.0 });
     HANDLE
 }
@@ -57,8 +57,8 @@ pub fn release(robot: &mut Robot, world: &World, handle: i32) -> i32 {
         return robot.failed(Call::VWRelease, -1);
     }
     robot.halt(world);
-    robot.motion.stop_control(robot.now);
-    robot.devices.vw.is_open = false;
+    robot.state.motion.stop_control(robot.state.now);
+    robot.robios.vw.is_open = false;
     0
 }
 
@@ -162,7 +162,7 @@ pub fn drive_remain(robot: &mut Robot, handle: i32) -> f32 {
         robot.failed(Call::VWDriveRemain, 0);
         return 0.0;
     }
-    robot.motion.drive_remaining(robot.now) as f32
+    robot.state.motion.drive_remaining(robot.state.now) as f32
 }
 
 /// `VWDriveDone`
@@ -170,7 +170,7 @@ pub fn drive_done(robot: &mut Robot, handle: i32) -> i32 {
     if !is_handle(robot, handle) {
         return robot.failed(Call::VWDriveDone, -1);
     }
-    i32::from(robot.motion.is_drive_done(robot.now))
+    i32::from(robot.state.motion.is_drive_done(robot.state.now))
 }
 
 /// `VWDriveWait`
@@ -186,18 +186,18 @@ pub fn stalled(robot: &mut Robot, handle: i32) -> i32 {
     if !is_handle(robot, handle) {
         return robot.failed(Call::VWStalled, -1);
     }
-    i32::from(robot.motion.is_stalled(robot.now))
+    i32::from(robot.state.motion.is_stalled(robot.state.now))
 }
 
 /// Why `VWInit` fails.
 fn obstacle(robot: &Robot, semantics: i32, timescale: i32) -> Option<&'static str> {
-    if robot.devices.table.find(HDT_VW, semantics).is_none() {
+    if robot.robios.table.find(HDT_VW, semantics).is_none() {
         Some("the first argument must be `VW_DRIVE`")
     } else if timescale < 1 {
         Some("the second argument must be at least 1")
-    } else if robot.devices.vw.is_open {
+    } else if robot.robios.vw.is_open {
         Some("it is in use: there is one handle until `VWRelease`")
-    } else if robot.devices.motors.is_open() {
+    } else if robot.robios.motors.is_any_open() {
         Some("the program holds motors of `MOTORInit`: release them first")
     } else {
         None
@@ -205,7 +205,7 @@ fn obstacle(robot: &Robot, semantics: i32, timescale: i32) -> Option<&'static st
 }
 
 fn is_handle(robot: &Robot, handle: i32) -> bool {
-    robot.devices.vw.is_open && handle == HANDLE
+    robot.robios.vw.is_open && handle == HANDLE
 }
 
 /// Starts a drive by a handle.
@@ -262,28 +262,28 @@ pub(super) fn set_twist(robot: &mut Robot, world: &World, v: f64, omega: f64) ->
 
 /// The speeds that the wheels tell.
 pub(super) fn twist(robot: &mut Robot) -> Twist {
-    let twist = robot.motion.speed(robot.now);
+    let twist = robot.state.motion.speed(robot.state.now);
     robot.record(Event::OdometrySpeed { v_m_per_s: twist.vx, omega_rad_per_s: twist.omega });
     twist
 }
 
 /// Sets the pose by odometry.
 pub(super) fn set_odometry(robot: &mut Robot, [x, y, phi]: [f64; 3]) -> Result<(), Refusal> {
-    robot.motion.set_odometry(robot.now, Pose::new(x, y, phi))?;
+    robot.state.motion.set_odometry(robot.state.now, Pose::new(x, y, phi))?;
     robot.record(Event::SetOdometry { x_m: x, y_m: y, phi_rad: phi });
     Ok(())
 }
 
 /// The pose by odometry.
 pub(super) fn odometry(robot: &mut Robot) -> Pose {
-    let pose = robot.motion.odometry(robot.now);
+    let pose = robot.state.motion.odometry(robot.state.now);
     robot.record(Event::Odometry { x_m: pose.position.x, y_m: pose.position.y, phi_rad: pose.heading.remainder() });
     pose
 }
 
 /// Starts the controllers of speed and turning speed.
 pub(super) fn set_gains(robot: &mut Robot, gains: Gains) -> Result<(), Refusal> {
-    robot.motion.start_control(robot.now, gains)?;
+    robot.state.motion.start_control(robot.state.now, gains)?;
     let Gains { vv, tv, vw, tw } = gains;
     robot.record(Event::ControlStarted { v_gain: vv, v_reset_s: tv, omega_gain: vw, omega_reset_s: tw });
     Ok(())
@@ -291,13 +291,13 @@ pub(super) fn set_gains(robot: &mut Robot, gains: Gains) -> Result<(), Refusal> 
 
 /// Stops the controllers.
 pub(super) fn clear_gains(robot: &mut Robot) {
-    robot.motion.stop_control(robot.now);
+    robot.state.motion.stop_control(robot.state.now);
     robot.record(Event::ControlStopped {});
 }
 
 /// Waits for the end of the drive in progress.
 pub(super) fn wait_for_drive(robot: &mut Robot) -> Poll<i32> {
-    if robot.motion.is_drive_done(robot.now) {
+    if robot.state.motion.is_drive_done(robot.state.now) {
         return Poll::Ready(0);
     }
     Poll::Until { at: robot.motion.drive_end().unwrap_or(Time::NEVER), waits_for: Waits::Drive }

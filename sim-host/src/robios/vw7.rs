@@ -89,8 +89,8 @@ pub fn drive(robot: &mut Robot, world: &World, [dx_mm, dy_mm]: [i32; 2], v_mm: i
 
 /// `VWRemain`: millimetres, of a turn degrees.
 pub fn remain(robot: &mut Robot) -> i32 {
-    let rest = robot.motion.drive_remaining(robot.now);
-    if robot.motion.is_drive_turn(robot.now) {
+    let rest = robot.state.motion.drive_remaining(robot.state.now);
+    if robot.state.motion.is_drive_turn(robot.state.now) {
         left(sim_core::unit::degrees_from_radians(rest))
     } else {
         left(sim_core::unit::mm_from_metres(rest))
@@ -99,7 +99,7 @@ pub fn remain(robot: &mut Robot) -> i32 {
 
 /// `VWDone`
 pub fn done(robot: &mut Robot) -> i32 {
-    robot.motion.is_drive_done(robot.now).into()
+    robot.state.motion.is_drive_done(robot.state.now).into()
 }
 
 /// `VWWait`
@@ -109,7 +109,7 @@ pub fn wait(robot: &mut Robot) -> Poll<i32> {
 
 /// `VWStalled`: 1 for the wheels on the left, 2 for those on the right, 3 for both.
 pub fn stalled(robot: &mut Robot) -> i32 {
-    let [front_left, front_right, back_left, back_right] = robot.motion.stalled_wheels(robot.now);
+    let [front_left, front_right, back_left, back_right] = robot.state.motion.stalled_wheels(robot.state.now);
     i32::from(front_left || back_left) + 2 * i32::from(front_right || back_right)
 }
 
@@ -128,13 +128,13 @@ pub fn stop_control(robot: &mut Robot) -> i32 {
 
 /// Starts a drive of `seconds`, of which the sign does not count.
 fn start(robot: &mut Robot, world: &World, call: Call, displacement: Twist, seconds: f64, event: Event<'_>) -> i32 {
-    let replaces_at_once = robot.devices.vw.begun.is_some_and(|begun| robot.now - begun <= AT_ONCE);
-    if replaces_at_once && !robot.motion.is_drive_done(robot.now) {
+    let replaces_at_once = robot.robios.vw.begun.is_some_and(|begun| robot.now - begun <= AT_ONCE);
+    if replaces_at_once && !robot.state.motion.is_drive_done(robot.state.now) {
         robot.hint_at(Mistake::MissingWait);
     }
     match vw::start_drive(robot, world, displacement, seconds, event) {
         Ok(()) => {
-            robot.devices.vw.begun = Some(robot.now);
+            robot.robios.vw.begun = Some(robot.now);
             0
         }
         Err(Refusal::Endless) if displacement.vx == 0.0 && call == Call::VWCurve => {

@@ -15,9 +15,9 @@ use crate::executive::run::Run;
 use crate::record::frame::Pixels;
 use crate::robios::panel::PanelRef;
 use crate::robios::robot::Robot;
-use crate::robios::switch::Sensor;
 use crate::robios::{camera, lidar};
 use crate::scenery::LazyScenery;
+use sim_core::device::switch::Sensor;
 
 /// Least time between two pictures of one camera.
 const CAMERA_PERIOD: Duration = Duration::from_millis(100);
@@ -44,7 +44,7 @@ impl Details {
         };
         let is_scanning = robot.devices.switches.is_on(Sensor::Lidar);
         let scan = lidar::points(&mut robot, world, at).filter(|_| is_scanning).map(points);
-        let panel = panel.unwrap_or_else(|| robot.devices.panel());
+        let panel = panel.unwrap_or_else(|| robot.robios.panel());
         let (lcd, lcd_text) = (self.display(id, panel), panel.lines());
         Detail {
             robot: id.0,

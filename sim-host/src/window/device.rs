@@ -10,8 +10,8 @@ use sim_view::protocol::{self, Sensor, SensorKind};
 
 use super::point;
 use crate::robios::camera;
-use crate::robios::range::Ranges;
-use crate::robios::servo::Servos;
+use sim_core::device::range::Ranges;
+use sim_core::device::servo::Servos;
 use sim_core::time::Time;
 
 /// Name of the camera among the devices of its robot.

@@ -163,7 +163,7 @@ impl Show {
                 robi: Arc::clone(&spec.robi),
                 program: spec.program_name().to_owned(),
                 position: world.robot_pose(*id, at).position,
-                has_colours: run.robot(*id).devices.screen.is_some(),
+                has_colours: run.robot(*id).robios.screen.is_some(),
             }
         };
         let object = |id: &ObjectId| {

@@ -1,5 +1,6 @@
 //! Where everything is at the start of a slot.
 
+use sim_core::simulation;
 use sim_core::time::Time;
 use sim_core::world::{Stretch, World};
 use sim_core::{ObjectId, RobotId};
@@ -9,9 +10,9 @@ use super::planar;
 use crate::executive::run::Run;
 use crate::executive::standing::waits_now;
 use crate::robios::ir;
-use crate::robios::range::Sight;
 use crate::robios::robot::{Ending, Robot};
-use crate::robios::switch::Sensor;
+use sim_core::device::range::Sight;
+use sim_core::device::switch::Sensor;
 
 /// Most beams of a snapshot; those of the robots that are looked at come first.
 const MOST_BEAMS: usize = 600;
@@ -78,7 +79,7 @@ pub fn beams(run: &Run, world: &World, ids: impl Iterator<Item = RobotId>) -> Ve
 /// What those sensors look at that come first among the robot's, ranges, then infrared, each with its place among all; those that
 /// are switched off see nothing.
 fn sights(robot: &mut Robot, world: &World, at: Time) -> Vec<(u32, Sight)> {
-    let Robot { devices, motion, .. } = robot;
+    let simulation::Robot { devices, motion, .. } = &mut robot.state;
     let ranges = devices.ranges.sights(&devices.servos, motion, world, at);
     let kinds = (0..ranges.len()).map(Sensor::Range);
     let infrareds = ir::sights(robot, world, at);

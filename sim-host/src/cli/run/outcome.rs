@@ -69,7 +69,7 @@ fn cast(scene: &SceneSpec, ended: &Ended) -> (Vec<RobotSpec>, Vec<ObjectSpec>) {
 /// What became of the run, with these inputs.
 pub(super) fn report(options: &Options, scene: &SceneSpec, ended: &Ended, inputs: Vec<Input>) -> Report {
     let (robots, objects) = cast(scene, ended);
-    let world = ended.run.world.read();
+    let world = ended.run.world();
     let added = |presence: Presence| (presence.since >= Time::ZERO).then(|| presence.since.seconds());
     let removed = |presence: Presence| (presence.until < Time::NEVER).then(|| presence.until.seconds());
     let robot = |(spec, end): (&RobotSpec, &RobotEnd)| RobotReport {

@@ -89,7 +89,7 @@ impl Shot<'_> {
     /// When the robot or its camera does not exist, or no camera can look from there.
     pub fn take(&self, ran: &Ran) -> anyhow::Result<Taken> {
         let run = &ran.ended.run;
-        let world = run.world.read();
+        let world = run.world();
         // Nothing moves after the end; of what was before, the world remembers this much.
         let time = self.at.unwrap_or(ran.ended.time).min(ran.ended.time).max(world.slot_start() - HISTORY);
         let (view, by) = match self.eye {

@@ -4,9 +4,10 @@
 
 use std::collections::BTreeSet;
 
-use sim_core::spec::{LIDAR, RobiSpec};
+use crate::spec::{LIDAR, RobiSpec};
 
-use super::camera;
+/// Name of a robot's camera among its sensors.
+pub const CAMERA: &str = "CAMERA";
 
 /// A sensor of a robot: which of its kind, in the order of the robi.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -59,6 +60,6 @@ pub fn sensors(spec: &RobiSpec) -> impl Iterator<Item = (&str, Sensor)> {
     let compass = spec.compass.iter().map(|it| (&*it.name, Sensor::Compass));
     let encoders = spec.drive.motors.iter().enumerate();
     let encoders = encoders.filter_map(|(index, motor)| Some((motor.encoder.as_deref()?, Sensor::Encoder(index))));
-    let camera = spec.camera.iter().map(|_| (camera::NAME, Sensor::Camera));
+    let camera = spec.camera.iter().map(|_| (CAMERA, Sensor::Camera));
     ranges.chain(infrareds).chain(lidar).chain(bumpers).chain(compass).chain(encoders).chain(camera)
 }

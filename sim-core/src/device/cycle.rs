@@ -1,6 +1,6 @@
 //! Periodic measurements: sensors whose value exists only once a cycle is complete.
 
-use sim_core::time::Time;
+use crate::time::Time;
 
 /// A measurement in progress: cycle n (from 1) ends n periods after the start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,19 +1,19 @@
 //! Range sensors: what each of them measures at an instant.
 //!
-//! PSDs come first, then the sensors of the other kinds: to programs all are of the kind PSD. [`Ranges::read`] is the one place
-//! where the world becomes a reading; `psd.rs` and `psd7.rs` give it to programs.
+//! PSDs come first, then the sensors of the other kinds. [`Ranges::read`] is the one place where the world becomes a reading.
 
-use sim_core::RobotId;
-use sim_core::build;
-use sim_core::drive::Motion;
-use sim_core::drive::legged::Stance;
-use sim_core::noise::{Events, Profile, RangeErrors, RangeKind};
-use sim_core::pose::Pose3;
-use sim_core::sensor::{Fan, Link, Mount, Posture, RangeSensor, Reading, Scan};
-use sim_core::spec::{LIDAR, LidarSpec, RobiSpec};
-use sim_core::time::Time;
-use sim_core::world::World;
+use crate::RobotId;
+use crate::build;
+use crate::drive::Motion;
+use crate::drive::legged::Stance;
+use crate::noise::{Events, Profile, RangeErrors, RangeKind};
+use crate::pose::Pose3;
+use crate::sensor::{Fan, Link, Mount, Posture, RangeSensor, Reading, Scan};
+use crate::spec::{LIDAR, LidarSpec, RobiSpec};
+use crate::time::Time;
+use crate::world::World;
 
+use super::psd::CYCLE;
 use super::servo::Servos;
 
 /// The range sensors of a robot and the links that they sit on: those of its legs, then its own.
@@ -34,10 +34,6 @@ struct Errors {
     sensors: Vec<(RangeErrors, [f64; 2])>,
     lidar: RangeErrors,
 }
-
-/// How long a range sensor holds a reading: it measures in cycles of this length, and what is read within one has the
-/// same errors, however often that is. Source: the cycle of the PSDs; for the others our choice.
-const CYCLE: Time = super::psd::CYCLE;
 
 /// What is read where there is no sensor.
 const NOTHING: Reading = Reading { distance: None, signal: 0.0 };

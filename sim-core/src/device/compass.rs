@@ -1,0 +1,118 @@
+//! The compass: the direction clockwise from north, measured in cycles of 100 ms.
+//!
+//! Source: RoBIOS 6 library, compass; the length of a cycle and the direction of north (along the world's y axis where the
+//! robi's companion does not say) are our choice, the sense of rotation is that of every compass.
+
+use super::cycle::Cycle;
+use crate::drive::Motion;
+use crate::noise::{AngleErrors, Events};
+use crate::pose::Heading;
+use crate::spec::CompassSpec;
+use crate::time::Time;
+
+/// Length of a measuring cycle.
+pub const CYCLE: Time = Time::from_millis(100);
+
+/// The compass of a robot.
+#[derive(Clone, Debug, Default)]
+pub struct Compass {
+    cycle: Option<Cycle>,
+    taken: Option<Time>,
+    /// Angle measured at `taken`, once computed.
+    angle: Option<f64>,
+    /// `None` where it is exact.
+    pub errors: Option<AngleErrors>,
+}
+
+impl Compass {
+    /// Starts measuring at `now`, once or in cycles without end; false if it is already measuring.
+    pub fn start(&mut self, is_continuous: bool, now: Time) -> bool {
+        self.advance(now);
+        let can_start = self.cycle.is_none();
+        if can_start {
+            (self.taken, self.angle) = (None, None);
+            self.cycle = Some(Cycle::new(now, CYCLE, is_continuous));
+        }
+        can_start
+    }
+
+    /// Ends the measurement with the cycle in progress.
+    pub fn stop(&mut self, now: Time) {
+        self.advance(now);
+        if let Some(cycle) = &mut self.cycle {
+            cycle.stop(now);
+        }
+    }
+
+    /// True if a cycle has been completed since the last start.
+    pub fn is_valid(&mut self, now: Time) -> bool {
+        self.advance(now);
+        self.taken.is_some()
+    }
+
+    /// The latest value, rad clockwise from north; `None` before the end of the first cycle. `measure` gives the value at an instant.
+    pub fn read(&mut self, now: Time, measure: impl FnOnce(Time) -> f64) -> Option<f64> {
+        self.advance(now);
+        let taken = self.taken?;
+        Some(*self.angle.get_or_insert_with(|| measure(taken)))
+    }
+
+    /// When the measurement ends that is not without end, see [`super::psd::Psds::due`].
+    pub fn due(&self) -> Time {
+        self.cycle.map_or(Time::NEVER, |cycle| cycle.last_end())
+    }
+
+    /// Forgets measurements and values; errors stay.
+    pub fn reset(&mut self) {
+        *self = Self { errors: self.errors.take(), ..Self::default() };
+    }
+
+    fn advance(&mut self, now: Time) {
+        let Some(cycle) = self.cycle else { return };
+        let Some(taken) = cycle.latest(now) else { return };
+        if self.taken != Some(taken) {
+            (self.taken, self.angle) = (Some(taken), None);
+        }
+        if cycle.is_over(now) {
+            self.cycle = None;
+        }
+    }
+}
+
+/// What the compass measures at `at`, rad clockwise from north; 0 for a robot without one.
+pub fn measure(compass: Option<&CompassSpec>, motion: &mut Motion, at: Time, errors: Option<&AngleErrors>) -> f64 {
+    let Some(compass) = compass else { return 0.0 };
+    let exact = angle_from_heading(motion.pose(at).heading, compass.north);
+    errors.map_or(exact, |errors| errors.reading(Events::index(at, CYCLE), exact))
+}
+
+/// Angle of a robot of this heading clockwise from `north` (a world direction in radians, counter-clockwise from x).
+fn angle_from_heading(heading: Heading, north: f64) -> f64 {
+    Heading::new(north).remainder() - heading.remainder()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    #[test]
+    fn angles_run_clockwise_from_north() {
+        let reading = |heading: f64| angle_from_heading(Heading::new(heading), PI / 2.0);
+        assert_eq!([PI / 2.0, 0.0, -PI / 2.0].map(reading), [0.0, PI / 2.0, PI]);
+    }
+
+    #[test]
+    fn a_value_needs_a_cycle() {
+        let mut compass = Compass::default();
+        assert!(compass.start(true, Time(0)));
+        assert!(!compass.start(true, Time(10)), "already measuring");
+        assert_eq!(compass.read(Time(99_999), |_| 1.0), None);
+        assert_eq!(compass.read(Time(250_000), |at| at.seconds()), Some(0.2));
+        compass.stop(Time(250_000));
+        assert_eq!(compass.due(), Time(300_000));
+        assert_eq!(compass.read(Time(900_000), |at| at.seconds()), Some(0.3));
+        assert!(compass.start(false, Time(900_000)) && !compass.is_valid(Time(999_999)));
+    }
+}

@@ -1,0 +1,57 @@
+//! What a robot carries and a program would touch, apart from the drive: models of its devices.
+//!
+//! A device is state that can be copied; it reads world and motion at an instant, and errs by the noise model that it was given.
+//! How a program asks for a device, in which numbers and with which handles, is not known here.
+
+pub mod compass;
+pub mod cycle;
+pub mod encoder;
+pub mod psd;
+pub mod range;
+pub mod servo;
+pub mod switch;
+
+use crate::RobotId;
+use crate::noise::{AngleErrors, Profile};
+use crate::spec::RobiSpec;
+use crate::time::Time;
+
+/// The devices of one robot.
+#[derive(Clone, Debug, Default)]
+pub struct Devices {
+    /// Geometry and errors of range sensors and scanner.
+    pub ranges: range::Ranges,
+    /// The driver that measures with range sensors in cycles.
+    pub psds: psd::Psds,
+    /// The scanner, once its fan has been set; else it is as the robi describes it.
+    pub scanner: Option<range::Scanner>,
+    /// Percentages of the motors' greatest rate.
+    pub motor_percent: [i32; 4],
+    /// Encoders of the wheels.
+    pub encoders: encoder::Encoders,
+    /// Servos.
+    pub servos: servo::Servos,
+    /// The compass.
+    pub compass: compass::Compass,
+    /// Which sensors are off.
+    pub switches: switch::Switches,
+}
+
+impl Devices {
+    /// The devices of a robot of this type, without errors.
+    pub fn new(spec: &RobiSpec) -> Self {
+        Self { ranges: range::Ranges::new(spec), ..Self::default() }
+    }
+
+    /// Gives them the errors of `profile` on `robot`, in a run with `seed`, in place of those that they have.
+    pub fn set_errors(&mut self, spec: &RobiSpec, profile: &Profile, seed: u64, robot: RobotId) {
+        self.ranges.set_errors(spec, profile, seed, robot);
+        let compass = spec.compass.as_ref();
+        self.compass.errors = compass.map(|it| AngleErrors::new(profile.compass, seed, robot, &it.name));
+    }
+
+    /// When a measurement is to be computed next that the world would forget; [`Time::NEVER`] if there is none.
+    pub fn due(&self) -> Time {
+        self.psds.due().min(self.compass.due())
+    }
+}

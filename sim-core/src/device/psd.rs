@@ -1,0 +1,182 @@
+//! The driver of range sensors: measures a chosen set of them in cycles of 60 ms.
+//!
+//! A value exists only at the end of a complete cycle and is a function of the world at that instant, computed when it is
+//! first asked for. Source: RoBIOS 6 library, position sensing devices.
+
+use super::cycle::Cycle;
+use crate::sensor::Reading;
+use crate::time::Time;
+
+/// Length of a measuring cycle. Source: RoBIOS manual, about 60 ms.
+pub const CYCLE: Time = Time::from_millis(60);
+
+/// A set of range sensors: sensor `i` of the robi is bit `i`.
+pub type SensorSet = u32;
+
+/// The driver of all PSD sensors of a robot.
+#[derive(Clone, Debug, Default)]
+pub struct Psds {
+    measurement: Option<Measurement>,
+    /// By sensor, in the order of the robi, as far as any has ever measured.
+    readings: Vec<Latest>,
+    stamp: Option<Time>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Measurement {
+    sensors: SensorSet,
+    cycle: Cycle,
+}
+
+/// A sensor's latest measurement.
+#[derive(Clone, Copy, Debug, Default)]
+struct Latest {
+    taken: Option<Time>,
+    /// What it gave, once computed.
+    value: Option<Reading>,
+}
+
+/// A measured value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// When it was measured.
+    pub taken: Time,
+    /// What was read.
+    pub reading: Reading,
+}
+
+impl Psds {
+    /// Starts measuring with `sensors` at `now`, once or in cycles without end; false while another measurement is in progress,
+    /// which goes on.
+    ///
+    /// No value counts as valid until the first cycle is complete; the sensors keep their older values until then.
+    pub fn start(&mut self, sensors: SensorSet, is_continuous: bool, now: Time) -> bool {
+        self.advance(now);
+        if self.measurement.is_some() {
+            return false;
+        }
+        let count = (SensorSet::BITS - sensors.leading_zeros()) as usize;
+        if self.readings.len() < count {
+            self.readings.resize_with(count, Latest::default);
+        }
+        self.stamp = None;
+        self.measurement = Some(Measurement { sensors, cycle: Cycle::new(now, CYCLE, is_continuous) });
+        true
+    }
+
+    /// Ends the measurement with the cycle in progress.
+    pub fn stop(&mut self, now: Time) {
+        self.advance(now);
+        if let Some(measurement) = &mut self.measurement {
+            measurement.cycle.stop(now);
+        }
+    }
+
+    /// End of the latest cycle completed since the last start; `None` while there is none.
+    pub fn stamp(&mut self, now: Time) -> Option<Time> {
+        self.advance(now);
+        self.stamp
+    }
+
+    /// The latest value of sensor `index`; `None` if it has never completed a cycle. `measure` gives what the sensor reads at
+    /// an instant.
+    pub fn read(&mut self, index: usize, now: Time, measure: impl FnOnce(usize, Time) -> Reading) -> Option<Measured> {
+        self.advance(now);
+        let latest = self.readings.get_mut(index)?;
+        let taken = latest.taken?;
+        let reading = *latest.value.get_or_insert_with(|| measure(index, taken));
+        Some(Measured { taken, reading })
+    }
+
+    /// When the measurement ends that is not without end: then [`settle`](Self::settle) must be called, since the world does
+    /// not remember for long what the sensors saw. [`Time::NEVER`] if there is none.
+    pub fn due(&self) -> Time {
+        self.measurement.map_or(Time::NEVER, |measurement| measurement.cycle.last_end())
+    }
+
+    /// Computes the values of a measurement that has ended by `now`.
+    pub fn settle(&mut self, now: Time, mut measure: impl FnMut(usize, Time) -> Reading) {
+        if now < self.due() {
+            return;
+        }
+        let Some(Measurement { sensors, .. }) = self.measurement else { return };
+        self.advance(now);
+        for index in members(sensors) {
+            self.read(index, now, &mut measure);
+        }
+    }
+
+    /// Takes over the cycles that have been completed by `now`.
+    fn advance(&mut self, now: Time) {
+        let Some(Measurement { sensors, cycle }) = self.measurement else { return };
+        let Some(taken) = cycle.latest(now) else { return };
+        if self.stamp != Some(taken) {
+            self.stamp = Some(taken);
+            for index in members(sensors) {
+                self.readings[index] = Latest { taken: Some(taken), value: None };
+            }
+        }
+        if cycle.is_over(now) {
+            self.measurement = None;
+        }
+    }
+}
+
+/// The sensors of a set, in order.
+fn members(sensors: SensorSet) -> impl Iterator<Item = usize> {
+    (0..SensorSet::BITS).filter(move |index| sensors >> index & 1 == 1).map(|index| index as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A world in which sensor i sees i metres plus the seconds of the instant.
+    fn seen(index: usize, at: Time) -> Reading {
+        Reading { distance: Some(index as f64 + at.seconds()), signal: 1.0 }
+    }
+
+    fn measured(taken: Time, metres: f64) -> Option<Measured> {
+        Some(Measured { taken, reading: Reading { distance: Some(metres), signal: 1.0 } })
+    }
+
+    #[test]
+    fn a_value_is_as_old_as_its_cycle() {
+        let mut psds = Psds::default();
+        assert!(psds.start(0b101, true, Time(1_000)));
+        assert_eq!(psds.read(0, Time(60_999), seen), None);
+        assert_eq!(psds.stamp(Time(60_999)), None);
+        let at_once = psds.read(2, Time(61_000), seen);
+        assert_eq!(at_once, measured(Time(61_000), 2.061));
+        let later = psds.read(2, Time(120_999), |_, _| panic!("the value is known"));
+        assert_eq!(later, at_once);
+        assert_eq!(psds.read(2, Time(121_000), seen).unwrap().taken, Time(121_000));
+        assert_eq!(psds.read(1, Time(121_000), seen), None, "not started");
+        assert_eq!(psds.due(), Time::NEVER);
+    }
+
+    #[test]
+    fn a_single_measurement_is_kept_until_the_next() {
+        let mut psds = Psds::default();
+        psds.start(1, false, Time(0));
+        assert_eq!(psds.due(), Time(60_000));
+        assert!(!psds.start(1, false, Time(59_999)));
+        psds.settle(Time(60_000), seen);
+        assert_eq!(psds.due(), Time::NEVER);
+        let kept = measured(Time(60_000), 0.06);
+        assert_eq!(psds.read(0, Time(9_000_000), |_, _| panic!("settled")), kept);
+        assert!(psds.start(1, true, Time(9_000_000)));
+        assert_eq!(psds.stamp(Time(9_000_001)), None, "nothing new is valid yet");
+        assert_eq!(psds.read(0, Time(9_000_001), seen), kept, "the old value stays");
+    }
+
+    #[test]
+    fn stop_completes_the_cycle_in_progress() {
+        let mut psds = Psds::default();
+        psds.start(1, true, Time(0));
+        psds.stop(Time(130_000));
+        assert!(!psds.start(1, true, Time(179_999)));
+        assert!(psds.start(1, true, Time(180_000)));
+        assert_eq!(psds.read(0, Time(180_000), seen).unwrap().taken, Time(180_000));
+    }
+}

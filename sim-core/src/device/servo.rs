@@ -1,0 +1,93 @@
+//! Servos: they hold the position that they were set to.
+//!
+//! A servo turns at once. Source: RoBIOS 6 library, servos; section 4.1 of Koestler & Bräunl for the steering.
+
+use std::collections::VecDeque;
+
+use crate::drive::HISTORY;
+use crate::time::Time;
+
+/// The servos of a robot.
+#[derive(Clone, Debug, Default)]
+pub struct Servos {
+    /// Positions 0 to 255 by servo; the middle as long as nothing was set.
+    positions: Vec<u8>,
+    /// The latest changes, in order.
+    changes: VecDeque<Change>,
+}
+
+/// A servo is turned.
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    at: Time,
+    servo: usize,
+    /// Where it stood before.
+    from: u8,
+}
+
+/// Position of a servo that was never set.
+const MIDDLE: u8 = 127;
+
+impl Servos {
+    /// Position of servo `index`, 0 to 255.
+    pub fn position(&self, index: usize) -> u8 {
+        self.positions.get(index).copied().unwrap_or(MIDDLE)
+    }
+
+    /// Angle (rad) of servo `index` just before `at`, with the angles of `swing` at positions 0 and 255. A servo turns at once.
+    pub fn angle_before(&self, index: usize, swing: [f64; 2], at: Time) -> f64 {
+        let since = self.changes.partition_point(|change| change.at < at);
+        let next = self.changes.iter().skip(since).find(|change| change.servo == index);
+        let position = next.map_or_else(|| self.position(index), |change| change.from);
+        let [from, to] = swing;
+        0.5 * (from + to) - 0.5 * (to - from) * steering_from_position(position)
+    }
+
+    /// Turns servo `index` at `now`.
+    pub fn turn(&mut self, index: usize, position: u8, now: Time) {
+        let change = Change { at: now, servo: index, from: self.position(index) };
+        // Sensors on servos are read as late as the world remembers what they saw.
+        while self.changes.front().is_some_and(|oldest| oldest.at + HISTORY < now) {
+            self.changes.pop_front();
+        }
+        self.changes.push_back(change);
+        self.positions.resize(self.positions.len().max(index + 1), MIDDLE);
+        self.positions[index] = position;
+    }
+}
+
+/// Part of the greatest steering angle, left positive: 0 is 1, 127 and 128 are 0, 255 is -1.
+///
+/// Source: RoBIOS 6 gives 127 as straight, EyeSim VR 128; so both are, and left and right are alike.
+pub fn steering_from_position(position: u8) -> f64 {
+    let position = f64::from(position);
+    if position <= 127.0 { (127.0 - position) / 127.0 } else { (128.0 - position) / 127.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_servo_has_the_angle_that_it_had_just_before() {
+        let mut servos = Servos::default();
+        let angle = |servos: &Servos, at| servos.angle_before(1, [-1.0, 3.0], Time(at));
+        assert_eq!(angle(&servos, 0), 1.0, "the middle");
+        servos.turn(1, 0, Time(1_000));
+        servos.turn(0, 9, Time(1_500));
+        servos.turn(1, 255, Time(2_000));
+        let angles = [1_000, 1_001, 2_000, 2_001, 90_000].map(|at| angle(&servos, at));
+        assert_eq!(angles, [1.0, -1.0, -1.0, 3.0, 3.0]);
+        // What is out of memory is dropped when the servo is turned again.
+        servos.turn(1, 128, Time(1_000_000));
+        assert_eq!((servos.changes.len(), angle(&servos, 1_000_000), angle(&servos, 1_000_001)), (1, 3.0, 1.0));
+    }
+
+    #[test]
+    fn steering_is_symmetric() {
+        assert_eq!([0, 127, 128, 255].map(steering_from_position), [1.0, 0.0, 0.0, -1.0]);
+        for position in 0..=255 {
+            assert_eq!(steering_from_position(position), -steering_from_position(255 - position));
+        }
+    }
+}
