@@ -1,18 +1,15 @@
 //! Robots and movable objects that come into a running simulation, and leave it.
 
-use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::Arc;
 
-use parking_lot::Mutex;
 use serde_json::Value;
 use sim_core::record::{Action, KindSet, Outcome, Recorder};
 use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 use sim_format::{Loaded, load_scene};
-use sim_host::executive::gate::{Boundary, Gate, Intervention, Pass};
 use sim_host::executive::program::Exec;
-use sim_host::executive::run::{Ended, Limits, Parts, Run};
+use sim_host::executive::scheduler::{Ended, Limits, Parts, Scheduler};
 use sim_host::executive::thread::ThreadExecutor;
 use sim_host::files::DiskFiles;
 use sim_host::program::{Builder, Cache, Kits, SearchPath, Tools};
@@ -88,29 +85,6 @@ impl Ran {
     }
 }
 
-/// Actions with their times, in order.
-struct Script {
-    actions: VecDeque<(Time, Action)>,
-    answers: Arc<Mutex<Vec<Option<String>>>>,
-}
-
-impl Gate for Script {
-    fn wait(&mut self, boundary: &Boundary<'_>) -> Pass {
-        let is_due = |at: Time| boundary.next.is_none_or(|next| at <= next) && at < boundary.until;
-        let Some((at, action)) = self.actions.front().cloned().filter(|(at, _)| is_due(*at)) else {
-            return Pass::Begin;
-        };
-        self.actions.pop_front();
-        let answers = Arc::clone(&self.answers);
-        let answer = Box::new(move |result: Result<(), _>| {
-            answers
-                .lock()
-                .push(result.err().map(|refusal: sim_host::executive::intervene::Refusal| refusal.to_string()));
-        });
-        Pass::Act { at, actions: vec![Intervention { action, answer }] }
-    }
-}
-
 fn room(robots: &str, programs: &[(&str, &str)]) -> (tempfile::TempDir, SceneSpec) {
     let folder = tempfile::tempdir().expect("a folder");
     let room = "floor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n";
@@ -152,9 +126,6 @@ fn run((folder, scene): &(tempfile::TempDir, SceneSpec), lanes: usize, actions: 
     let header = TraceHeader { seed: 0, slot_us: slot.0, robots: Vec::new(), run: Vec::new(), inputs: Vec::new() };
     let trace_file = folder.join("trace.jsonl");
     let trace = Trace::create(&trace_file, &header).expect("a trace");
-    let answers = Arc::default();
-    let actions = actions.iter().map(|(ms, action)| (Time::from_millis(*ms), action.clone())).collect();
-    let gate = Script { actions, answers: Arc::clone(&answers) };
     let parts = Parts {
         world,
         executor: Box::new(ThreadExecutor::new(robots.len(), programs.iter().count(), lanes)),
@@ -164,12 +135,18 @@ fn run((folder, scene): &(tempfile::TempDir, SceneSpec), lanes: usize, actions: 
         costs: Costs::default(),
         recorder: Recorder::new(0, slot, KindSet::ALL),
         sinks: Sinks::one(trace),
-        gate: Some(Box::new(gate)),
     };
-    let ended = Run::execute(parts, &limits, |_| ()).expect("a run");
+    let mut scheduler = Scheduler::start(parts, &limits).expect("a run");
+    let mut answers = Vec::new();
+    for (ms, action) in actions {
+        let at = Time::from_millis(*ms);
+        scheduler.advance_to(at);
+        answers.push(scheduler.act(at, action).err().map(|refusal| refusal.to_string()));
+    }
+    scheduler.advance_to(Time::NEVER);
+    let ended = scheduler.finish();
     let text = std::fs::read_to_string(trace_file).expect("a trace");
     let lines = text.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
-    let answers = answers.lock().clone();
     Ran { ended, lines, answers }
 }
 

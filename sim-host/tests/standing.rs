@@ -10,7 +10,7 @@ use sim_core::time::Time;
 use sim_format::{Loaded, load_scene};
 use sim_host::executive::conductor::End;
 use sim_host::executive::program::Exec;
-use sim_host::executive::run::{Ended, Limits, Parts, Run};
+use sim_host::executive::scheduler::{Ended, Limits, Parts, Progress, Scheduler};
 use sim_host::executive::thread::ThreadExecutor;
 use sim_host::files::DiskFiles;
 use sim_host::program::{Builder, Cache, Kits, SearchPath, Tools};
@@ -90,8 +90,10 @@ fn run(folder: &Path, scene: &SceneSpec, lanes: usize) -> Ended {
     let sinks = Sinks::one(trace);
     let recorder = Recorder::new(0, slot, sinks.interest());
     let costs = Costs::default();
-    let parts = Parts { world, robots, programs: loaded, workshop: None, executor, costs, recorder, sinks, gate: None };
-    Run::execute(parts, &limits, |_| ()).expect("a run")
+    let parts = Parts { world, robots, programs: loaded, workshop: None, executor, costs, recorder, sinks };
+    let mut scheduler = Scheduler::start(parts, &limits).expect("a run");
+    assert_eq!(scheduler.advance_to(Time::NEVER), Progress::Paused);
+    scheduler.finish()
 }
 
 /// The trace's lines of robot `robot`: event and time.

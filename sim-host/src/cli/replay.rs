@@ -6,6 +6,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
+use std::time::Duration;
 
 use anyhow::{Context as _, bail, ensure};
 use clap::Args;
@@ -27,7 +28,7 @@ use super::output::check_outputs;
 use super::run::{Built, Company, RunArgs, print};
 use super::view::{open_browser, open_window};
 use crate::executive::conductor::End;
-use crate::executive::gate::{Boundary, Gate, Pass};
+use crate::executive::scheduler::{Progress, Scheduler};
 use crate::executive::script::Script;
 use crate::files::DiskFiles;
 use crate::record::report::{Input, write_whole};
@@ -191,17 +192,13 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     for remark in remarks(&recorded, ready.inputs()) {
         eprintln!("{remark}");
     }
-    let script = script_of(&recorded);
-    let refused = script.refused();
+    let mut script = script_of(&recorded);
     let comparison = Arc::new(Mutex::new(Comparison::new(&recorded)));
-    let company = Company {
-        gate: Some(Box::new(UntilParting { script, comparison: Arc::clone(&comparison) })),
-        sinks: vec![Box::new(Arc::clone(&comparison))],
-        is_quiet: true,
-        ..Company::default()
-    };
-    let ran = ready.run(&run, company)?;
-    for (at, why) in refused.lock().iter() {
+    let company = Company { sinks: vec![Box::new(Arc::clone(&comparison))], is_quiet: true, ..Company::default() };
+    let mut running = ready.start(&run, company)?;
+    run_until_parting(&mut running.scheduler, &mut script, &comparison);
+    let ran = running.finish();
+    for (at, why) in script.refused() {
         eprintln!("at {at} the trace has an intervention that this run refuses: {why}");
     }
     if let End::Record(error) = &ran.ended.end {
@@ -370,16 +367,17 @@ impl Sink for Comparison {
     }
 }
 
-/// The hand of a trace, until the runs have parted.
-struct UntilParting {
-    script: Script,
-    comparison: Arc<Mutex<Comparison>>,
-}
+/// How long a run goes on after the runs have parted, at the most.
+const STRETCH: Duration = Duration::from_millis(20);
 
-impl Gate for UntilParting {
-    fn wait(&mut self, boundary: &Boundary<'_>) -> Pass {
-        if self.comparison.lock().is_over() { Pass::End(End::Interrupted) } else { self.script.wait(boundary) }
+/// Takes the run to its end as `script` has it, or until the runs have parted.
+fn run_until_parting(run: &mut Scheduler, script: &mut Script, comparison: &Mutex<Comparison>) {
+    while !comparison.lock().is_over() {
+        if script.advance(run, STRETCH) == Progress::Over {
+            return;
+        }
     }
+    run.interrupt();
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ use super::table::{self, Screen};
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM, EXIT_USAGE};
 use crate::executive::conductor::End;
 use crate::executive::program::Exec;
-use crate::executive::run::Ended;
+use crate::executive::scheduler::Ended;
 use crate::files::slashed;
 use crate::program::Generation;
 use crate::record::Report;
@@ -31,7 +31,7 @@ use sim_core::record::Outcome;
 pub use outcome::Ran;
 pub use sink::trace_header;
 pub(super) use stage::tell;
-pub use stage::{Built, Company, Ready, Rejected};
+pub use stage::{Built, Company, Ready, Rejected, Running};
 
 /// Simulated seconds after which a run ends when the user says nothing and nobody watches.
 const DEFAULT_UNTIL: f64 = 600.0;
@@ -206,9 +206,11 @@ pub fn carry_out(args: &RunArgs, check: impl FnOnce(&SceneSpec) -> anyhow::Resul
     }
     match built.load(args) {
         Ok(ready) => {
-            let (company, refused) = Company::of(args)?;
-            let ran = ready.run(args, company)?;
-            refused.lock().iter().for_each(|(at, why)| eprintln!("--repeat: at {at}: {why}"));
+            let mut script = stage::script(args)?;
+            let mut running = ready.start(args, Company::default())?;
+            running.follow(&mut script);
+            let ran = running.finish();
+            script.refused().iter().for_each(|(at, why)| eprintln!("--repeat: at {at}: {why}"));
             Ok(Some(ran))
         }
         Err(error) => {

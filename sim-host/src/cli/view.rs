@@ -26,8 +26,8 @@ use crate::files::DiskFiles;
 use crate::record::{Sink, Tape, TraceReader};
 use crate::window::control::Control;
 use crate::window::desk::{Desk, SPEEDS, Starter};
+use crate::window::driver::Driver;
 use crate::window::feed::Feed;
-use crate::window::gate::WindowGate;
 use crate::window::recording::recording;
 use crate::window::scene::title;
 use crate::window::show::{Moment, Show, ShowParts, Standings};
@@ -200,9 +200,10 @@ impl Stage {
             });
             let tape = self.offer(&ready, &args, &show)?;
             let sinks: Vec<Box<dyn Sink>> = vec![Box::new(feed), Box::new(tape)];
-            let gate = WindowGate::new(Arc::clone(&self.control), Arc::clone(&show));
-            let company = Company { gate: Some(Box::new(gate)), sinks, until: Some(Time::NEVER), is_quiet: true };
-            let ran = ready.run(&args, company)?;
+            let company = Company { sinks, until: Some(Time::NEVER), is_quiet: true };
+            let mut running = ready.start(&args, company)?;
+            Driver::new(Arc::clone(&self.control), Arc::clone(&show)).drive(&mut running.scheduler);
+            let ran = running.finish();
             // What was asked for and not done any more is refused.
             drop(self.control.ask(|wishes| {
                 wishes.is_over = true;

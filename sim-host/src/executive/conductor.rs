@@ -1,12 +1,14 @@
-//! The slot loop: which robots run now, when a slot is over, and what comes after it.
+//! The run queues and the scheduler step: which robots run now, when a slot is over, and what comes after it.
 //!
-//! There is no thread of its own: whoever suspends last advances the world and releases the next robots, so one robot alone
-//! needs no hand-over at all. At most `lanes` robots run at one time; which of them does so when changes nothing, since
-//! robots meet only at the slots' ends. A lane hands over within itself as long as it can, since waking a thread on another
-//! processor costs several times as much; it takes work of another lane only when it would be idle otherwise.
+//! There is no thread of its own. The last flow that reaches the barrier at a slot's end runs the step: it advances the world and
+//! releases the next robots, slot after slot up to the horizon that the run's owner has set, so one robot alone needs no hand-over at
+//! all. At the horizon the run pauses and its owner goes on. At most `lanes` robots run at one time; which of them does so when
+//! changes nothing, since robots meet only at the slots' ends. A lane hands over within itself as long as it can, since waking a
+//! thread on another processor costs several times as much; it takes work of another lane only when it would be idle otherwise.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
+use std::time::Instant;
 
 use parking_lot::MutexGuard;
 use sim_core::RobotId;
@@ -14,13 +16,12 @@ use sim_core::simulation::{self, Environment, SlotEnd};
 use sim_core::time::Time;
 use sim_core::world::World;
 
-use super::gate::{Boundary, Gate, Intervention, Pass};
 use super::intervene::{self, Effect, Refusal};
 use super::run::Run;
 use super::signal;
 use crate::record::{RecordError, Sinks};
 use crate::robios::robot::Robot;
-use sim_core::record::{ActionText, Event};
+use sim_core::record::{Action, ActionText, Event};
 
 /// Who runs, who waits until when, and where the run's record goes.
 pub struct Conductor {
@@ -38,9 +39,11 @@ pub struct Conductor {
     departed: Vec<bool>,
     /// Robots with a program that has not ended.
     alive: usize,
-    until: Time,
-    gate: Option<Box<dyn Gate>>,
-    /// Somebody has acted since the last slot: the present one is due.
+    /// No slot begins at or after it.
+    limit: Time,
+    /// Slots that start before it begin without asking the owner; none while the run is paused.
+    horizon: Option<Time>,
+    /// An intervention is pending: the present slot is due.
     has_acted: bool,
     /// Who wants to see the record.
     sinks: Sinks<'static>,
@@ -67,7 +70,7 @@ struct Wake {
     number: u32,
 }
 
-/// Why the slot loop stopped.
+/// Why a run ended.
 #[derive(Debug)]
 pub enum End {
     /// Every program has ended, or there is none.
@@ -76,7 +79,7 @@ pub enum End {
     Until,
     /// Nothing moves and every program that has not ended waits for something that cannot come any more.
     Stuck,
-    /// The user interrupted the run.
+    /// The user interrupted the run, or its owner left it early.
     Interrupted,
     /// A program broke in a way after which nothing may run on.
     Broken,
@@ -84,16 +87,39 @@ pub enum End {
     Record(RecordError),
 }
 
-/// Whom to resume after a robot has come back, and whether that robot itself goes on at once.
+/// What follows from a robot's return to the barrier.
 #[derive(Debug, Default)]
 pub struct HandOver {
     /// Robots to resume, each with the lane that it runs in.
     pub resume: Vec<(RobotId, u32)>,
     /// The robot that came back is due again.
     pub goes_on: bool,
+    /// Nobody runs: the run's owner goes on.
+    pub is_at_rest: bool,
 }
 
-/// What the slot loop is told when it is made.
+/// Where a run stands between two slots, while nobody runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Boundary {
+    /// Start of the slot after the one that has ended.
+    pub following: Time,
+    /// Start of the next slot in which anything happens, `following` or later; none when nothing happens any more without an
+    /// intervention: no program is alive, or all wait for what cannot come.
+    pub next: Option<Time>,
+    /// When the run ends: no slot begins at or after it.
+    pub limit: Time,
+    /// Length of a slot.
+    pub slot: Time,
+}
+
+impl Boundary {
+    /// The slot that the run goes on with; none where nothing happens before its limit.
+    pub fn next_within_limit(&self) -> Option<Time> {
+        self.next.filter(|next| *next < self.limit)
+    }
+}
+
+/// What the scheduler is told of a run.
 pub struct Plan {
     /// For each robot whether it has a program; without one it only stands there.
     pub has_program: Vec<bool>,
@@ -104,8 +130,8 @@ pub struct Plan {
 }
 
 impl Conductor {
-    /// The slot loop before the first slot: all robots with programs are due at 0.
-    pub fn new(plan: &Plan, sinks: Sinks<'static>, gate: Option<Box<dyn Gate>>) -> Self {
+    /// Paused before the first slot: all robots with programs are due at 0.
+    pub fn new(plan: &Plan, sinks: Sinks<'static>) -> Self {
         let count = plan.has_program.len();
         let ids = |has_program| {
             let robots = plan.has_program.iter().enumerate().filter(move |(_, has)| **has == has_program);
@@ -122,8 +148,9 @@ impl Conductor {
             wake_numbers: vec![0; count],
             departed: plan.has_program.iter().map(|has_program| !has_program).collect(),
             alive,
-            until: plan.until,
-            gate,
+            // The first slot is run whatever the limit.
+            limit: plan.until.max(Time(1)),
+            horizon: None,
             has_acted: false,
             sinks,
             end: None,
@@ -154,29 +181,51 @@ impl Conductor {
         &mut self.sinks
     }
 
-    /// Releases the first robots, if there are any with a program.
-    pub fn begin(&mut self, run: &Run) -> HandOver {
-        self.begin_slot(run, &mut run.environment.write());
-        if self.is_over() {
-            run.bell().ring();
+    /// Lets the slots begin that start before `horizon`; at the end of the first slot after `deadline` that the calling thread
+    /// finishes, the run pauses all the same.
+    pub fn advance(&mut self, run: &Run, horizon: Time, deadline: Option<Instant>) -> HandOver {
+        self.horizon = Some(horizon);
+        if self.end.is_none() {
+            self.begin_slot(run, &mut run.environment.write());
         }
-        self.go_on(run, None)
+        self.go_on(run, None, deadline)
     }
 
-    /// `robot` has come back to sleep until `wake`; the slot loop goes on.
+    /// `robot` has come back to sleep until `wake`.
     pub fn suspend(&mut self, run: &Run, robot: RobotId, wake: Time) -> HandOver {
         self.retire(robot);
         self.sleep_until(robot, wake);
-        self.go_on(run, Some(robot))
+        self.go_on(run, Some(robot), None)
     }
 
-    /// The program of `robot` has ended, or broken; the slot loop goes on.
-    pub fn depart(&mut self, run: &Run, robot: RobotId) -> HandOver {
+    /// The program of `robot` has ended, or broken; `deadline` as for [`Conductor::advance`].
+    pub fn depart(&mut self, run: &Run, robot: RobotId, deadline: Option<Instant>) -> HandOver {
         self.retire(robot);
         self.wake_numbers[robot.index()] += 1;
         self.departed[robot.index()] = true;
         self.alive -= 1;
-        self.go_on(run, None)
+        self.go_on(run, None, deadline)
+    }
+
+    /// Where the paused run stands.
+    pub fn boundary(&mut self, environment: &Environment) -> Boundary {
+        let next = self.next_start(environment);
+        let world = &environment.world;
+        Boundary { following: world.slot_start(), next, limit: self.limit, slot: world.slot() }
+    }
+
+    /// Ends the paused run, if it has not ended, and completes the slot that an intervention has begun.
+    pub fn close(&mut self, run: &Run) {
+        let next = self.next_start(&run.environment.read());
+        self.end_with(match next {
+            Some(start) if start < self.limit => End::Interrupted,
+            _ if self.alive == 0 => End::Finished,
+            Some(_) => End::Until,
+            None => End::Stuck,
+        });
+        while !self.is_over() {
+            self.finish_slot(run, None);
+        }
     }
 
     /// The program of `robot` has left after the end of the run.
@@ -193,7 +242,7 @@ impl Conductor {
     /// user set.
     pub fn time(&self, world: &World) -> Time {
         match self.end {
-            Some(End::Until) => world.slot_start().max(self.until),
+            Some(End::Until) => world.slot_start().max(self.limit),
             _ => world.slot_start(),
         }
     }
@@ -237,8 +286,8 @@ impl Conductor {
         }
     }
 
-    /// Fills the free lanes, over as many slots as it takes to find somebody who is due.
-    fn go_on(&mut self, run: &Run, who_asks: Option<RobotId>) -> HandOver {
+    /// Fills the free lanes, over as many slots as it takes to find somebody who is due or to come to rest.
+    fn go_on(&mut self, run: &Run, who_asks: Option<RobotId>, deadline: Option<Instant>) -> HandOver {
         let mut hand_over = HandOver::default();
         loop {
             for lane in 0..self.lanes.len() {
@@ -253,15 +302,11 @@ impl Conductor {
                     None => {}
                 }
             }
-            if self.running().next().is_some() || self.is_over() {
+            hand_over.is_at_rest = self.is_at_rest();
+            if hand_over.is_at_rest || self.running().next().is_some() {
                 return hand_over;
             }
-            if let Err(error) = self.finish_slot(run) {
-                self.end = Some(End::Record(error));
-            }
-            if self.is_over() {
-                run.bell().ring();
-            }
+            self.finish_slot(run, deadline);
         }
     }
 
@@ -271,69 +316,68 @@ impl Conductor {
         self.end.is_some() && self.ran.is_empty() && self.lanes.iter().all(is_idle)
     }
 
-    /// Completes the present slot and, unless the run ends with it, begins the next one in which anything happens.
-    fn finish_slot(&mut self, run: &Run) -> Result<(), RecordError> {
+    /// True while nobody runs, and nobody does unless the run's owner goes on: paused, or over.
+    pub fn is_at_rest(&self) -> bool {
+        self.horizon.is_none() || self.is_over()
+    }
+
+    /// True once it is known why the run ends.
+    pub fn is_ending(&self) -> bool {
+        self.end.is_some()
+    }
+
+    /// Completes the present slot and, unless the run ends with it or is to pause, begins the next one in which anything happens.
+    fn finish_slot(&mut self, run: &Run, deadline: Option<Instant>) {
         let mut environment = run.environment.write();
-        self.end_slot(run, &mut environment)?;
+        if let Err(error) = self.end_slot(run, &mut environment) {
+            self.end = Some(End::Record(error));
+        }
         if signal::is_interrupted() {
             self.end_with(End::Interrupted);
         }
         if self.end.is_some() {
-            return Ok(());
+            return;
         }
-        self.begin_slot(run, &mut environment);
-        Ok(())
+        if run.is_pausing() || deadline.is_some_and(|deadline| deadline <= Instant::now()) {
+            self.horizon = None;
+        } else {
+            self.begin_slot(run, &mut environment);
+        }
     }
 
-    /// Begins the next slot in which anything happens, once the gate lets the run go on; without one the run ends.
+    /// Begins the next slot in which anything happens, or pauses where none starts before the horizon.
     fn begin_slot(&mut self, run: &Run, environment: &mut Environment) {
-        while self.end.is_none() {
-            let next = self.next_start(environment);
-            let pass = match &mut self.gate {
-                Some(gate) => {
-                    let world = &environment.world;
-                    let following = world.slot_start();
-                    gate.wait(&Boundary { run, world, following, next, until: self.until })
-                }
-                None => Pass::Begin,
-            };
-            match (pass, next) {
-                (Pass::Act { at, actions }, _) => self.act(at.min(next.unwrap_or(at)), actions, run, environment),
-                (Pass::End(end), _) => self.end_with(end),
-                (Pass::Begin, None) => self.end_with(if self.alive == 0 { End::Finished } else { End::Stuck }),
-                // The first slot is run whatever the limit.
-                (Pass::Begin, Some(start)) if start >= self.until && start > Time::ZERO => {
-                    self.end_with(if self.alive == 0 { End::Finished } else { End::Until });
-                }
-                (Pass::Begin, Some(start)) => {
-                    self.has_acted = false;
-                    environment.world.advance_to(start);
-                    run.publish_slot(&environment.world);
-                    return self.take_due(environment.world.slot_end());
-                }
-            }
-        }
+        let horizon = self.horizon.map_or(Time::ZERO, |horizon| horizon.min(self.limit));
+        let Some(start) = self.next_start(environment).filter(|start| *start < horizon) else {
+            self.horizon = None;
+            return;
+        };
+        self.has_acted = false;
+        environment.world.advance_to(start);
+        run.publish_slot(&environment.world);
+        self.take_due(environment.world.slot_end());
     }
 
-    /// Lets these actions happen at the start of the slot that contains `at`; those that are refused change nothing.
-    fn act(&mut self, at: Time, actions: Vec<Intervention>, run: &Run, environment: &mut Environment) {
+    /// Carries out `action` at the start of the slot that contains `at`, or of the next one in which anything happens if that is
+    /// earlier.
+    ///
+    /// # Errors
+    /// Why it is refused; nothing changes then.
+    pub fn act(&mut self, at: Time, action: &Action, run: &Run, environment: &mut Environment) -> Result<(), Refusal> {
+        let at = self.next_start(environment).map_or(at, |next| at.min(next));
         let at = at.floor_to(environment.world.slot()).max(environment.world.slot_start());
-        for Intervention { action, answer } in actions {
-            let checked = if at < self.until {
-                intervene::check(&action, at, run, &environment.world)
-            } else {
-                Err(Refusal::Over)
-            };
-            answer(checked.map(|deed| {
-                environment.world.advance_to(at);
-                self.has_acted = true;
-                environment.record_starts();
-                let text = serde_json::to_string(&action).unwrap_or_default();
-                environment.journal().record(at, &Event::Intervention { action: ActionText(&text) });
-                let effect = intervene::carry_out(deed, at, run, environment);
-                self.take_effect(effect, at, run, environment);
-            }));
+        if at >= self.limit {
+            return Err(Refusal::Over);
         }
+        let deed = intervene::check(action, at, run, &environment.world)?;
+        environment.world.advance_to(at);
+        self.has_acted = true;
+        environment.record_starts();
+        let text = serde_json::to_string(action).unwrap_or_default();
+        environment.journal().record(at, &Event::Intervention { action: ActionText(&text) });
+        let effect = intervene::carry_out(deed, at, run, environment);
+        self.take_effect(effect, at, run, environment);
+        Ok(())
     }
 
     /// Brings the list of wakes in line with what an action at `at` has changed.

@@ -2,19 +2,20 @@
 //!
 //! [`Executor`] is the seam: how a robot's flow of control is run, suspended and resumed. [`thread`] fills it with one OS
 //! thread a robot, which serves the robot's [`process`] where it has one; a fiber a robot fits behind it too. Above the seam nothing knows which:
-//! [`conductor`] is the slot loop that decides who runs, [`run`] starts and supervises a whole run. Below it, [`signal`]
-//! and [`watchdog`] catch programs that fault or never return.
+//! [`run`] is what flows share, [`conductor`] decides who runs, and [`scheduler`] is the value by which its owner advances a
+//! run; [`script`] is one such owner, the window another. Below the seam, [`signal`] and [`watchdog`] catch programs that fault or
+//! never return.
 
 pub mod bell;
 pub mod cast;
 pub mod conductor;
 pub mod fault;
-pub mod gate;
 pub mod intervene;
 pub mod pace;
 pub mod process;
 pub mod program;
 pub mod run;
+pub mod scheduler;
 pub mod script;
 pub mod signal;
 pub mod standing;

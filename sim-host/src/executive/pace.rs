@@ -1,14 +1,12 @@
-//! A run in step with real time.
+//! Real time: so many virtual seconds for each second of it.
 
 use std::time::{Duration, Instant};
 
 use sim_core::time::Time;
 
-use super::conductor::End;
-use super::gate::{Boundary, Gate, Pass};
 use super::signal;
 
-/// So many virtual seconds for each second of real time, from the first slot on.
+/// So many virtual seconds for each second of real time, counted from the first wait on.
 pub struct Pace {
     factor: f64,
     start: Option<Instant>,
@@ -35,13 +33,5 @@ impl Pace {
             std::thread::sleep(left.min(Self::NAP));
         }
         false
-    }
-}
-
-impl Gate for Pace {
-    /// Sleeps until real time has reached the next slot, or the user interrupts.
-    fn wait(&mut self, boundary: &Boundary<'_>) -> Pass {
-        let Some(next) = boundary.next.filter(|next| *next < boundary.until) else { return Pass::Begin };
-        if self.wait_until(next) { Pass::Begin } else { Pass::End(End::Interrupted) }
     }
 }

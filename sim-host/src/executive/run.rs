@@ -1,4 +1,4 @@
-//! One run: its robots, its world and its slot loop, started, supervised and brought to an end.
+//! What the flows of a run share: its robots, its world and its run queues; and the life of each flow.
 
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 use std::sync::{Arc, Weak};
@@ -6,29 +6,24 @@ use std::time::{Duration, Instant};
 
 use parking_lot::{MappedRwLockReadGuard, Mutex, MutexGuard, RwLock, RwLockReadGuard};
 use robios_sys::{Callback, Stop};
-use sim_core::pose::Pose;
+use sim_core::RobotId;
 use sim_core::simulation::Environment;
 use sim_core::time::Time;
 use sim_core::world::World;
-use sim_core::{ObjectId, RobotId};
 
 use super::Executor;
 use super::bell::Bell;
-use super::conductor::{Conductor, End, HandOver, Plan};
+use super::conductor::{Conductor, HandOver, Plan};
 use super::fault::Broken;
-use super::gate::Gate;
 use super::program::{RobotProgram, Site};
-use super::standing::{Finish, Senders, Standing};
-use super::{signal, standing, watchdog};
-use crate::record::Sinks;
+use super::scheduler::{Limits, Parts};
+use super::standing::{self, Senders};
 use crate::robios::caller::{Call, Caller};
 use crate::robios::cost::Costs;
-use crate::robios::panel::Panel;
 use crate::robios::radio;
 use crate::robios::robot::{Ending, Robot};
 use crate::robios::task::MAIN;
 use crate::workshop::Workshop;
-use sim_core::record::{Digest, Outcome, Recorder};
 
 /// Everything that the robots' flows share.
 pub struct Run {
@@ -38,16 +33,19 @@ pub struct Run {
     members: boxcar::Vec<Member>,
     /// What more of them are made of, where the run can grow.
     workshop: Mutex<Option<Workshop>>,
-    conductor: Mutex<Conductor>,
+    pub(super) conductor: Mutex<Conductor>,
     executor: Box<dyn Executor>,
     /// Robots whose processes broke, and how: nobody else is harmed.
-    lost: Mutex<Vec<(RobotId, Broken)>>,
+    pub(super) lost: Mutex<Vec<(RobotId, Broken)>>,
     costs: Costs,
     bell: Bell,
     /// Bounds of the present slot in microseconds: a copy that calls read without the world's lock.
     slot_start: AtomicI64,
     slot_end: AtomicI64,
-    is_stopping: AtomicBool,
+    /// All programs are to leave.
+    pub(super) is_stopping: AtomicBool,
+    /// The run is to pause at the end of the present slot.
+    pub(super) is_pausing: AtomicBool,
     is_verbose: bool,
     /// Somebody has wanted to see the calls of single robots: their journals say of which.
     has_listeners: AtomicBool,
@@ -70,139 +68,46 @@ impl Member {
     }
 }
 
-/// What a run is made of.
-pub struct Parts {
-    /// The world at time 0.
-    pub world: World,
-    /// All robots, in the order of their ids.
-    pub robots: Vec<Robot>,
-    /// Their programs, in the same order; none for a robot that only stands there.
-    pub programs: Vec<Option<RobotProgram>>,
-    /// What robots and objects that come later are made of; none where nobody can come.
-    pub workshop: Option<Workshop>,
-    /// How flows are run.
-    pub executor: Box<dyn Executor>,
-    /// What calls cost.
-    pub costs: Costs,
-    /// Where events go.
-    pub recorder: Recorder,
-    /// Who wants to see them.
-    pub sinks: Sinks<'static>,
-    /// Who decides when the run goes on; none where it goes as fast as possible and nobody takes part.
-    pub gate: Option<Box<dyn Gate>>,
-}
-
-/// What a run is told by its user.
-#[derive(Clone, Debug)]
-pub struct Limits {
-    /// How many robots may run at one time.
-    pub lanes: usize,
-    /// Simulated time at which the run ends.
-    pub until: Time,
-    /// Processor time in seconds that a program may use within one slot.
-    pub timeout: f64,
-    /// True when every call is to be recorded.
-    pub is_verbose: bool,
-}
-
-/// How a run ended.
-pub struct Ended {
-    /// Why it ended.
-    pub end: End,
-    /// Simulated time at the end.
-    pub time: Time,
-    /// Real time that it took.
-    pub real_time: Duration,
-    /// Digest of everything recorded.
-    pub digest: Digest,
-    /// For each robot how it stands, in the order of ids.
-    pub robots: Vec<RobotEnd>,
-    /// Where each movable object is, in the order of ids.
-    pub objects: Vec<Pose>,
-    /// The run itself, at rest: its world and its robots, whose displays have been taken out.
-    pub run: Arc<Run>,
-}
-
-/// How a robot stands at the end of a run.
-pub struct RobotEnd {
-    /// How its program stands.
-    pub outcome: Outcome,
-    /// Why, where there is more to say.
-    pub reason: Option<String>,
-    /// The exit code of its program, where it gave one.
-    pub exit_code: Option<i32>,
-    /// Its virtual time.
-    pub virtual_time: Time,
-    /// True pose of its centre in the world.
-    pub pose: Pose,
-    /// Pose by its odometry.
-    pub odometry: Pose,
-    /// Length of its path, m.
-    pub path: f64,
-    /// How often it touched something.
-    pub contacts: u32,
-    /// How often a foot came down, and how often another part touched something; none of a robot without legs.
-    pub steps: Option<[u64; 2]>,
-    /// Its display.
-    pub panel: Panel,
-}
-
-/// How often the supervisor looks at the programs and shows progress.
-const LOOK: Duration = Duration::from_millis(50);
-
-/// Processor time in seconds that a program may still compute once the user has interrupted the run.
-const PATIENCE: f64 = 0.5;
-
 /// How long a stopped program may take to leave before it is left behind.
-const LEAVE: Duration = Duration::from_secs(1);
+pub(super) const LEAVE: Duration = Duration::from_secs(1);
 
 impl Run {
-    /// Runs all programs from time 0 to the end; `watch` is called about twenty times a second with the run.
+    /// A run of which no flow has been started.
     ///
     /// # Errors
-    /// When the system has no room for the robots' flows.
-    pub fn execute(parts: Parts, limits: &Limits, mut watch: impl FnMut(&Run)) -> std::io::Result<Ended> {
-        let start = Instant::now();
-        let bell = Bell::new()?;
-        signal::install(&bell)?;
+    /// When the process has no file descriptor left.
+    pub(super) fn new(parts: Parts, limits: &Limits) -> std::io::Result<Arc<Self>> {
         let has_program: Vec<bool> = parts.programs.iter().map(Option::is_some).collect();
         let plan = Plan { has_program, lanes: limits.lanes, until: limits.until };
-        let run = Arc::new_cyclic(|own| Self {
+        let bell = Bell::new()?;
+        let members = parts.robots.into_iter().zip(parts.programs);
+        Ok(Arc::new_cyclic(|own| Self {
             slot_start: AtomicI64::new(parts.world.slot_start().0),
             slot_end: AtomicI64::new(parts.world.slot_end().0),
             environment: RwLock::new(Environment::new(parts.world, parts.recorder)),
-            members: parts
-                .robots
-                .into_iter()
-                .zip(parts.programs)
-                .map(|(robot, program)| Member::new(robot, program))
-                .collect(),
+            members: members.map(|(robot, program)| Member::new(robot, program)).collect(),
             workshop: Mutex::new(parts.workshop),
-            conductor: Mutex::new(Conductor::new(&plan, parts.sinks, parts.gate)),
+            conductor: Mutex::new(Conductor::new(&plan, parts.sinks)),
             executor: parts.executor,
             lost: Mutex::default(),
             costs: parts.costs,
             bell,
             is_stopping: AtomicBool::new(false),
+            is_pausing: AtomicBool::new(false),
             is_verbose: limits.is_verbose,
             has_listeners: AtomicBool::new(false),
             own: Weak::clone(own),
-        });
-        for id in run.ids_with_program() {
-            run.program(id).map_or(Ok(()), |program| run.start_program(id, program))?;
-        }
-        let hand_over = run.conductor.lock().begin(&run);
-        run.resume(&hand_over);
-        let mut broken = run.supervise(limits, &mut watch);
-        // Nothing of a broken process runs on: another program may wait for a lock that the broken one holds.
-        if broken.is_empty() {
-            run.stop_all();
-        }
-        broken.append(&mut run.lost.lock());
-        let ended = run.conclude(&broken, start);
-        let deadline = Instant::now() + LEAVE;
-        run.members.iter().filter_map(|(_, member)| member.program.as_ref()).for_each(|program| program.end(deadline));
-        Ok(ended)
+        }))
+    }
+
+    /// Gives each program its first flow, suspended.
+    ///
+    /// # Errors
+    /// When the system has no room for all of them.
+    pub(super) fn start_programs(&self) -> std::io::Result<()> {
+        self.ids_with_program()
+            .filter_map(|id| Some((id, self.program(id)?)))
+            .try_for_each(|(id, program)| self.start_program(id, program))
     }
 
     /// Gives the program of robot `id` its first flow, suspended.
@@ -239,7 +144,7 @@ impl Run {
         self.members[id.index()].robot.lock()
     }
 
-    /// The world, as it was made public at the start of the present slot.
+    /// The world, as it was made public at the start of the present slot; not to be held while the run goes on.
     pub fn world(&self) -> MappedRwLockReadGuard<'_, World> {
         RwLockReadGuard::map(self.environment.read(), |environment| &environment.world)
     }
@@ -249,7 +154,13 @@ impl Run {
         self.members.count()
     }
 
-    fn program(&self, id: RobotId) -> Option<&RobotProgram> {
+    /// All programs, those of removed robots included.
+    pub(super) fn programs(&self) -> impl Iterator<Item = &RobotProgram> {
+        self.members.iter().filter_map(|(_, member)| member.program.as_ref())
+    }
+
+    /// The program of robot `id`.
+    pub(super) fn program(&self, id: RobotId) -> Option<&RobotProgram> {
         self.members[id.index()].program.as_ref()
     }
 
@@ -309,6 +220,11 @@ impl Run {
         self.is_stopping() || self.is_removed(id)
     }
 
+    /// True when the run is to pause at the end of the present slot.
+    pub(super) fn is_pausing(&self) -> bool {
+        self.is_pausing.load(Ordering::Relaxed)
+    }
+
     /// What wakes the supervisor.
     pub(super) fn bell(&self) -> &Bell {
         &self.bell
@@ -326,7 +242,7 @@ impl Run {
     /// [`Stop`] when the run has ended meanwhile.
     pub(crate) fn suspend(&self, robot: RobotId, wake: Time) -> Result<(), Stop> {
         let hand_over = self.conductor.lock().suspend(self, robot, wake);
-        self.resume(&hand_over);
+        self.follow(&hand_over);
         if hand_over.goes_on {
             self.executor.go_on(robot);
         } else {
@@ -335,9 +251,18 @@ impl Run {
         if self.is_leaving(robot) { Err(Stop) } else { Ok(()) }
     }
 
-    fn resume(&self, hand_over: &HandOver) {
-        for (robot, lane) in &hand_over.resume {
+    /// Lets these robots go on, each in its lane.
+    pub(super) fn resume(&self, robots: &[(RobotId, u32)]) {
+        for (robot, lane) in robots {
             self.executor.resume(*robot, *lane);
+        }
+    }
+
+    /// Does for a flow what follows from its robot's return to the barrier.
+    fn follow(&self, hand_over: &HandOver) {
+        self.resume(&hand_over.resume);
+        if hand_over.is_at_rest {
+            self.bell.ring();
         }
     }
 
@@ -372,7 +297,7 @@ impl Run {
             self.conductor.lock().leave(id);
             self.bell.ring();
         } else {
-            self.bury(id);
+            self.bury(id, None);
         }
         if let Some(program) = self.program(id) {
             program.end(Instant::now() + LEAVE);
@@ -381,13 +306,13 @@ impl Run {
     }
 
     /// The program of robot `id`, which has been removed, has not left in time: nobody waits for it any more.
-    fn leave_behind(&self, id: RobotId) -> Ending {
+    pub(super) fn leave_behind(&self, id: RobotId) -> Ending {
         self.robot(id).hint("the robot has been removed and its program did not leave: it is left behind");
         Ending::Stopped
     }
 
     /// The same, told with the name of the task that broke.
-    fn with_task(&self, id: RobotId, mut broken: Broken) -> Broken {
+    pub(super) fn with_task(&self, id: RobotId, mut broken: Broken) -> Broken {
         if let Some(task) = broken.task.take() {
             broken.what += &format!(" in {}", self.robot(id).tasks.name(task));
         }
@@ -442,8 +367,9 @@ impl Run {
         self.program(robot.id).map(words).unwrap_or_default()
     }
 
-    /// Ends robot `id` in the world: its motors stop, its end is recorded, the slot loop goes on without it.
-    fn bury(&self, id: RobotId) {
+    /// Ends robot `id` in the world: its motors stop, its end is recorded, the run goes on without it; `deadline` as for
+    /// [`Conductor::advance`].
+    pub(super) fn bury(&self, id: RobotId, deadline: Option<Instant>) {
         {
             let mut robot = self.robot(id);
             if matches!(robot.ending, Some(Ending::Exited { .. })) {
@@ -452,119 +378,7 @@ impl Run {
             robot.halt(&self.world());
             radio::end(&mut robot);
         }
-        let hand_over = self.conductor.lock().depart(self, id);
-        self.resume(&hand_over);
-    }
-
-    /// Watches over the run until it is over; returns the robots that broke.
-    fn supervise(&self, limits: &Limits, watch: &mut impl FnMut(&Run)) -> Vec<(RobotId, Broken)> {
-        let mut all_broken = Vec::new();
-        // Removed robots whose programs do not leave: nobody waits for them any more.
-        let mut left_behind: Vec<RobotId> = Vec::new();
-        loop {
-            self.bell.wait(LOOK);
-            for (id, broken) in self.executor.broken() {
-                if left_behind.contains(&id) {
-                    continue;
-                }
-                if broken.is_overdue && self.is_removed(id) {
-                    left_behind.push(id);
-                    let ending = self.leave_behind(id);
-                    self.robot(id).ending.get_or_insert(ending);
-                    self.bury(id);
-                    continue;
-                }
-                if all_broken.iter().all(|(known, _)| *known != id) {
-                    let broken = self.with_task(id, broken);
-                    self.robot(id).ending.get_or_insert(Ending::broken(&broken));
-                    all_broken.push((id, broken));
-                    self.conductor.lock().end_with(End::Broken);
-                    self.bury(id);
-                }
-            }
-            watch(self);
-            // The slot loop keeps the lock while it waits for real time; nobody runs then.
-            let Some(mut conductor) = self.conductor.try_lock_for(LOOK) else { continue };
-            if conductor.is_over() {
-                return all_broken;
-            }
-            let mut timeout = limits.timeout;
-            if signal::is_interrupted() {
-                conductor.end_with(End::Interrupted);
-                timeout = timeout.min(PATIENCE);
-            }
-            let running: Vec<_> = conductor.running().collect();
-            drop(conductor);
-            if !watchdog::is_debugged() {
-                for id in running {
-                    let timeout = if self.is_removed(id) { timeout.min(LEAVE.as_secs_f64()) } else { timeout };
-                    if self.executor.is_overdue(id, timeout) {
-                        self.executor.break_overdue(id);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Lets every program that has not ended leave, one after the other in the order of ids.
-    fn stop_all(&self) {
-        self.is_stopping.store(true, Ordering::Release);
-        for id in self.ids_with_program() {
-            if self.conductor.lock().has_departed(id) {
-                continue;
-            }
-            self.executor.resume(id, 0);
-            let deadline = Instant::now() + LEAVE;
-            while !self.conductor.lock().has_departed(id) && Instant::now() < deadline {
-                self.bell.wait(deadline.saturating_duration_since(Instant::now()));
-            }
-        }
-    }
-
-    /// What the run has come to, once nobody runs any more.
-    fn conclude(self: &Arc<Self>, broken: &[(RobotId, Broken)], start: Instant) -> Ended {
-        let mut conductor = self.conductor.lock();
-        let mut environment = self.environment.write();
-        let time = conductor.time(&environment.world);
-        let end = conductor.take_end();
-        let senders = Senders::among(self.ids_with_program().map(|id| self.robot(id)));
-        let finish = Finish { end: &end, time, robots: self.robot_count(), senders };
-        environment.finish(time);
-        let mut robots = Vec::with_capacity(self.robot_count());
-        for (index, Member { program, .. }) in &self.members {
-            let id = RobotId::from_index(index);
-            let mut robot = self.robot(id);
-            let broken = broken.iter().find(|(other, _)| *other == id).map(|(_, broken)| broken);
-            let standing = match program {
-                Some(_) if broken.is_none() && self.is_removed(id) && robot.ending == Some(Ending::Stopped) => {
-                    Standing::removed()
-                }
-                Some(program) => standing::judge(&mut robot, &finish, broken, program),
-                None => Standing::without_program(),
-            };
-            environment.finish_radio(&mut robot.state);
-            robot.record_standing(&standing);
-            environment.recorder().collect(&mut robot.journal);
-            robots.push(RobotEnd {
-                virtual_time: robot.now,
-                pose: robot.motion.pose(time),
-                odometry: robot.motion.odometry(time),
-                path: robot.motion.path_length(time),
-                contacts: robot.motion.contacts(time),
-                steps: robot.motion.legs().map(|_| [robot.walk.footfalls, robot.walk.touches]),
-                panel: robot.robios.take_panel(),
-                outcome: standing.outcome,
-                reason: standing.reason,
-                exit_code: standing.exit_code,
-            });
-        }
-        let (digest, completed) = conductor.sinks().finish_record(environment.recorder(), time);
-        let end = completed.map_or_else(End::Record, |()| end);
-        signal::uninstall();
-        let world = &environment.world;
-        let objects =
-            (0..world.object_count()).map(|index| world.object_pose(ObjectId::from_index(index), time)).collect();
-        let run = Arc::clone(self);
-        Ended { end, time, real_time: start.elapsed(), digest, robots, objects, run }
+        let hand_over = self.conductor.lock().depart(self, id, deadline);
+        self.follow(&hand_over);
     }
 }

@@ -1,18 +1,17 @@
-//! A run in which a hand does again what it did in another one.
+//! A run to its end at a pace, with recorded interventions.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
+use std::time::Duration;
 
-use parking_lot::Mutex;
 use sim_core::record::Action;
 use sim_core::time::Time;
 
-use super::conductor::End;
-use super::gate::{Boundary, Gate, Intervention, Pass};
+use super::conductor::Boundary;
 use super::intervene::Refusal;
 use super::pace::Pace;
+use super::scheduler::{Progress, Scheduler};
 
-/// Actions with the times at which they happen.
+/// Actions with the times at which they happen, and the pace of the run; by default no actions, and as fast as possible.
 #[derive(Default)]
 pub struct Script {
     /// In order of time.
@@ -20,11 +19,8 @@ pub struct Script {
     /// The user interrupted the run there.
     interrupted: Option<Time>,
     pace: Option<Pace>,
-    refused: Arc<Refused>,
+    refused: Vec<(Time, Refusal)>,
 }
-
-/// What was refused of a script.
-pub type Refused = Mutex<Vec<(Time, Refusal)>>;
 
 impl Script {
     /// These actions, each at its time: at the start of the slot that contains it.
@@ -44,44 +40,53 @@ impl Script {
         Self { pace, ..self }
     }
 
-    /// What is refused while the run goes on: it is another run than the one that the script was recorded in.
-    pub fn refused(&self) -> Arc<Refused> {
-        Arc::clone(&self.refused)
+    /// What was refused so far: the run is another one than that in which the script was recorded.
+    pub fn refused(&self) -> &[(Time, Refusal)] {
+        &self.refused
     }
 
-    /// The actions that happen before the next slot in which anything happens without them.
-    fn due(&mut self, boundary: &Boundary<'_>) -> Option<(Time, Vec<Intervention>)> {
-        let slot = boundary.world.slot();
-        let start = |at: Time| at.floor_to(slot).max(boundary.following);
-        let (first, _) = self.actions.front()?;
-        let at = start(*first);
-        if boundary.next.is_some_and(|next| at > next) {
-            return None;
+    /// Takes the run further: to its next actions or, where it has a pace, to its next slot, but not for much longer than `real`.
+    /// [`Progress::Over`] once nothing is left to be done.
+    pub fn advance(&mut self, run: &mut Scheduler, real: Duration) -> Progress {
+        let boundary = run.boundary();
+        let start = self.actions.front().map(|(at, _)| slot_start(*at, &boundary));
+        if let Some(at) = start.filter(|at| boundary.next.is_none_or(|next| *at <= next)) {
+            return self.act(at, run, &boundary);
         }
-        let mut due = Vec::new();
-        while let Some((time, action)) = self.actions.pop_front_if(|(other, _)| start(*other) == at) {
-            let refused = Arc::clone(&self.refused);
-            let answer = Box::new(move |outcome: Result<(), Refusal>| {
-                refused.lock().extend(outcome.err().map(|refusal| (time, refusal)));
-            });
-            due.push(Intervention { action, answer });
+        if self.interrupted.is_some_and(|end| boundary.following >= end) {
+            return interrupt(run);
         }
-        Some((at, due))
+        let Some(next) = boundary.next_within_limit() else { return Progress::Over };
+        let behind_next = next + Time(1);
+        let horizon = if let Some(pace) = &mut self.pace {
+            if !pace.wait_until(next) {
+                return interrupt(run);
+            }
+            behind_next
+        } else {
+            start.unwrap_or(Time::NEVER).min(self.interrupted.unwrap_or(Time::NEVER)).max(behind_next)
+        };
+        run.advance_within(horizon, real)
+    }
+
+    /// Carries out the actions of the slot at `at`.
+    fn act(&mut self, at: Time, run: &mut Scheduler, boundary: &Boundary) -> Progress {
+        if self.pace.as_mut().is_some_and(|pace| !pace.wait_until(at.min(boundary.limit))) {
+            return interrupt(run);
+        }
+        while let Some((time, action)) = self.actions.pop_front_if(|(time, _)| slot_start(*time, boundary) == at) {
+            self.refused.extend(run.act(at, &action).err().map(|refusal| (time, refusal)));
+        }
+        if run.is_ending() { Progress::Over } else { Progress::Paused }
     }
 }
 
-impl Gate for Script {
-    fn wait(&mut self, boundary: &Boundary<'_>) -> Pass {
-        if let Some((at, actions)) = self.due(boundary) {
-            let is_over = self.pace.as_mut().is_some_and(|pace| !pace.wait_until(at.min(boundary.until)));
-            return if is_over { Pass::End(End::Interrupted) } else { Pass::Act { at, actions } };
-        }
-        if self.interrupted.is_some_and(|end| boundary.following >= end) {
-            return Pass::End(End::Interrupted);
-        }
-        match &mut self.pace {
-            Some(pace) => pace.wait(boundary),
-            None => Pass::Begin,
-        }
-    }
+/// Start of the slot that contains `at`, or of the following one if that is past.
+fn slot_start(at: Time, boundary: &Boundary) -> Time {
+    at.floor_to(boundary.slot).max(boundary.following)
+}
+
+fn interrupt(run: &mut Scheduler) -> Progress {
+    run.interrupt();
+    Progress::Over
 }

@@ -1,13 +1,13 @@
-//! What pages have asked of a run, on its way from the desk to the gate.
+//! What pages have asked of a run, on its way from the desk to who advances the run.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use parking_lot::{Condvar, Mutex, MutexGuard};
+use sim_core::record::Action;
+use sim_view::window::Asked;
 
-use crate::executive::gate::Intervention;
-
-/// The way from those who ask to the run, which looks at it between two slots: one load where nothing was asked.
+/// The way from those who ask to who advances the run, who looks at it between two slots.
 #[derive(Default)]
 pub struct Control {
     is_stirred: AtomicBool,
@@ -24,8 +24,8 @@ pub struct Wishes {
     pub steps: u32,
     /// Simulated seconds for each second of real time; none for as fast as possible.
     pub speed: Option<f64>,
-    /// What is to be done to it, in order.
-    pub actions: Vec<Intervention>,
+    /// What is to be done to it, in order, and who is told what becomes of it.
+    pub actions: Vec<(Action, Asked)>,
     /// Pages are to be shown how it stands.
     pub is_show_due: bool,
     /// It is to end, since another one begins.
@@ -44,7 +44,7 @@ impl Control {
     }
 
     /// True once something was asked since the last [`Self::wishes`].
-    pub fn is_stirred(&self) -> bool {
+    fn is_stirred(&self) -> bool {
         self.is_stirred.load(Ordering::Acquire)
     }
 

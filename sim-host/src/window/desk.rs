@@ -1,4 +1,4 @@
-//! Where commands of pages arrive: each is obeyed at once, or goes to the run's gate, or to who starts runs.
+//! Where commands of pages arrive: each is obeyed at once, or goes to who advances the run, or to who starts runs.
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -11,8 +11,6 @@ use sim_view::window::{Asked, Window};
 
 use super::action::action_from_page;
 use super::control::Control;
-use crate::executive::gate::Intervention;
-use crate::executive::intervene::Refusal;
 
 /// Time between two looks of pages at a run: 60 a second.
 const TICK: Duration = Duration::from_micros(16_667);
@@ -113,11 +111,7 @@ fn obey(asked: Asked, control: &Control, starter: &mut impl Starter) {
             if wishes.is_over {
                 return asked.refuse(OVER);
             }
-            let answer = Box::new(move |done: Result<(), Refusal>| match done {
-                Ok(()) => asked.accept(),
-                Err(refusal) => asked.refuse(refusal.to_string()),
-            });
-            wishes.actions.push(Intervention { action: action_from_page(action), answer });
+            wishes.actions.push((action_from_page(action), asked));
         }),
     }
 }

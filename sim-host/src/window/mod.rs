@@ -1,7 +1,7 @@
 //! The window of a run: what pages see of it, and what becomes of what they ask for.
 //!
 //! [`scene`], [`snapshot`] and [`detail`] fill the protocol of `sim_view` from a run at rest between two slots; [`feed`] tells what
-//! happens. Watching draws no random number and changes nothing.
+//! happens, and [`driver`] advances the run as its pages wish. Watching draws no random number and changes nothing.
 #![forbid(unsafe_code)]
 
 mod action;
@@ -9,8 +9,8 @@ pub mod control;
 pub mod desk;
 pub mod detail;
 mod device;
+pub mod driver;
 pub mod feed;
-pub mod gate;
 pub mod recording;
 pub mod scene;
 pub mod show;

@@ -15,7 +15,8 @@ use super::detail::Details;
 use super::feed::Feed;
 use super::scene::{ObjectSubject, RobotSubject, Subject};
 use super::snapshot;
-use crate::executive::run::{RobotEnd, Run};
+use crate::executive::run::Run;
+use crate::executive::scheduler::RobotEnd;
 use crate::scenery::LazyScenery;
 
 /// What is shown of a run, and what pages have got already.

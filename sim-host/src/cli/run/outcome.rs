@@ -16,7 +16,7 @@ use super::RunArgs;
 use super::stage::given;
 use crate::cli::options::Options;
 use crate::cli::output;
-use crate::executive::run::{Ended, RobotEnd};
+use crate::executive::scheduler::{Ended, RobotEnd};
 use crate::plot::{self, RunObject, RunPicture, RunRobot};
 use crate::record::report::{Input, ObjectReport, REPORT_SCHEMA, RobotReport};
 use crate::record::trail::Way;

@@ -5,8 +5,10 @@ use std::io::Write as _;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 use anyhow::{Context, bail, ensure};
+use parking_lot::Mutex;
 use sim_core::spec::{CostsRef, SceneSpec};
 use sim_core::time::Time;
 use sim_core::world::World;
@@ -20,18 +22,18 @@ use crate::cli::diagnostic::{self, Colour, Format};
 use crate::cli::options::{Options, give_noise};
 use crate::cli::output;
 use crate::cli::progress::{Building, Counts, Progress};
-use crate::executive::gate::Gate;
 use crate::executive::pace::Pace;
 use crate::executive::program::RobotProgram;
-use crate::executive::run::{Limits, Parts, Run};
-use crate::executive::script::{Refused, Script};
+use crate::executive::run::Run;
+use crate::executive::scheduler::{self, Limits, Parts, Scheduler};
+use crate::executive::script::Script;
 use crate::executive::thread::ThreadExecutor;
 use crate::files::{DiskFiles, slashed};
 use crate::plot;
 use crate::program::{Builder, Cache, Kits, SearchPath, Tools};
 use crate::record::frame::{FrameFailures, Frames};
 use crate::record::report::Input;
-use crate::record::{RecordError, Recorded, Sink, Sinks, Trace};
+use crate::record::{RecordError, Recorded, Sink, Sinks, Trace, Trails};
 use crate::robios::robot::Robot;
 use crate::scenery::LazyScenery;
 use crate::setup::{Programs, RobotOptions};
@@ -57,11 +59,21 @@ pub struct Ready {
     programs: Vec<Option<RobotProgram>>,
 }
 
-/// Who takes part in a run beside its programs.
+/// A run that has started.
+pub struct Running {
+    /// What advances it.
+    pub scheduler: Scheduler,
+    progress: Progress,
+    options: Options,
+    scene: Arc<SceneSpec>,
+    scenery: Arc<LazyScenery>,
+    inputs: Vec<Input>,
+    trails: Option<Arc<Mutex<Trails>>>,
+}
+
+/// Who watches a run beside its user.
 #[derive(Default)]
 pub struct Company {
-    /// Who decides when it goes on.
-    pub gate: Option<Box<dyn Gate>>,
     /// Who else wants to see its records.
     pub sinks: Vec<Box<dyn Sink>>,
     /// When it ends where neither the user nor the scene says it.
@@ -202,16 +214,16 @@ impl Ready {
         &self.built.inputs
     }
 
-    /// Runs it from the first line of its record to the last line of its report.
+    /// Starts it: what is recorded has its first line, and the run stands before its first slot.
     ///
     /// # Errors
     /// Files that cannot be written, and a system without room for the robots.
-    pub fn run(self, args: &RunArgs, company: Company) -> anyhow::Result<Ran> {
+    pub fn start(self, args: &RunArgs, company: Company) -> anyhow::Result<Running> {
         let Self { built, programs: loaded } = self;
-        let Built { options, scene, scenery, programs, mut inputs, frames, workshop, world, robots } = built;
+        let Built { options, scene, scenery, programs, inputs, frames, workshop, world, robots } = built;
         let until = options.until.or(company.until).unwrap_or(Time::from_seconds_ceil(DEFAULT_UNTIL));
         let is_hidden = args.verbose || args.quiet || company.is_quiet;
-        let mut progress = if is_hidden { Progress::hidden() } else { Progress::new(until) };
+        let progress = if is_hidden { Progress::hidden() } else { Progress::new(until) };
         let (mut all, trails) = sinks(args, &options, &scene, &progress);
         if let Some(path) = &args.trace {
             let header = trace_header(args, &options, &scene, until, &inputs);
@@ -245,40 +257,50 @@ impl Ready {
             costs: options.costs.clone(),
             recorder: Recorder::new(options.seed, options.slot, sinks.interest()),
             sinks,
-            gate: company.gate,
         };
-        let ended = Run::execute(parts, &limits, |run| progress.update(run.slot_start(), || counts(run)))
-            .context("cannot start the robots")?;
-        progress.clear();
+        let scheduler = Scheduler::start(parts, &limits).context("cannot start the robots")?;
+        Ok(Running { scheduler, progress, options, scene, scenery, inputs, trails })
+    }
+}
 
+impl Running {
+    /// How long the run goes on between two looks at its progress.
+    const STRETCH: Duration = Duration::from_millis(50);
+
+    /// Takes the run to its end as `script` has it.
+    pub fn follow(&mut self, script: &mut Script) {
+        while script.advance(&mut self.scheduler, Self::STRETCH) == scheduler::Progress::Paused {
+            let run = self.scheduler.run();
+            self.progress.update(run.slot_start(), || counts(run));
+        }
+    }
+
+    /// Ends it, to the last line of its report.
+    pub fn finish(self) -> Ran {
+        let Self { scheduler, mut progress, options, scene, scenery, mut inputs, trails } = self;
+        let ended = scheduler.finish();
+        progress.clear();
         if let Some(built) = scenery.built() {
             let files = built.inputs.iter().map(|file| Input::new(Path::new(&file.path), &file.bytes));
             let new: Vec<Input> = files.filter(|file| inputs.iter().all(|known| known.path != file.path)).collect();
             inputs.extend(new);
         }
         let report = report(&options, &scene, &ended, inputs);
-        Ok(Ran { options, scene, scenery, ended, report, trails })
+        Ran { options, scene, scenery, ended, report, trails }
     }
 }
 
-impl Company {
-    /// The pace and the hand that the arguments ask for, and nobody else; what of the hand's is refused while the run goes on.
-    ///
-    /// # Errors
-    /// A trace that cannot be read.
-    pub(super) fn of(args: &RunArgs) -> anyhow::Result<(Self, Arc<Refused>)> {
-        let pace = match args.speed {
-            Speed::Max => None,
-            Speed::Factor(factor) => Some(Pace::new(factor)),
-        };
-        let Some(trace) = &args.repeat else {
-            let gate = pace.map(|pace| Box::new(pace) as Box<dyn Gate>);
-            return Ok((Self { gate, ..Self::default() }, Arc::default()));
-        };
-        let script = Script::new(Recorded::read(trace).context("--repeat")?.interventions).paced(pace);
-        let refused = script.refused();
-        Ok((Self { gate: Some(Box::new(script)), ..Self::default() }, refused))
-    }
+/// The pace and the recorded actions that the arguments ask for.
+///
+/// # Errors
+/// A trace that cannot be read.
+pub(super) fn script(args: &RunArgs) -> anyhow::Result<Script> {
+    let pace = match args.speed {
+        Speed::Max => None,
+        Speed::Factor(factor) => Some(Pace::new(factor)),
+    };
+    let actions = args.repeat.as_ref().map(|trace| Recorded::read(trace).context("--repeat")).transpose()?;
+    Ok(Script::new(actions.into_iter().flat_map(|recorded| recorded.interventions)).paced(pace))
 }
 
 /// Tells, in the slot in which the first camera is used, what is wrong in the meshes and images that are read then.

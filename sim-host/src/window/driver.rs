@@ -1,21 +1,23 @@
-//! The gate of a run that pages watch and take part in: it paces, pauses and steps the run, brings it what is done to it, and shows
-//! how it stands.
+//! The owner's loop of a run that pages watch and take part in: it paces, pauses and steps the run, does to it what they ask for, and
+//! shows how it stands.
 
 use std::mem::take;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use parking_lot::Mutex;
+use sim_core::record::Action;
 use sim_core::time::Time;
 use sim_view::protocol::RunState;
+use sim_view::window::Asked;
 
 use super::control::Control;
 use super::show::{Moment, Show};
-use crate::executive::conductor::End;
-use crate::executive::gate::{Boundary, Gate, Pass};
+use crate::executive::conductor::Boundary;
+use crate::executive::scheduler::{Progress, Scheduler};
 use crate::executive::signal;
 
-/// How long the gate waits without looking whether the user wants to stop.
+/// How long the driver waits without looking whether the user wants to stop.
 const NAP: Duration = Duration::from_millis(20);
 
 /// A run that is farther behind its pace does not try to catch up.
@@ -24,6 +26,9 @@ const MOST_DELAY: Duration = Duration::from_millis(250);
 /// Over so long the speed is measured.
 const RATE_PERIOD: Duration = Duration::from_millis(500);
 
+/// A run at full speed looks this often at what is asked for: often enough for people, and so seldom that it costs nothing.
+const STRETCH: Duration = Duration::from_millis(5);
+
 /// A run at full speed is not shown more often: nobody can follow it anyway.
 const PERIOD_AT_FULL_SPEED: Duration = Duration::from_millis(125);
 
@@ -31,11 +36,9 @@ const PERIOD_AT_FULL_SPEED: Duration = Duration::from_millis(125);
 const SHARE_AT_FULL_SPEED: u32 = 25;
 
 /// Lets a run go on as its pages wish.
-pub struct WindowGate {
+pub struct Driver {
     control: Arc<Control>,
     show: Arc<Mutex<Show>>,
-    /// The run goes on as fast as possible until something is asked for.
-    is_free: bool,
     is_paused: bool,
     speed: Option<f64>,
     /// Real and simulated time from which the pace counts.
@@ -49,13 +52,12 @@ pub struct WindowGate {
     rate: Rate,
 }
 
-impl WindowGate {
-    /// A gate that asks `control` and shows the run by `show`.
+impl Driver {
+    /// One that asks `control` and shows the run by `show`.
     pub fn new(control: Arc<Control>, show: Arc<Mutex<Show>>) -> Self {
         Self {
             control,
             show,
-            is_free: false,
             is_paused: false,
             speed: None,
             anchor: None,
@@ -64,6 +66,11 @@ impl WindowGate {
             not_before: None,
             rate: Rate::default(),
         }
+    }
+
+    /// Takes the run to its end.
+    pub fn drive(&mut self, run: &mut Scheduler) {
+        while self.go_on(run) == Progress::Paused {}
     }
 
     /// Takes over what is asked of pace and pauses; what is to be done to the run.
@@ -81,7 +88,7 @@ impl WindowGate {
         }
     }
 
-    fn present(&mut self, boundary: &Boundary<'_>, is_idle: bool) {
+    fn present(&mut self, run: &Scheduler, is_idle: bool) {
         let start = Instant::now();
         let state = match (self.is_paused, is_idle) {
             (true, _) => RunState::Paused,
@@ -89,7 +96,7 @@ impl WindowGate {
             _ => RunState::Running,
         };
         let rate = if self.is_paused { 0.0 } else { self.rate.measure(start, self.now) };
-        let Boundary { run, world, .. } = *boundary;
+        let (run, world) = (run.run(), &run.run().world());
         self.show.lock().present(Moment { run, world, now: self.now, state, speed: self.speed, rate, ends: &[] });
         let is_full_speed = self.speed.is_none() && !self.is_paused;
         // Texts of it are made elsewhere, but on the same processors.
@@ -103,8 +110,8 @@ impl WindowGate {
     }
 
     /// Whether nothing is left to run, now or later: every program has ended.
-    fn is_finished(boundary: &Boundary<'_>) -> bool {
-        let run = boundary.run;
+    fn is_finished(run: &Scheduler) -> bool {
+        let run = run.run();
         let mut programs = run.ids_with_program().peekable();
         programs.peek().is_some() && programs.all(|id| run.robot(id).ending.is_some())
     }
@@ -124,63 +131,55 @@ impl WindowGate {
         self.now = self.now.max(reached);
     }
 
-    /// Lets the run go on to its next slot.
-    fn begin(&mut self, due: Option<Instant>) -> Pass {
+    /// Runs the slot at `next`, which was due at `due`; at full speed also those that follow it.
+    fn begin(&mut self, run: &mut Scheduler, next: Time, due: Option<Instant>) -> Progress {
         if due.is_some_and(|due| due.elapsed() > MOST_DELAY) {
             self.anchor = None;
         }
-        self.is_free = !self.is_paused && self.speed.is_none();
-        Pass::Begin
-    }
-}
-
-/// What is asked of a run at once.
-struct Wished {
-    is_ending: bool,
-    is_show_due: bool,
-    actions: Vec<crate::executive::gate::Intervention>,
-}
-
-impl Gate for WindowGate {
-    fn wait(&mut self, boundary: &Boundary<'_>) -> Pass {
-        let next = boundary.next.filter(|next| *next < boundary.until);
-        if self.is_free && next.is_some() && !self.control.is_stirred() {
-            return Pass::Begin;
+        if self.is_paused || self.speed.is_some() {
+            run.advance_to(next + Time(1))
+        } else {
+            run.advance_within(Time::NEVER, STRETCH)
         }
-        self.is_free = false;
+    }
+
+    /// Waits until the paused run may go on, then does to it what is asked for or runs its next slots.
+    fn go_on(&mut self, run: &mut Scheduler) -> Progress {
+        let boundary @ Boundary { limit, slot, .. } = run.boundary();
+        let next = boundary.next_within_limit();
         self.now = self.now.max(boundary.following);
-        let slot = boundary.world.slot();
         loop {
             let wished = self.take_wishes();
             if wished.is_ending || signal::is_interrupted() {
-                return Pass::End(End::Interrupted);
+                run.interrupt();
+                return Progress::Over;
             }
             if !wished.actions.is_empty() {
-                self.is_news = true;
-                return Pass::Act { at: self.now, actions: wished.actions };
+                return self.act(run, wished.actions);
             }
-            let is_over = boundary.next.is_some() && next.is_none() || next.is_none() && Self::is_finished(boundary);
+            let is_over = boundary.next.is_some() && next.is_none() || next.is_none() && Self::is_finished(run);
             let is_idle = next.is_none();
             let may_show = self.not_before.is_none_or(|instant| instant <= Instant::now());
             if self.is_news || wished.is_show_due && may_show && (!self.is_paused || self.show.lock().has_new_looks()) {
-                self.present(boundary, is_idle && !is_over);
+                self.present(run, is_idle && !is_over);
             }
             match (self.is_paused, next) {
                 (true, _) if self.take_step() => {
                     self.is_news = true;
-                    if is_over || next.is_some_and(|next| next <= self.now) {
-                        return self.begin(None);
+                    match next {
+                        _ if is_over => return Progress::Over,
+                        Some(next) if next <= self.now => return self.begin(run, next, None),
+                        _ => self.now += slot,
                     }
-                    self.now += slot;
                 }
                 (true, _) => self.control.wait(NAP),
-                (false, _) if is_over => return self.begin(None),
+                (false, _) if is_over => return Progress::Over,
                 (false, Some(next)) => {
-                    let Some(factor) = self.speed else { return self.begin(None) };
+                    let Some(factor) = self.speed else { return self.begin(run, next, None) };
                     let due = self.due(next, factor);
                     let left = due.saturating_duration_since(Instant::now());
                     if left.is_zero() {
-                        return self.begin(Some(due));
+                        return self.begin(run, next, Some(due));
                     }
                     self.follow_clock(slot, Some(next), factor);
                     self.control.wait(left.min(NAP));
@@ -188,8 +187,8 @@ impl Gate for WindowGate {
                 (false, None) => {
                     if let Some(factor) = self.speed {
                         self.follow_clock(slot, None, factor);
-                        if self.now >= boundary.until {
-                            return self.begin(None);
+                        if self.now >= limit {
+                            return Progress::Over;
                         }
                     }
                     self.control.wait(NAP);
@@ -197,9 +196,19 @@ impl Gate for WindowGate {
             }
         }
     }
-}
 
-impl WindowGate {
+    /// Does to the run what is asked for, and tells those who asked.
+    fn act(&mut self, run: &mut Scheduler, actions: Vec<(Action, Asked)>) -> Progress {
+        self.is_news = true;
+        for (action, asked) in actions {
+            match run.act(self.now, &action) {
+                Ok(()) => asked.accept(),
+                Err(refusal) => asked.refuse(refusal.to_string()),
+            }
+        }
+        if run.is_ending() { Progress::Over } else { Progress::Paused }
+    }
+
     /// Takes one of the slots that are to be run while it is paused.
     fn take_step(&self) -> bool {
         let mut wishes = self.control.wishes();
@@ -207,6 +216,13 @@ impl WindowGate {
         wishes.steps = wishes.steps.saturating_sub(1);
         has_step
     }
+}
+
+/// What is asked of a run at once.
+struct Wished {
+    is_ending: bool,
+    is_show_due: bool,
+    actions: Vec<(Action, Asked)>,
 }
 
 /// Measures simulated seconds for each second of real time.

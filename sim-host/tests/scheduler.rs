@@ -1,0 +1,253 @@
+//! The scheduler as the owner of a run has it: what it is told between two slots, what it may do there, and that looking changes nothing.
+
+use std::collections::BTreeSet;
+use std::process::Command;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use parking_lot::Mutex;
+use sim_core::RobotId;
+use sim_core::record::{Action, Digest, Event, Kind, KindSet, Outcome, Record};
+use sim_core::time::Time;
+use sim_host::cli::run::{Built, Company, RunArgs};
+use sim_host::executive::conductor::{Boundary, End};
+use sim_host::executive::scheduler::{Ended, Progress, Scheduler};
+use sim_host::record::{RecordError, Sink};
+
+const WAIT: &str = r#"
+#include "eyebot.h"
+int main(void) {
+    VWHandle vw = VWInit(VW_DRIVE, 1);
+    VWDriveStraight(vw, 0.2, 0.2);
+    VWDriveWait(vw);
+    KEYWait(KEY1);
+    return 0;
+}
+"#;
+
+/// A scene of two robots that drive for a second and wait for a key.
+fn scene() -> (tempfile::TempDir, RunArgs) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let sim = "world room.wld\nrobi bot.robi wait.c 500 500 0\nrobi bot.robi wait.c 500 1500 0\n";
+    let robi = "diameter 200\nspeed 600\nturn 300\nwheel 54 3600 1100 90\n\
+                drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
+    let room = "floor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n";
+    for (name, text) in [("room.wld", room), ("bot.robi", robi), ("scene.sim", sim), ("wait.c", WAIT)] {
+        std::fs::write(folder.path().join(name), text).expect("a file");
+    }
+    let mut args = RunArgs::of_scene(&folder.path().join("scene.sim")).expect("a scene");
+    (args.quiet, args.is_silent) = (true, true);
+    (folder, args)
+}
+
+/// A run of [`scene`] that `owner` advances.
+fn run_by(owner: impl FnOnce(&mut Scheduler), sinks: Vec<Box<dyn Sink>>) -> Ended {
+    let (_folder, args) = scene();
+    let ready = Built::new(&args, |_| Ok(())).and_then(|built| built.load(&args));
+    let ready = ready.unwrap_or_else(|error| panic!("{error:#}"));
+    let company = Company { sinks, is_quiet: true, ..Company::default() };
+    let mut running = ready.start(&args, company).unwrap_or_else(|error| panic!("{error:#}"));
+    owner(&mut running.scheduler);
+    running.finish().ended
+}
+
+/// The same in one go.
+fn run() -> Ended {
+    run_by(|scheduler| assert_eq!(scheduler.advance_to(Time::NEVER), Progress::Paused), Vec::new())
+}
+
+fn press(scheduler: &mut Scheduler, at: Time, robot: u32, key: &str) -> Result<(), String> {
+    let action = Action::Press { robot, key: key.to_owned() };
+    scheduler.act(at, &action).map_err(|why| why.to_string())
+}
+
+fn has_compiler() -> bool {
+    let there = Command::new("cc").arg("--version").output().is_ok_and(|output| output.status.success());
+    if !there {
+        println!("skipped: `cc` is not installed");
+    }
+    there
+}
+
+/// Whose calls are recorded.
+#[derive(Default)]
+struct Callers(BTreeSet<RobotId>);
+
+impl Sink for Callers {
+    fn interest(&self) -> KindSet {
+        Kind::Call.set()
+    }
+
+    fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
+        assert!(matches!(record.event, Event::Call { .. }));
+        self.0.insert(record.robot);
+        Ok(())
+    }
+
+    fn end_slot(&mut self, _: Time, _: Option<Digest>) -> Result<(), RecordError> {
+        Ok(())
+    }
+}
+
+#[test]
+fn whoever_stops_before_each_slot_and_looks_changes_nothing() {
+    if !has_compiler() {
+        return;
+    }
+    let plain = run();
+    assert!(matches!(plain.end, End::Stuck), "{:?}", plain.end);
+    let mut boundaries = Vec::new();
+    let callers = Arc::new(Mutex::new(Callers::default()));
+    let owner = |scheduler: &mut Scheduler| {
+        loop {
+            let Boundary { following, next, .. } = scheduler.boundary();
+            let run = scheduler.run();
+            assert_eq!(run.world().slot_start(), following);
+            boundaries.push((following, next));
+            // Robots are suspended, so that their state can be looked at; who listens draws and changes nothing.
+            run.listen_to(RobotId(2), true);
+            assert_eq!(run.robot(RobotId(1)).id, RobotId(1));
+            let Some(next) = next else { return };
+            assert_eq!(scheduler.advance_to(next), Progress::Paused);
+            assert_eq!(scheduler.boundary().following, following, "no slot starts before it");
+            assert_eq!(scheduler.advance_to(next + Time(1)), Progress::Paused);
+            assert!(scheduler.boundary().following > next, "the slot has been run");
+        }
+    };
+    let watched = run_by(owner, vec![Box::new(Arc::clone(&callers))]);
+    assert_eq!((watched.digest, watched.time), (plain.digest, plain.time));
+    assert!(matches!(watched.end, End::Stuck), "{:?}", watched.end);
+    assert_eq!(callers.lock().0, BTreeSet::from([RobotId(2)]), "the other one's calls nobody wants");
+    assert_eq!(boundaries.first(), Some(&(Time::ZERO, Some(Time::ZERO))), "it stands before the first slot");
+    assert_eq!(boundaries.last(), Some(&(plain.time, None)), "and then where nothing happens any more");
+    assert!(boundaries.is_sorted() && boundaries.len() > 20, "{boundaries:?}");
+}
+
+#[test]
+fn a_run_that_waits_for_somebody_goes_on_when_he_acts() {
+    if !has_compiler() {
+        return;
+    }
+    let mut answers = Vec::new();
+    let owner = |scheduler: &mut Scheduler| {
+        assert_eq!(scheduler.advance_to(Time::NEVER), Progress::Paused);
+        assert_eq!(scheduler.boundary().next, None);
+        // Within a slot: it happens at its start.
+        let at = Time(7_012_345);
+        answers = ["KEY1", "KEY9", "KEY1"]
+            .into_iter()
+            .zip([1, 1, 2])
+            .map(|(key, robot)| press(scheduler, at, robot, key))
+            .collect();
+        assert_eq!(scheduler.advance_to(Time::NEVER), Progress::Paused);
+    };
+    let ended = run_by(owner, Vec::new());
+    assert!(matches!(ended.end, End::Finished), "{:?}", ended.end);
+    for robot in &ended.robots {
+        assert_eq!(robot.outcome, Outcome::Finished);
+        assert!((7.0..7.05).contains(&robot.virtual_time.seconds()), "{}", robot.virtual_time);
+    }
+    assert_eq!((answers.len(), &answers[0], &answers[2]), (3, &Ok(()), &Ok(())));
+    assert!(answers[1].as_ref().is_err_and(|why| why.starts_with("`KEY9` is no key")), "{answers:?}");
+}
+
+#[test]
+fn what_is_refused_lets_no_time_pass() {
+    if !has_compiler() {
+        return;
+    }
+    let plain = run();
+    let mut answers = Vec::new();
+    let owner = |scheduler: &mut Scheduler| {
+        scheduler.advance_to(Time::NEVER);
+        let boundary = scheduler.boundary();
+        for at in [Time::from_millis(30_000), Time::from_millis(30_000), boundary.limit] {
+            answers.push(press(scheduler, at, 3, "KEY1"));
+            assert_eq!(scheduler.boundary(), boundary);
+        }
+    };
+    let ended = run_by(owner, Vec::new());
+    assert_eq!((ended.digest, ended.time), (plain.digest, plain.time));
+    let over = Err("the run is over by then".to_owned());
+    let nobody = Err("there is no robot 3".to_owned());
+    assert_eq!(answers, [nobody.clone(), nobody, over]);
+}
+
+#[test]
+fn an_action_never_comes_after_what_is_due() {
+    if !has_compiler() {
+        return;
+    }
+    let mut answers = Vec::new();
+    let owner = |scheduler: &mut Scheduler| {
+        let at = Time::from_millis(500_000);
+        answers = [1, 2].map(|robot| press(scheduler, at, robot, "KEY1")).into();
+        scheduler.advance_to(Time::NEVER);
+    };
+    let ended = run_by(owner, Vec::new());
+    // Pressed before the first slot, and kept until the drive is over.
+    assert!(matches!(ended.end, End::Finished), "{:?}", ended.end);
+    assert!(ended.time < Time::from_millis(1_200), "{}", ended.time);
+    assert_eq!(answers, [Ok(()), Ok(())]);
+}
+
+#[test]
+fn its_owner_ends_a_run_wherever_it_stands() {
+    if !has_compiler() {
+        return;
+    }
+    for end in [Time::ZERO, Time::from_millis(500)] {
+        for is_said in [true, false] {
+            let owner = |scheduler: &mut Scheduler| {
+                scheduler.advance_to(end);
+                if is_said {
+                    scheduler.interrupt();
+                    assert_eq!(scheduler.advance_to(Time::NEVER), Progress::Over);
+                }
+            };
+            let ended = run_by(owner, Vec::new());
+            assert!(matches!(ended.end, End::Interrupted), "{:?}", ended.end);
+            assert_eq!(ended.time, end);
+            assert!(ended.robots.iter().all(|robot| robot.outcome == Outcome::Interrupted));
+        }
+    }
+}
+
+#[test]
+fn a_run_pauses_when_real_time_is_over() {
+    if !has_compiler() {
+        return;
+    }
+    let plain = run();
+    let owner = |scheduler: &mut Scheduler| {
+        while let Boundary { next: Some(next), slot, .. } = scheduler.boundary() {
+            assert_eq!(scheduler.advance_within(Time::NEVER, Duration::ZERO), Progress::Paused);
+            assert_eq!(scheduler.boundary().following, next + slot, "one slot is run, however short the time");
+        }
+    };
+    let ended = run_by(owner, Vec::new());
+    assert_eq!((ended.digest, ended.time), (plain.digest, plain.time));
+}
+
+#[test]
+fn a_run_that_is_dropped_lets_its_programs_leave() {
+    if !has_compiler() {
+        return;
+    }
+    for end in [Time::ZERO, Time::from_millis(500)] {
+        let callers = Arc::new(Mutex::new(Callers::default()));
+        let (_folder, args) = scene();
+        let ready = Built::new(&args, |_| Ok(())).and_then(|built| built.load(&args));
+        let company = Company { sinks: vec![Box::new(Arc::clone(&callers))], is_quiet: true, ..Company::default() };
+        let running = ready.and_then(|ready| ready.start(&args, company));
+        let mut running = running.unwrap_or_else(|error| panic!("{error:#}"));
+        running.scheduler.advance_to(end);
+        drop(running);
+        // The last flow that leaves takes the run with it, and that its sinks.
+        let start = Instant::now();
+        while Arc::strong_count(&callers) > 1 {
+            assert!(start.elapsed() < Duration::from_secs(60), "a program has not left");
+            std::thread::yield_now();
+        }
+    }
+}
