@@ -12,6 +12,7 @@ Time is the robot's virtual time in `time.time`, `time.monotonic`, `time.perf_co
 import array as _array
 import ctypes as _ctypes
 import mmap as _mmap
+import opcode as _opcode
 import os as _os
 import platform as _platform
 import random as _random
@@ -19,6 +20,7 @@ import signal as _signal
 import struct as _struct
 import sys as _sys
 import time as _time
+import _thread
 
 # ---- constants ----
 
@@ -26,8 +28,22 @@ import time as _time
 
 PSD_FRONT2, PSD_LEFTDIAG, PSD_RIGHTDIAG = 5, 6, 7
 CAM_SUCCESS, CAM_FAILURE = 0, 1
+MACHINE_SPEED, MACHINE_TYPE, MACHINE_NAME, MACHINE_ID, VERSION = 700000000, VEHICLE, "EyeBot", 1, "1.0"
+LIDAR_RESOLUTION = 360
 
-_SIZES = {QQVGA: (160, 120), QVGA: (320, 240), VGA: (640, 480), CAM1MP: (1296, 730), CAMHD: (1920, 1080), CAM5MP: (2592, 1944)}
+QQVGA_X, QVGA_X, VGA_X, CAM1MP_X, CAMHD_X, CAM5MP_X = 160, 320, 640, 1296, 1920, 2592
+QQVGA_Y, QVGA_Y, VGA_Y, CAM1MP_Y, CAMHD_Y, CAM5MP_Y = 120, 240, 480, 730, 1080, 1944
+_SIZES = {}
+CAMWIDTHARR, CAMHEIGHTARR, CAMPIXELSARR, CAMSIZEARR = {}, {}, {}, {}
+for _name in ("QQVGA", "QVGA", "VGA", "CAM1MP", "CAMHD", "CAM5MP", "CUSTOM"):
+    _x, _y = globals().get(_name + "_X", 0), globals().get(_name + "_Y", 0)
+    _mode = globals()[_name]
+    CAMWIDTHARR[_mode], CAMHEIGHTARR[_mode], CAMPIXELSARR[_mode], CAMSIZEARR[_mode] = _x, _y, _x * _y, 3 * _x * _y
+    if _x:
+        _SIZES[_mode] = _x, _y
+        globals().update({_name + "_PIXELS": _x * _y, _name + "_SIZE": 3 * _x * _y})
+        globals().update({_name + "col": _ctypes.c_ubyte * (3 * _x * _y), _name + "gray": _ctypes.c_ubyte * (_x * _y)})
+BYTE, COLOR, TIMER = _ctypes.c_ubyte, _ctypes.c_int, _ctypes.c_int
 
 CAMWIDTH, CAMHEIGHT, CAMPIXELS, CAMSIZE, CAMMODE = 320, 240, 320 * 240, 320 * 240 * 3, QVGA
 IP_WIDTH, IP_HEIGHT, IP_PIXELS, IP_SIZE = 320, 240, 320 * 240, 320 * 240 * 3
@@ -78,6 +94,317 @@ _is_stopped = False
 _callbacks = {}
 
 
+# ---- what comes out of a call, and what goes in ----
+
+
+class _Number(int):
+    """A whole number; as a value of ctypes it has its number in `value`, too."""
+
+    __slots__ = ()
+    value = property(int)
+
+
+class _Values(tuple):
+    """What C writes through pointers: a tuple, whose items can be set as those of the list that the original gives."""
+
+    def __setitem__(self, index, value):
+        index = range(len(self))[index]
+        value = _Number(value) if type(value) is int else value
+        # Nobody but the one who sets it has looked at a tuple that was made for him.
+        place = id(self) + tuple.__basicsize__ + index * _ctypes.sizeof(_ctypes.c_void_p)
+        _ctypes.pythonapi.Py_IncRef(_ctypes.py_object(value))
+        old = tuple.__getitem__(self, index)
+        _ctypes.c_void_p.from_address(place).value = id(value)
+        _ctypes.pythonapi.Py_DecRef(_ctypes.py_object(old))
+
+    def __eq__(self, other):
+        return tuple(self) == tuple(other) if isinstance(other, (list, tuple)) else NotImplemented
+
+    def __ne__(self, other):
+        return not self == other
+
+    def __hash__(self):
+        return hash(tuple(self))
+
+    def __add__(self, other):
+        return list(self) + other if isinstance(other, list) else tuple(self) + other
+
+    def copy(self):
+        """Its items in a list."""
+        return list(self)
+
+
+def _unpacked_into():
+    """How many names the program unpacks the object into whose `__iter__` asks; None if it does something else."""
+    frame = _sys._getframe(2)
+    code, at = frame.f_code.co_code, frame.f_lasti
+    return code[at + 1] if 0 <= at < len(code) and code[at] == _opcode.opmap["UNPACK_SEQUENCE"] else None
+
+
+class _Object(_Values):
+    """A pose of `SIMGetObject`: x, y and phi; x, y, z and phi where it is unpacked into four names."""
+
+    def __new__(cls, values):
+        x, y, z, phi = values
+        own = super().__new__(cls, (x, y, phi))
+        own.z = z
+        return own
+
+    def __iter__(self):
+        x, y, phi = (tuple.__getitem__(self, index) for index in range(3))
+        return iter((x, y, self.z, phi) if _unpacked_into() == 4 else (x, y, phi))
+
+    def __getitem__(self, index):
+        return tuple.__getitem__(self, 2 if index == 3 else index)
+
+
+class _Numbers(list):
+    """A list of whole numbers, which serves as an array of ctypes, too."""
+
+    @property
+    def _as_parameter_(self):
+        return (_ctypes.c_int * len(self))(*self)
+
+
+class _Addresses(_Numbers):
+    """The addresses of `RADIOStatus`; unpacked into two names it is their number and the list, as in the original."""
+
+    def __iter__(self):
+        return iter((_Number(len(self)), _Numbers(self[:])) if _unpacked_into() == 2 else self[:])
+
+
+class _Part(bytearray):
+    """Some bytes of an image, equal to a list of the same numbers."""
+
+    def __eq__(self, other):
+        return list(self) == list(other) if isinstance(other, (list, tuple)) else bytearray.__eq__(self, other)
+
+    __hash__ = None
+
+
+class Image:
+    """A flat image: one byte a pixel, or three. An array of ctypes with a buffer, whose items are 0 to 255."""
+
+    width = height = result = 0
+    _made = {}
+
+    @staticmethod
+    def _of(data, size, width, height):
+        made = Image._made.get(size)
+        if made is None:
+            made = Image._made[size] = type("Image", (Image, _ctypes.c_ubyte * size), {})
+        image = made.from_buffer_copy(bytes(data[:size]).ljust(size, b"\0"))
+        image.width, image.height = width, height
+        return image
+
+    def array(self):
+        """The image as an array of numpy with rows and columns, which shares its bytes."""
+        import numpy
+
+        shape = (self.height, self.width) if len(self) == self.width * self.height else (self.height, self.width, 3)
+        return numpy.frombuffer(self, numpy.uint8).reshape(shape)
+
+    def copy(self):
+        """A copy of its own."""
+        return Image._of(bytes(self), len(self), self.width, self.height)
+
+    def __getitem__(self, index):
+        return _Part(memoryview(self).cast("B")[index]) if isinstance(index, slice) else super().__getitem__(index)
+
+    def __eq__(self, other):
+        if isinstance(other, (list, tuple)):
+            return list(self) == list(other)
+        try:
+            return bytes(self) == bytes(memoryview(other))
+        except TypeError:
+            return NotImplemented
+
+    __hash__ = None
+
+    def __iter__(self):
+        data = memoryview(self).cast("B")
+        return iter((_Number(self.result), self) if self.result and _unpacked_into() == 2 else data)
+
+
+def _image(data, size, width, height):
+    return Image._of(data, size, width, height)
+
+
+_POINTER = _ctypes._Pointer
+_REFERENCE = type(_ctypes.byref(_ctypes.c_int()))
+_SIMPLE = _ctypes._SimpleCData
+
+
+def _pointee(value):
+    """What a reference or pointer of ctypes, or the `ctypes` of an array of numpy, leads to: an object or an address.
+    None for a null pointer, the value itself if it is none of them."""
+    if isinstance(value, _REFERENCE):
+        return value._obj
+    if isinstance(value, _POINTER):
+        if not value:
+            return None
+        return value.contents if isinstance(value.contents, _ctypes.Array) else _address(value)
+    if isinstance(value, (_ctypes.c_void_p, _ctypes.c_char_p)):
+        return None if value.value is None else _address(value)
+    if isinstance(value, _ctypes._CFuncPtr) or not hasattr(value, "_as_parameter_"):
+        return value
+    if hasattr(value, "data_as"):
+        return _ctypes.c_void_p(value.data)
+    return value if isinstance(value, _Numbers) else _pointee(value._as_parameter_)
+
+
+def _address(pointer):
+    return _ctypes.c_void_p(_ctypes.cast(pointer, _ctypes.c_void_p).value)
+
+
+def _memory(value, size, name):
+    """The first `size` bytes of what a program gives as image or buffer; all of it, or a text up to its 0, without a size."""
+    if isinstance(value, str):
+        value = value.encode("utf-8", "surrogateescape")
+    value = _pointee(value)
+    if value is None:
+        return None
+    if isinstance(value, _ctypes.c_void_p):
+        return _ctypes.string_at(value, -1 if size is None else size)
+    if isinstance(value, (list, tuple)):
+        data = bytes(int(item) & 0xFF for item in value)
+    else:
+        try:
+            view = memoryview(value)
+        except TypeError:
+            raise TypeError(f"{name}: expected an image or buffer, got {value!r:.100}") from None
+        code = view.format.lstrip("<>=@!")
+        if view.itemsize == 1 or isinstance(value, _ctypes.Array) or size is None:
+            data = view.tobytes()
+        elif code in "hHiIlLqQ":
+            data = bytes(item & 0xFF for item in memoryview(view.tobytes()).cast(code))
+        else:
+            raise TypeError(f"{name}: expected bytes, got numbers of kind `{view.format}`: convert them to uint8")
+    if size is None:
+        return data.split(b"\0")[0] if isinstance(value, _ctypes.Array) else data
+    if len(data) < size:
+        raise ValueError(f"{name}: the image or buffer has {len(data)} bytes, but {size} are needed")
+    return data[:size]
+
+
+def _takes(target):
+    """Whether a value can be written to what the program gives for one."""
+    kinds = (_REFERENCE, _POINTER, _SIMPLE, _ctypes.Array, list, bytearray, memoryview, _array.array)
+    return isinstance(target, kinds) or hasattr(target, "data_as") or hasattr(target, "__array_interface__")
+
+
+def _fill(target, data, name):
+    """Writes bytes to a buffer or image of the program."""
+    target = _pointee(target)
+    if target is None:
+        return
+    if isinstance(target, _ctypes.c_void_p):
+        _ctypes.memmove(target, bytes(data), len(data))
+        return
+    if len(target) * getattr(target, "itemsize", 1) < len(data) and not hasattr(target, "nbytes"):
+        raise ValueError(f"{name}: the buffer has {len(target)} bytes, but {len(data)} are needed")
+    if isinstance(target, list):
+        target[: len(data)] = list(data)
+        return
+    view = memoryview(target)
+    if view.readonly or not view.contiguous:
+        raise TypeError(f"{name}: the buffer cannot be written to, or has gaps")
+    if view.nbytes < len(data):
+        raise ValueError(f"{name}: the buffer has {view.nbytes} bytes, but {len(data)} are needed")
+    view.cast("B")[: len(data)] = bytes(data)
+
+
+def _store(target, values, name):
+    """Writes numbers to what the program gives for them: a value or pointer of ctypes, an array, a list."""
+    target = _pointee(target)
+    if target is None:
+        return
+    if isinstance(target, _SIMPLE) and not isinstance(target, _ctypes.c_void_p):
+        kind = type(values[0])
+        target.value = bytes(values[:1]) if isinstance(target, _ctypes.c_char) else kind(values[0])
+        return
+    if isinstance(target, _ctypes.c_void_p):
+        kind = _ctypes.c_float if isinstance(values[0], float) else _ctypes.c_int
+        target = _ctypes.cast(target, _ctypes.POINTER(kind))
+    elif len(target) < len(values):
+        raise ValueError(f"{name}: there is room for {len(target)} numbers, but {len(values)} are needed")
+    for index, value in enumerate(values):
+        target[index] = value
+
+
+def _out(name, written, *targets):
+    """What a call has written, if the program gives nothing that could take it; else the call's result."""
+    count = len(targets)
+    if not any(_takes(target) for target in targets):
+        return written[0] if count == 1 else _Values(written[:count])
+    for target, value in zip(targets, written):
+        if _takes(target):
+            _store_one(target, value, name)
+    return written[count] if len(written) > count else None
+
+
+def _store_one(target, value, name):
+    if isinstance(target, _POINTER) and target and not isinstance(target.contents, _ctypes.Array):
+        target = target.contents
+    _store(target, [value], name)
+
+
+def _out_image(name, data, size, width, height, target, result=0):
+    """An image as the result, or in what the program gives to be filled."""
+    if target is None or not _takes(target):
+        return _image(data, size, width, height)
+    _fill(target, data[:size], name)
+    return result
+
+
+def _out_text(name, data, target, result):
+    if target is None or not _takes(target):
+        return _text(data)
+    _fill(target, bytes(data).split(b"\0")[0] + b"\0", name)
+    return result
+
+
+def _out_numbers(name, values, target, result):
+    if target is None or not _takes(target):
+        return values
+    if values:
+        _store(target, values, name)
+    return result
+
+
+class _Turns:
+    """Lets one thread at a time use the channel, in the order in which they come."""
+
+    def __init__(self):
+        self.guard, self.waiting, self.owner = _thread.allocate_lock(), [], None
+
+    def enter(self):
+        """Waits for the turn; False if the thread has it already, in a function that the simulator has called."""
+        own = _thread.get_ident()
+        if self.owner == own:
+            return False
+        with self.guard:
+            if self.owner is None:
+                self.owner = own
+                return True
+            turn = _thread.allocate_lock()
+            turn.acquire()
+            self.waiting.append((own, turn))
+        turn.acquire()
+        return True
+
+    def leave(self):
+        with self.guard:
+            self.owner = None
+            if self.waiting:
+                self.owner, turn = self.waiting.pop(0)
+                turn.release()
+
+
+_turns = _Turns()
+_let_others_run = _time.sleep
+
+
 def _exchange(kind, body):
     """Sends a message and gives the body of the answer; functions that the simulator calls run in between."""
     global _is_stopped
@@ -120,7 +447,7 @@ def _place():
 def _int(value, low, high, name):
     """A whole number within bounds; fractions are cut off, as in C."""
     try:
-        number = int(value)
+        number = int(_pointee(value).value if isinstance(value, (_SIMPLE, _REFERENCE)) else value)
     except (TypeError, ValueError, OverflowError):
         raise TypeError(f"{name}: expected a number, got {value!r}") from None
     if not low <= number <= high:
@@ -128,21 +455,47 @@ def _int(value, low, high, name):
     return number
 
 
-def _bytes(value):
-    if value is None:
-        return _struct.pack("<I", _NULL)
-    if isinstance(value, str):
-        value = value.encode("utf-8", "surrogateescape")
-    elif isinstance(value, (list, tuple)):
-        value = bytes(value)
-    else:
-        view = memoryview(value)
-        value = view.cast("B") if view.c_contiguous else view.tobytes()
-    return _struct.pack("<I", len(value)) + bytes(value)
+def _bytes(value, name):
+    data = _memory(value, None, name)
+    return _struct.pack("<I", _NULL) if data is None else _struct.pack("<I", len(data)) + data
+
+
+# Calls that wait, and how long they may keep the channel where other threads of the program want it, too.
+_SLICE_US = 10000
+
+
+def _waits(name, values):
+    """A call that waits in a program with threads: the others call in between. None if it is to be made as ever."""
+    if name == "OSWait" or name == "sleep_us":
+        until = _now_us() + (1000 if name == "OSWait" else 1) * int(values[0])
+        left = until - _now_us()
+        while left > 0:
+            _request(_support_sleep_us, (min(left, _SLICE_US),))
+            left = until - _now_us()
+        return [_Number(0)]
+    asks = {"VWWait": _VWDone, "KEYGet": _KEYRead, "IRTVGet": _IRTVRead, "RADIOReceive": _RADIOCheck}
+    if name not in asks or name == "RADIOReceive" and not _call(_RADIOStatus, 256)[-1]:
+        return None
+    answer = _call(asks[name])[-1]
+    while not answer:
+        _request(_support_sleep_us, (_SLICE_US,))
+        answer = _call(asks[name])[-1]
+    return {"VWWait": [_Number(0)], "RADIOReceive": None}.get(name, [answer])
 
 
 def _call(row, *values):
     """Calls a function of a list: what it writes, in order, then its result."""
+    if _thread._count() and row[0] in _WAITING and _turns.owner != _thread.get_ident():
+        answer = _waits(row[0], values)
+        if answer is not None:
+            return answer
+    return _request(row, values)
+
+
+_WAITING = {"OSWait", "sleep_us", "VWWait", "KEYGet", "IRTVGet", "RADIOReceive"}
+
+
+def _request(row, values):
     name, function_list, number, kinds, result = row
     if _channel is None:
         raise RuntimeError(f"{name}: no simulator; run the program with `eyesim run`")
@@ -153,12 +506,14 @@ def _call(row, *values):
     body = [_struct.pack("<IIQII", function_list, number, 0, line, len(file)), file]
     for kind, value in zip(kinds, values):
         if kind == "i":
-            body.append(_struct.pack("<i", _int(value, -(1 << 31), (1 << 31) - 1, name)))
+            value = _int(value, -(1 << 31), (1 << 32) - 1, name)
+            body.append(_struct.pack("<I", value & 0xFFFFFFFF))
         elif kind in "tb":
-            body.append(_bytes(value))
+            body.append(_bytes(value, name))
         elif kind == "B":
-            value = ord(value) if isinstance(value, str) and len(value) == 1 else value
-            body.append(_struct.pack("<B", _int(value, 0, 255, name)))
+            value = value.value if isinstance(value, _SIMPLE) else value
+            value = ord(value) if isinstance(value, (str, bytes)) and len(value) == 1 else value
+            body.append(_struct.pack("<B", _int(value, -128, 255, name) & 0xFF))
         elif kind in "IrRF":
             body.append(_struct.pack("<I", value))
         elif kind in "qQ":
@@ -166,12 +521,16 @@ def _call(row, *values):
         elif kind in "oOe":
             body.append(b"\1")
         elif kind == "k":
+            value = value if value else None  # a null pointer of ctypes
             code = 0 if value is None else len(_callbacks) + 1
             if value is not None and not callable(value):
                 raise TypeError(f"{name}: expected a function, got {value!r}")
             _callbacks[code] = value
             body.append(_struct.pack("<QQ", code, 0))
     global _raised
+    if _thread._count() and _turns.owner != _thread.get_ident():
+        _let_others_run(0.0001)  # to their next calls, which come before the next one of this thread
+    is_first = _turns.enter()
     try:
         answer = _exchange(_CALL, b"".join(body))
     except _Stop:
@@ -179,6 +538,9 @@ def _call(row, *values):
             raised, _raised = _raised, None
             raise raised from None
         raise
+    finally:
+        if is_first:
+            _turns.leave()
     at, written = 0, []
     for kind in kinds:
         if kind in "oOe":
@@ -186,10 +548,11 @@ def _call(row, *values):
             at += 1
             if is_set:
                 form = {"o": "<i", "O": "<B", "e": "<f"}[kind]
-                written.append(_struct.unpack_from(form, answer, at)[0])
+                value = _struct.unpack_from(form, answer, at)[0]
+                written.append(value if kind == "e" else _Number(value))
                 at += _struct.calcsize(form)
             else:
-                written.append(0)
+                written.append(_Number(0))
         elif kind == "r":
             (length,) = _struct.unpack_from("<I", answer, at)
             written.append(bytearray(answer[at + 4 : at + 4 + length]))
@@ -197,10 +560,11 @@ def _call(row, *values):
         elif kind in "RF":
             (count,) = _struct.unpack_from("<I", answer, at)
             numbers = _struct.unpack_from(f"<{count}{'i' if kind == 'R' else 'f'}", answer, at + 4)
-            written.append(list(numbers))
+            written.append(_Numbers(numbers))
             at += 4 + 4 * count
     if result:
-        written.append(_struct.unpack_from("<" + result, answer, at)[0])
+        value = _struct.unpack_from("<" + result, answer, at)[0]
+        written.append(value if result == "f" else _Number(value))
     return written
 
 
@@ -214,20 +578,48 @@ def _call(row, *values):
 # ---- functions whose form in Python is not that of the call ----
 
 
+def _formatted(text, values):
+    """`text % values` as in C: values that the text does not use are left out, and without any `%%` is one."""
+    text = text.decode("utf-8", "replace") if isinstance(text, bytes) else str(_plain(text))
+    values = tuple(_plain(value) for value in values)
+    for count in range(len(values), -1, -1):
+        try:
+            return text % values[:count]
+        except (TypeError, ValueError) as error:
+            if "not all arguments converted" not in str(error):
+                if not values:
+                    return text
+                raise
+    return text
+
+
+def _plain(value):
+    """The value of one of ctypes; text for bytes."""
+    value = value.value if isinstance(value, _SIMPLE) or hasattr(type(value), "raw") else value
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+
+
 def LCDPrintf(text, *values):
     """Prints at the cursor; with further values as `text % values`. Returns 0."""
-    return _call(_LCDPrintf, str(text) % values if values else str(text))[-1]
+    return _call(_LCDPrintf, _formatted(text, values))[-1]
 
 
 def LCDSetPrintf(row, column, text, *values):
     """Prints at a row and a column of characters, both from 0. Returns 0, 1 if there is no such place."""
-    return _call(_LCDSetPrintf, row, column, str(text) % values if values else str(text))[-1]
+    return _call(_LCDSetPrintf, row, column, _formatted(text, values))[-1]
 
 
-def KEYReadXY():
+def KEYReadXY(x=None, y=None):
     """The place of a touch of the display as (x, y), None if there was none. Does not wait."""
-    x, y, is_missing = _call(_KEYReadXY, None, None)
-    return None if is_missing else (x, y)
+    written = _call(_KEYReadXY, None, None)
+    if written[-1] and not (_takes(x) or _takes(y)):
+        return None
+    return written[-1] if written[-1] else _out("KEYReadXY", written, x, y)
+
+
+def LCDInit():
+    """Of the library of 2016: the display is always there. Returns 0."""
+    return _Number(0)
 
 
 _shown_width, _shown_height = 320, 240
@@ -236,6 +628,7 @@ _shown_width, _shown_height = 320, 240
 def LCDImageSize(t):
     """Size of the images that LCDImage and the like show, a resolution such as QVGA. Returns 0, 1 for another number."""
     global _shown_width, _shown_height
+    t = _whole(t)
     result = _call(_LCDImageSize, t)[-1]
     if result == 0:
         _shown_width, _shown_height = _SIZES.get(t, (CAMWIDTH, CAMHEIGHT))
@@ -247,42 +640,30 @@ def LCDImageStart(x, y, xs, ys):
     global _shown_width, _shown_height
     result = _call(_LCDImageStart, x, y, xs, ys)[-1]
     if result == 0:
-        _shown_width, _shown_height = int(xs), int(ys)
+        _shown_width, _shown_height = _whole(xs), _whole(ys)
     return result
 
 
 def LCDImage(img):
     """Shows a colour image, 3 bytes a pixel, of the size that LCDImageStart or LCDImageSize has set. Returns 0."""
-    return _call(_LCDImage, _shown_width, _shown_height, img)[-1]
+    data = _memory(img, 3 * _shown_width * _shown_height, "LCDImage")
+    return _call(_LCDImage, _shown_width, _shown_height, data)[-1]
 
 
 def LCDImageGray(g):
     """Shows a grey image, 1 byte a pixel. Returns 0."""
-    return _call(_LCDImageGray, _shown_width, _shown_height, g)[-1]
+    data = _memory(g, _shown_width * _shown_height, "LCDImageGray")
+    return _call(_LCDImageGray, _shown_width, _shown_height, data)[-1]
 
 
 def LCDImageBinary(b):
     """Shows a binary image, 1 byte a pixel: 0 is white, everything else black. Returns 0."""
-    return _call(_LCDImageBinary, _shown_width, _shown_height, b)[-1]
+    data = _memory(b, _shown_width * _shown_height, "LCDImageBinary")
+    return _call(_LCDImageBinary, _shown_width, _shown_height, data)[-1]
 
 
-class Image(bytearray):
-    """A flat image: one byte a pixel, or three."""
-
-    width = height = 0
-
-    def array(self):
-        """The image as an array of numpy with rows and columns, which shares its bytes."""
-        import numpy
-
-        shape = (self.height, self.width) if len(self) == self.width * self.height else (self.height, self.width, 3)
-        return numpy.frombuffer(self, numpy.uint8).reshape(shape)
-
-
-def _image(data, size, width, height):
-    image = Image(bytes(data).ljust(size, b"\0"))
-    image.width, image.height = width, height
-    return image
+def _whole(value):
+    return _int(value, -(1 << 31), (1 << 31) - 1, "size")
 
 
 def _grey(data):
@@ -302,6 +683,7 @@ def CAMInit(resolution, width=None, height=None):
     """Switches the camera on, with a resolution such as QVGA; CUSTOM with width and height. Returns 0, 1 if there is no
     camera."""
     global CAMWIDTH, CAMHEIGHT, CAMPIXELS, CAMSIZE, CAMMODE, _shown_width, _shown_height
+    resolution = _whole(resolution)
     size = (int(width), int(height)) if resolution == CUSTOM and width and height else _SIZES.get(resolution)
     if size is not None:
         CAMWIDTH, CAMHEIGHT = size
@@ -311,17 +693,19 @@ def CAMInit(resolution, width=None, height=None):
     return _call(_CAMInit, resolution, CAMWIDTH, CAMHEIGHT)[-1]
 
 
-def CAMGet():
+def CAMGet(buf=None):
     """A colour image of CAMSIZE bytes, row 0 on top; black if there is no camera."""
-    return _image(_call(_CAMGet, CAMSIZE)[0], CAMSIZE, CAMWIDTH, CAMHEIGHT)
+    data, result = _call(_CAMGet, CAMSIZE)
+    return _out_image("CAMGet", data, CAMSIZE, CAMWIDTH, CAMHEIGHT, buf, result)
 
 
-def CAMGetGray():
+def CAMGetGray(buf=None):
     """A grey image of CAMPIXELS bytes; black if there is no camera."""
-    return _image(_call(_CAMGetGray, CAMPIXELS)[0], CAMPIXELS, CAMWIDTH, CAMHEIGHT)
+    data, result = _call(_CAMGetGray, CAMPIXELS)
+    return _out_image("CAMGetGray", data, CAMPIXELS, CAMWIDTH, CAMHEIGHT, buf, result)
 
 
-class _Numbers(_array.array):
+class _Plane(_array.array):
     """A flat image of numbers, one a pixel, row 0 on top."""
 
     width = height = 0
@@ -333,8 +717,8 @@ class _Numbers(_array.array):
         return numpy.frombuffer(self, self.typecode).reshape(self.height, self.width)
 
 
-def _numbers(typecode, values):
-    numbers = _Numbers(typecode, values)
+def _plane(typecode, values):
+    numbers = _Plane(typecode, values)
     numbers.width, numbers.height = CAMWIDTH, CAMHEIGHT
     return numbers
 
@@ -343,37 +727,38 @@ def CAMGetDepth():
     """How far away what each pixel of the last image shows is: along the line of sight, in mm, infinite for the sky. An
     array of CAMPIXELS numbers, row 0 on top; None if no image has been taken."""
     values, result = _call(_CAMGetDepth, CAMPIXELS)
-    return _numbers("f", values) if result == 0 else None
+    return _plane("f", values) if result == 0 else None
 
 
 def CAMGetLabels():
     """What each pixel of the last image shows: CAM_SKY, CAM_FLOOR, CAM_WALL, or CAM_BODY + n for robot or object n. An array
     of CAMPIXELS numbers, row 0 on top; None if no image has been taken."""
     values, result = _call(_CAMGetLabels, CAMPIXELS)
-    return _numbers("i", values) if result == 0 else None
+    return _plane("i", values) if result == 0 else None
 
 
-def LEGGetJoint(leg, joint):
+def LEGGetJoint(leg, joint, degrees=None):
     """The angle of a joint, now, in degrees; both from 1. None if there is no such leg or joint."""
-    degrees, result = _call(_LEGGetJoint, leg, joint, None)
-    return degrees if result == 0 else None
+    written = _call(_LEGGetJoint, leg, joint, None)
+    return _out("LEGGetJoint", written, degrees) if written[-1] == 0 or _takes(degrees) else None
 
 
-def LEGGetLink(leg, link):
+def LEGGetLink(leg, link, pose=None):
     """Where a link of a leg is, now, in the frame of the body: [x, y, z, roll, pitch, yaw] in mm and degrees; leg and link
     from 1. None if there is no such leg or link."""
-    pose, result = _call(_LEGGetLink, leg, link, 6)
-    return pose if result == 0 else None
+    values, result = _call(_LEGGetLink, leg, link, 6)
+    return _out_numbers("LEGGetLink", values, pose, result) if result == 0 or _takes(pose) else None
 
 
-def LEGGetHeight():
+def LEGGetHeight(mm=None):
     """How high the body's frame is above the world's floor, now, in mm. None if there are no legs."""
-    mm, result = _call(_LEGGetHeight, None)
-    return mm if result == 0 else None
+    written = _call(_LEGGetHeight, None)
+    return _out("LEGGetHeight", written, mm) if written[-1] == 0 or _takes(mm) else None
 
 
 def IPSetSize(resolution, width=None, height=None):
     """Sets the size of the images of all IP functions; CUSTOM with width and height. Returns 0, 1 for another number."""
+    resolution = _whole(resolution)
     size = (width, height) if resolution == CUSTOM and width and height else _SIZES.get(resolution)
     result = _call(_IPSetSize, resolution)[-1]
     if size is None:
@@ -382,125 +767,231 @@ def IPSetSize(resolution, width=None, height=None):
     return result
 
 
-def IPReadFile(filename):
-    """Reads a PNM file: a grey or a colour image of the size that IPSetSize has set; None if it cannot be read."""
+def IPReadFile(filename, img=None):
+    """Reads a PNM file: a grey or a colour image of the size that IPSetSize has set; None if it cannot be read. Unpacked into
+    two names it is the digit of P1 to P6 and the image."""
     data, result = _call(_IPReadFile, filename, IP_WIDTH, IP_HEIGHT, IP_SIZE)
-    return None if result <= 0 else _grey(data) if len(data) == IP_PIXELS else _colour(data)
+    if img is not None:
+        if result > 0:
+            _fill(img, data, "IPReadFile")
+        return result
+    if result <= 0:
+        return None
+    image = _grey(data) if len(data) == IP_PIXELS else _colour(data)
+    image.result = result
+    return image
 
 
 def IPWriteFile(filename, img):
     """Writes a colour image as PPM. Returns 0, 1 if it cannot be written."""
-    return _call(_IPWriteFile, filename, IP_WIDTH, IP_HEIGHT, img)[-1]
+    return _call(_IPWriteFile, filename, IP_WIDTH, IP_HEIGHT, _memory(img, IP_SIZE, "IPWriteFile"))[-1]
 
 
 def IPWriteFileGray(filename, gray):
     """Writes a grey image as PGM. Returns 0, 1 if it cannot be written."""
-    return _call(_IPWriteFileGray, filename, IP_WIDTH, IP_HEIGHT, gray)[-1]
+    return _call(_IPWriteFileGray, filename, IP_WIDTH, IP_HEIGHT, _memory(gray, IP_PIXELS, "IPWriteFileGray"))[-1]
 
 
-def IPLaplace(gray):
+def _grey_in(name, *images):
+    return [_memory(image, IP_PIXELS, name) for image in images]
+
+
+def _colour_in(name, *images):
+    return [_memory(image, IP_SIZE, name) for image in images]
+
+
+def _grey_out(name, data, target):
+    return _out_image(name, data, IP_PIXELS, IP_WIDTH, IP_HEIGHT, target)
+
+
+def _colour_out(name, data, target):
+    return _out_image(name, data, IP_SIZE, IP_WIDTH, IP_HEIGHT, target)
+
+
+def IPLaplace(gray, out=None):
     """Laplace edges of a grey image."""
-    return _grey(_call(_IPLaplace, IP_WIDTH, IP_HEIGHT, gray, IP_PIXELS)[0])
+    data = _call(_IPLaplace, IP_WIDTH, IP_HEIGHT, *_grey_in("IPLaplace", gray), IP_PIXELS)[0]
+    return _grey_out("IPLaplace", data, out)
 
 
-def IPSobel(gray):
+def IPSobel(gray, out=None):
     """Sobel edges of a grey image."""
-    return _grey(_call(_IPSobel, IP_WIDTH, IP_HEIGHT, gray, IP_PIXELS)[0])
+    data = _call(_IPSobel, IP_WIDTH, IP_HEIGHT, *_grey_in("IPSobel", gray), IP_PIXELS)[0]
+    return _grey_out("IPSobel", data, out)
 
 
-def IPCol2Gray(img):
+def IPCol2Gray(img, out=None):
     """Grey of a colour image."""
-    return _grey(_call(_IPCol2Gray, img, IP_PIXELS)[0])
+    return _grey_out("IPCol2Gray", _call(_IPCol2Gray, *_colour_in("IPCol2Gray", img), IP_PIXELS)[0], out)
 
 
-def IPGray2Col(gray):
+def IPGray2Col(gray, out=None):
     """A colour image that looks like a grey one."""
-    return _colour(_call(_IPGray2Col, gray, IP_SIZE)[0])
+    return _colour_out("IPGray2Col", _call(_IPGray2Col, *_grey_in("IPGray2Col", gray), IP_SIZE)[0], out)
 
 
-def IPRGB2Col(r, g, b):
+def IPRGB2Col(r, g, b, out=None):
     """A colour image of its three channels."""
-    return _colour(_call(_IPRGB2Col, r, g, b, IP_SIZE)[0])
+    return _colour_out("IPRGB2Col", _call(_IPRGB2Col, *_grey_in("IPRGB2Col", r, g, b), IP_SIZE)[0], out)
 
 
-def IPCol2HSI(img):
+def IPCol2HSI(img, h=None, s=None, i=None):
     """Hue, saturation and intensity of a colour image, a channel each."""
-    return tuple(_grey(data) for data in _call(_IPCol2HSI, img, IP_PIXELS, IP_PIXELS, IP_PIXELS)[:3])
+    name = "IPCol2HSI"
+    planes = _call(_IPCol2HSI, *_colour_in(name, img), IP_PIXELS, IP_PIXELS, IP_PIXELS)[:3]
+    planes = [_grey_out(name, data, target) for data, target in zip(planes, (h, s, i))]
+    return 0 if _takes(h) or _takes(s) or _takes(i) else _Values(planes)
 
 
-def IPOverlay(c1, c2):
+def IPOverlay(c1, c2, out=None):
     """The second colour image over the first, where it is not black."""
-    return _colour(_call(_IPOverlay, c1, c2, IP_SIZE)[0])
+    return _colour_out("IPOverlay", _call(_IPOverlay, *_colour_in("IPOverlay", c1, c2), IP_SIZE)[0], out)
 
 
-def IPOverlayGray(g1, g2, col):
+def IPOverlayGray(g1, g2, col, out=None):
     """The second grey image over the first, in a colour, where it is not 0."""
-    return _colour(_call(_IPOverlayGray, g1, g2, col, IP_SIZE)[0])
+    data = _call(_IPOverlayGray, *_grey_in("IPOverlayGray", g1, g2), col, IP_SIZE)[0]
+    return _colour_out("IPOverlayGray", data, out)
 
 
 def _text(data):
     return bytes(data).split(b"\0")[0].decode("utf-8", "replace")
 
 
-def OSExecute(command):
+def OSExecute(command, out=None):
     """Runs a command of the machine that simulates, where that is allowed; its output."""
-    return _text(_call(_OSExecute, command, 4096)[0])
+    return _out_text("OSExecute", *_outputs(_call(_OSExecute, command, 4096), out))
 
 
-def OSVersion():
+def _outputs(written, target):
+    return written[0], target, written[-1]
+
+
+def OSVersion(buf=None):
     """Version of RoBIOS."""
-    return _text(_call(_OSVersion, 32)[0])
+    return _out_text("OSVersion", *_outputs(_call(_OSVersion, 32), buf))
 
 
-def OSVersionIO():
+def OSVersionIO(buf=None):
     """Version of the input and output board."""
-    return _text(_call(_OSVersionIO, 32)[0])
+    return _out_text("OSVersionIO", *_outputs(_call(_OSVersionIO, 32), buf))
 
 
-def OSMachineName():
+def OSMachineName(buf=None):
     """Name of the robot."""
-    return _text(_call(_OSMachineName, 32)[0])
+    return _out_text("OSMachineName", *_outputs(_call(_OSMachineName, 32), buf))
 
 
-def SERReceive(interface):
+def SERSend(interface, buf, size=None):
+    """Sends a text, or `size` bytes. Returns 0, 1 if the interface is not open."""
+    return _call(_SERSend, interface, _memory(buf, None if size is None else _whole(size), "SERSend"))[-1]
+
+
+def SERReceive(interface, buf=None, size=256):
     """What has come in, as bytes, at most 255. Does not wait."""
-    data, length = _call(_SERReceive, interface, 256)
-    return bytes(data[:length])
+    data, length = _call(_SERReceive, interface, min(256, max(1, _whole(size))))
+    if buf is None or not _takes(buf):
+        return bytes(data[:length])
+    _fill(buf, bytes(data[:length]) + b"\0", "SERReceive")
+    return length
 
 
-def AURecord(time_ms, freq_hz):
-    """Records the microphone: a value of 0 to 255 for each sample."""
-    return _call(_AURecord, max(0, int(time_ms) * int(freq_hz) // 1000), freq_hz)[0]
+def AURecord(*arguments):
+    """AURecord(time, freq) records the microphone: a value of 0 to 255 for each sample; AURecord(buf, time, freq) into a
+    buffer. Times in milliseconds, rates in Hz."""
+    *buf, time_ms, freq_hz = arguments
+    size = max(0, _whole(time_ms) * _whole(freq_hz) // 1000)
+    data, result = _call(_AURecord, size, freq_hz)
+    return _out_image("AURecord", data, size, size, 1, buf[0], result) if buf and _takes(buf[0]) else data
 
 
-def LIDARGet():
+def LIDARGet(distance=None):
     """Distances in millimetres from left to right, the middle one (of n, that of index n/2) straight ahead; 9999 for
     nothing. A list, empty if there is no scanner."""
-    return _call(_LIDARGet, 65536)[0]
+    return _out_numbers("LIDARGet", *_outputs(_call(_LIDARGet, 65536), distance))
 
 
-def ANALOGTransfer():
+def LIDARSet(range, tilt, points):
+    """Sets angle in degrees, 1 to 360, the scanner's tilt in degrees, and the number of points."""
+    global LIDAR_RESOLUTION
+    _call(_LIDARSet, range, tilt, points)
+    LIDAR_RESOLUTION = _whole(points)
+
+
+def ANALOGTransfer(buffer=None):
     """The recording of ANALOGRecord; empty while it goes on."""
     data, length = _call(_ANALOGTransfer, 1 << 20)
-    return data[:length]
+    if buffer is None or not _takes(buffer):
+        return data[:length]
+    _fill(buffer, data[:length], "ANALOGTransfer")
+    return length
 
 
-def RADIOReceive(size=1024):
-    """Waits for a message: address of its sender, and text; 0 and no text if the radio is off. Bytes that are no UTF-8, as damaged
-    ones may be, show as the replacement character."""
-    sender, data, _result = _call(_RADIOReceive, None, size)
-    return sender, _text(data)
+def RADIOSend(id, buf, size=None):
+    """Sends a text of up to 1023 bytes to a robot, 0 for everybody; with a size so much of it. Returns 0, 1 on failure."""
+    data = _memory(buf, None if size is None else _whole(size), "RADIOSend")
+    return _call(_RADIOSend, id, data)[-1]
 
 
-def RADIOStatus():
+def RADIOReceive(*arguments):
+    """RADIOReceive(size=1024) waits for a message: address of its sender, and text; 0 and no text if the radio is off. Bytes
+    that are no UTF-8, as damaged ones may be, show as the replacement character. RADIOReceive(id, buf, size) is as in C."""
+    id, buf, size = (None, None) + (arguments or (1024,)) if len(arguments) < 2 else arguments
+    sender, data, result = _call(_RADIOReceive, None, max(0, _whole(size)))
+    if not (_takes(id) or _takes(buf)):
+        return _Values((sender, _text(data)))
+    _out("RADIOReceive", [sender], id)
+    if result == 0:
+        _fill(buf, bytes(data).split(b"\0")[0] + b"\0", "RADIOReceive")
+    return result
+
+
+def RADIOCheck(id=None):
+    """Number of messages that wait; 0 if the radio is off."""
+    return _call(_RADIOCheck)[0]
+
+
+def RADIOStatus(IDlist=None):
     """Addresses of the robots whose radios are on, the own one included; none if that is off."""
-    return _call(_RADIOStatus, 256)[0]
+    values, count = _call(_RADIOStatus, 256)
+    return _out_numbers("RADIOStatus", _Addresses(values), IDlist, count)
 
 
-def SIMGetPose():
+def SIMGetRobot(id=0, x=None, y=None, z=None, phi=None):
+    """True pose of a robot, 0 for the own one: mm, mm, mm, degrees."""
+    return _out("SIMGetRobot", _call(_SIMGetRobot, id, None, None, None, None), x, y, z, phi)
+
+
+def SIMSetRobot(*arguments):
+    """SIMSetRobot(id, x, y, z, phi) puts a robot, 0 for the own one, at a pose; (x, y, z, phi) and (x, y, phi) this one."""
+    id, x, y, z, phi = _pose("SIMSetRobot", arguments, {5: (0, 1, 2, 3, 4), 4: (None, 0, 1, 2, 3), 3: (None, 0, 1, None, 2)})
+    _call(_SIMSetRobot, id, x, y, z, phi)
+
+
+def SIMGetObject(id, *targets):
+    """True pose of an object: x, y, phi, or x, y, z, phi for four names; objects are numbered on from the robots."""
+    written = _call(_SIMGetObject, id, None, None, None, None)
+    if not any(_takes(target) for target in targets):
+        return _Object(written)
+    return _out("SIMGetObject", written if len(targets) == 4 else [*written[:2], written[3]], *targets)
+
+
+def SIMSetObject(*arguments):
+    """SIMSetObject(id, x, y, z, phi), or (id, x, y, phi), puts an object at a pose."""
+    _call(_SIMSetObject, *_pose("SIMSetObject", arguments, {5: (0, 1, 2, 3, 4), 4: (0, 1, 2, None, 3)}))
+
+
+def _pose(name, arguments, forms):
+    """Number and pose of arguments, of which there are as many as one of the forms has."""
+    if len(arguments) not in forms:
+        raise TypeError(f"{name}: expected {' or '.join(map(str, sorted(forms)))} arguments, got {len(arguments)}")
+    return [0 if index is None else arguments[index] for index in forms[len(arguments)]]
+
+
+def SIMGetPose(x=None, y=None, phi=None):
     """True pose of this robot: mm, mm, degrees."""
-    x, y, _z, phi = SIMGetRobot(0)
-    return x, y, phi
+    own_x, own_y, _z, own_phi = _call(_SIMGetRobot, 0, None, None, None, None)
+    return _out("SIMGetPose", [own_x, own_y, own_phi], x, y, phi)
 
 
 def SIMSetPose(x, y, phi):
@@ -508,11 +999,92 @@ def SIMSetPose(x, y, phi):
     return SIMSetRobot(0, x, y, 0, phi)
 
 
+def SERVODone(servo):
+    """Whether a servo stands where it was set: 1, as it turns at once; 0 if there is no such servo."""
+    return _Number(SERVOGet(servo) >= 0)
+
+
+def SERVOWait(servo):
+    """Waits until a servo stands where it was set. Returns 0, 1 if there is no such servo."""
+    return _Number(SERVOGet(servo) < 0)
+
+
 SIMLaserScan = LIDARGet
 MOTORPIDoff = MOTORPIDOff
-VWDriveRemain, VWDriveDone, VWDriveWait = VWRemain, VWDone, VWWait
+LCDFontSize = LCDSetFontSize
+VWDriveRemain, VWDriveDone, VWDriveWait, VWDriveReady = VWRemain, VWDone, VWWait, VWDone
 
-__all__ = [_name for _name in dir() if not _name.startswith("_") and _name != "annotations"]
+# ---- the library behind the original, for programs that call it with ctypes ----
+
+
+class _Foreign:
+    """A function as ctypes has it: it gets what C gets. What is said of its types changes nothing."""
+
+    argtypes = restype = errcheck = None
+
+    def __init__(self, function):
+        self._function, self.__name__ = function, function.__name__
+
+    def __call__(self, *arguments):
+        code = self._function.__code__
+        if not code.co_flags & 4:  # without *arguments: C passes over those that a function does not take
+            arguments = arguments[: code.co_argcount]
+        result = self._function(*arguments)
+        return result.encode() if isinstance(result, str) else 0 if result is None else result
+
+
+class _Library:
+    """What `ctypes.CDLL` gives for the original's library."""
+
+    _name, _handle = "libeyesim.so", 0
+
+    def __getattr__(self, name):
+        function = _functions.get(name)
+        if function is None:
+            raise AttributeError(f"{self._name}: undefined symbol: {name}")
+        setattr(self, name, _Foreign(function))
+        return self.__dict__[name]
+
+    __getitem__ = __getattr__
+
+
+def _cdll(loader):
+    """The class `CDLL` that gives this library for the original's name, and others as ever."""
+
+    class CDLL(loader):
+        """Loads a library."""
+
+        def __new__(cls, name=None, *arguments, **options):
+            own = _os.path.basename(str(name)).split(".")[0] in ("libeyesim", "libeyebot", "cygeyesim")
+            return lib if own else super().__new__(cls)
+
+    return CDLL
+
+
+lib = _Library()
+_functions = {name: value for name, value in globals().items() if name[:2].isupper() and hasattr(value, "__code__")}
+
+# What else the original brings: a name that the program has already stays what it is.
+_ELSE = {"ctypes": _ctypes, "sys": _sys, "os": _os}
+_ELSE.update((_name, getattr(_ctypes, _name)) for _name in dir(_ctypes) if not _name.startswith("_"))
+__all__ = [_name for _name in dir() if not _name.startswith("_") and _name != "annotations"] + [*_ELSE, "np"]
+
+
+class _Numpy:
+    """numpy, imported when it is first used."""
+
+    def __getattr__(self, name):
+        import numpy
+
+        return getattr(numpy, name)
+
+
+def __getattr__(name):
+    if name != "np" and name not in _ELSE:
+        raise AttributeError(f"module 'eye' has no attribute '{name}'")
+    own = _Numpy() if name == "np" else _ELSE[name]
+    return _sys._getframe(1).f_globals.get(name, own)
+
 
 # ---- the program's run ----
 
@@ -526,16 +1098,18 @@ class _Console:
     encoding, errors, closed, newlines = "utf-8", "replace", False, None
 
     def __init__(self, stream):
-        self.stream, self.line = stream, ""
+        self.stream, self.lines = stream, {}  # by thread what it has begun
 
     def write(self, text):
         if not isinstance(text, str):
             raise TypeError(f"write() argument must be str, not {type(text).__name__}")
-        self.line += text
-        end = self.line.rfind("\n") + 1
-        lines, self.line = self.line[:end], self.line[end:]
-        if lines:
-            self._send(lines)
+        own = _thread.get_ident()
+        line = self.lines.pop(own, "") + text
+        end = line.rfind("\n") + 1
+        if line[end:]:
+            self.lines[own] = line[end:]
+        if end:
+            self._send(line[:end])
         return len(text)
 
     def writelines(self, lines):
@@ -543,9 +1117,14 @@ class _Console:
             self.write(line)
 
     def flush(self):
-        line, self.line = self.line, ""
+        line = self.lines.pop(_thread.get_ident(), "")
         if line:
             self._send(line)
+
+    def finish(self):
+        """Shows what any thread has begun."""
+        for own in sorted(self.lines):
+            self._send(self.lines.pop(own))
 
     def _send(self, text):
         if _channel is None:
@@ -571,8 +1150,11 @@ class _Console:
         return False
 
 
+_consoles = _Console(_STDOUT), _Console(_STDERR)
+
+
 def _now_us():
-    return _call(_support_time_us)[0]
+    return int(_call(_support_time_us)[0])
 
 
 def _replace_surroundings():
@@ -593,6 +1175,45 @@ def _replace_surroundings():
     for name in ("time", "monotonic", "perf_counter", "process_time", "thread_time"):
         setattr(_time, name, lambda: _now_us() / 1e6)
         setattr(_time, name + "_ns", lambda: _now_us() * 1000)
+
+
+_IMPORTING = 32
+_imports = 0  # under way
+
+
+def _watch_imports(channel):
+    """Tells the simulator when a module is imported: a module that computes long for that is no endless loop."""
+    import importlib._bootstrap as bootstrap
+
+    find_and_load = bootstrap._find_and_load
+    spent_ns = 0
+
+    def load(*arguments):
+        global _imports
+        nonlocal spent_ns
+        start = _processor_time_ns() if _imports == 0 else 0
+        _imports += 1
+        _struct.pack_into("<I", channel.memory, _IMPORTING, 1)
+        try:
+            return find_and_load(*arguments)
+        finally:
+            _imports -= 1
+            if _imports == 0:
+                spent_ns += _processor_time_ns() - start
+                _struct.pack_into("<II", channel.memory, _IMPORTING, 0, spent_ns // 1000000)
+
+    bootstrap._find_and_load = load
+
+
+_processor_time_ns = _time.process_time_ns
+
+
+def _own_frames(report):
+    """Leaves the frames of this file, which the program knows nothing of, out of a report of an exception."""
+    while report is not None:
+        report.stack[:] = [frame for frame in report.stack if frame.filename != __file__]
+        _own_frames(report.__cause__)
+        report = report.__context__
 
 
 def _tell_place(_signal_number, frame):
@@ -620,9 +1241,9 @@ def _tell_error(path):
     import traceback
 
     kind, error, trace = _sys.exc_info()
-    while trace is not None and trace.tb_frame.f_globals is globals():
-        trace = trace.tb_next
-    text = "".join(traceback.format_exception(kind, error, trace))
+    report = traceback.TracebackException(kind, error, trace)
+    _own_frames(report)
+    text = "".join(report.format())
     _sys.stderr.write(text if text.endswith("\n") else text + "\n")
     said = traceback.format_exception_only(kind, error)[-1].strip()
     frames = [frame for frame in traceback.extract_tb(trace) if frame.filename != __file__]
@@ -665,11 +1286,15 @@ def _run(path):
             _tell_error(path)
         exit_code = 1
     try:
+        threading = _sys.modules.get("threading")
+        if threading is not None:
+            threading._shutdown()  # waits for threads that are no daemons
         atexit._run_exitfuncs()
-        _sys.stdout.flush()
-        _sys.stderr.flush()
     except BaseException:
         pass  # nobody is left to tell
+    _turns.enter()  # threads that are daemons call nothing any more
+    for stream in _consoles:
+        stream.finish()
     return exit_code
 
 
@@ -682,7 +1307,8 @@ def _main(path):
     _os.close(null)
     _die_with_host(channel)
     _sys.stdin = open(_os.devnull)
-    _sys.stdout, _sys.stderr = _Console(_STDOUT), _Console(_STDERR)
+    _sys.stdout, _sys.stderr = _consoles
+    _ctypes.CDLL = _ctypes.cdll._dlltype = _ELSE["CDLL"] = _cdll(_ctypes.CDLL)
     _signal.signal(_signal.SIGURG, _tell_place)
     path = _os.path.abspath(path)
     _sys.path[0] = _os.path.dirname(path)
@@ -701,6 +1327,7 @@ def _main(path):
     exit_code = 0
     try:
         _replace_surroundings()
+        _watch_imports(channel)
         exit_code = _run(path)
     except _Stop:
         pass

@@ -393,6 +393,7 @@ struct eyesim_robios7 {
     int32_t (*LEGGetHeight)(void *robot, void *mm, int32_t *result);
     int32_t (*LEGGetFoot)(void *robot, int32_t leg, int32_t *result);
     int32_t (*LEGCorrect)(void *robot, int32_t leg, int32_t dx_mm, int32_t dy_mm, int32_t dz_mm, int32_t *result);
+    int32_t (*SERVOGet)(void *robot, int32_t servo, int32_t *result);
 };
 
 struct eyesim_host {

@@ -204,3 +204,10 @@ WEAK int LEGGetLink(int leg, int link, float pose[6])
     ROBIOS(LEGGetLink, leg, link, room_of(pose, 6), &result);
     return result;
 }
+
+WEAK int VWDriveReady(VWHandle handle)
+{
+    int32_t result = 0;
+    ROBIOS(VWDriveDone, handle, &result);
+    return result;
+}

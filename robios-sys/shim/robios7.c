@@ -401,11 +401,6 @@ WEAK int PSDGetRaw(int psd)
     return result;
 }
 
-WEAK void LIDARSet(int range, int tilt, int points)
-{
-    ROBIOS(LIDARSet, range, tilt, points, NULL);
-}
-
 WEAK int SERVOSet(int servo, int angle)
 {
     int32_t result = 0;
@@ -773,5 +768,12 @@ WEAK int LEGCorrect(int leg, int dx_mm, int dy_mm, int dz_mm)
 {
     int32_t result = 0;
     ROBIOS(LEGCorrect, leg, dx_mm, dy_mm, dz_mm, &result);
+    return result;
+}
+
+WEAK int SERVOGet(int servo)
+{
+    int32_t result = 0;
+    ROBIOS(SERVOGet, servo, &result);
     return result;
 }

@@ -1,5 +1,6 @@
 /* The RoBIOS-7 functions whose form in C is not that of the call, and those of older headers; part of shim.c. */
 #undef OSExecute
+#undef RADIOSend
 #undef SERSend
 #undef SIMGetObject
 #undef SIMSetObject
@@ -65,6 +66,9 @@ static struct eyesim_room grey_room(BYTE *image) { return image_room(image, IP_P
 static struct eyesim_room colour_room(BYTE *image) { return image_room(image, IP_SIZE, 1); }
 
 /* ---- LCD ---- */
+
+WEAK int LCDInit(void) { return 0; }
+WEAK int XInitThreads(void) { return 1; }
 
 WEAK int LCDImageSize(int t)
 {
@@ -413,6 +417,14 @@ WEAK int LIDARGet(int distance[])
     return result;
 }
 
+WEAK int LIDAR_RESOLUTION = 360;
+
+WEAK void LIDARSet(int range, int tilt, int points)
+{
+    ROBIOS(LIDARSet, range, tilt, points, NULL);
+    LIDAR_RESOLUTION = points;
+}
+
 WEAK int SIMLaserScan(int *dists) { return LIDARGet(dists); }
 
 WEAK int ANALOGTransfer(BYTE *buffer)
@@ -450,7 +462,33 @@ WEAK int VWDriveWait(void)
     return result;
 }
 
+WEAK int VWDriveReady(void)
+{
+    int32_t result = 0;
+    ROBIOS(VWDone, &result);
+    return result;
+}
+
+/* ---- SERVO ---- */
+
+static int has_servo(int servo)
+{
+    int32_t position = 0;
+    ROBIOS(SERVOGet, servo, &position);
+    return position >= 0;
+}
+
+WEAK int SERVODone(int servo) { return has_servo(servo); }
+WEAK int SERVOWait(int servo) { return !has_servo(servo); }
+
 /* ---- RADIO ---- */
+
+WEAK int eyesim_RADIOSend(int id, const void *buf, int size)
+{
+    int32_t result = 0;
+    ROBIOS(RADIOSend, id, bytes_of(size < 0 ? NULL : buf, size < 0 ? 0 : (size_t)size), &result);
+    return result;
+}
 
 WEAK int RADIOCheck()
 {

@@ -3,7 +3,7 @@
 use crate::constant::Constant;
 use crate::robios7::{CONSTANTS, Robios7Call};
 use crate::support::SupportCall;
-use crate::table::Function;
+use crate::table::{Function, Parameter};
 
 /// What does not follow from the lists, with places for the rest.
 const RUNTIME: &str = include_str!("../python/runtime.py");
@@ -37,6 +37,14 @@ fn is_plain(function: &Function) -> bool {
         "LCDImageStart",
         "IPSetSize",
         "KEYReadXY",
+        "SERSend",
+        "LIDARSet",
+        "RADIOSend",
+        "RADIOCheck",
+        "SIMGetRobot",
+        "SIMSetRobot",
+        "SIMGetObject",
+        "SIMSetObject",
         "LEGGetJoint",
         "LEGGetHeight",
     ];
@@ -53,21 +61,27 @@ fn constant(constant: &Constant) -> String {
 
 fn definition(function: &Function) -> String {
     let is_out = |kind: &str| kind.starts_with("Out<");
-    let inputs: Vec<&str> = function.parameters.iter().filter(|it| !is_out(it.kind)).map(|it| it.name).collect();
+    let (outs, inputs): (Vec<&Parameter>, Vec<&Parameter>) =
+        function.parameters.iter().partition(|parameter| is_out(parameter.kind));
+    let optional: Vec<String> = outs.iter().map(|out| format!("{}=None", out.name)).collect();
+    let names: Vec<&str> = inputs.iter().map(|input| input.name).collect();
+    let signature = names.iter().copied().chain(optional.iter().map(String::as_str)).collect::<Vec<_>>().join(", ");
     let values: Vec<&str> =
         function.parameters.iter().map(|it| if is_out(it.kind) { "None" } else { it.name }).collect();
-    let outputs = values.iter().filter(|value| **value == "None").count();
-    let call = format!("_call({})", [&[format!("_{}", function.name).as_str()], &values[..]].concat().join(", "));
-    let body = match (outputs, function.returns) {
-        (0, "()") => call,
-        (0, _) => format!("return {call}[0]"),
-        (1, _) => format!("return {call}[0]"),
-        (count, _) => format!("return tuple({call}[:{count}])"),
+    let name = function.name;
+    let call = format!("_call({})", [&[format!("_{name}").as_str()], &values[..]].concat().join(", "));
+    let body = match (outs.is_empty(), function.returns) {
+        (true, "()") => call,
+        (true, _) => format!("return {call}[0]"),
+        (false, _) => {
+            let targets: Vec<&str> = outs.iter().map(|out| out.name).collect();
+            format!("return _out(\"{name}\", {call}, {})", targets.join(", "))
+        }
     };
     let doc = function.doc.iter().map(|line| line.trim()).collect::<Vec<_>>().join("\n    ");
-    // What C writes through pointers is returned instead of the status.
-    let doc = if outputs > 0 { doc.split(" Returns ").next().unwrap_or_default().to_owned() } else { doc };
-    format!("def {}({}):\n    \"\"\"{doc}\"\"\"\n    {body}", function.name, inputs.join(", "))
+    // What C writes through pointers is returned instead of the status, unless the program gives values of ctypes for it.
+    let doc = if outs.is_empty() { doc } else { doc.split(" Returns ").next().unwrap_or_default().to_owned() };
+    format!("def {name}({signature}):\n    \"\"\"{doc}\"\"\"\n    {body}")
 }
 
 /// How the runtime packs a parameter or a result of this type.

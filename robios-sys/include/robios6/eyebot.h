@@ -1243,4 +1243,6 @@ int LEGCorrect(int leg, int dx_mm, int dy_mm, int dz_mm);
 }
 #endif
 
+#include "variants.h"
+
 #endif

@@ -947,6 +947,13 @@ int LEGGetFoot(int leg);
  * Source: our choice: RoBIOS has none. */
 int LEGCorrect(int leg, int dx_mm, int dy_mm, int dz_mm);
 
+/* ---- OLDER: functions of older libraries ---- */
+
+/* Position of a servo, 0 to 255, as it was set last; the middle where nothing was. Returns -1 if there is no such servo.
+ * [any task of the robot]  No pointers.
+ * Source: eye.py of EyeSim X. */
+int SERVOGet(int servo);
+
 #ifdef __cplusplus
 }
 #endif

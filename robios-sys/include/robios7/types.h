@@ -5,10 +5,22 @@
 #include <pthread.h>
 #include <semaphore.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* What EyeSim's types.h brings, X included; without it (EYESIM_LEAN) its names are the program's own. */
+#ifndef EYESIM_LEAN
+#include <errno.h>
+#include <math.h>
+#include <signal.h>
+#include <sys/time.h>
+#include <time.h>
+#include <unistd.h>
+#include "X11/Xlib.h"
+#endif
 
 /* The generation of RoBIOS that this header is of. */
 #define EYESIM_ROBIOS 7
@@ -91,5 +103,17 @@ extern int IP_WIDTH, IP_HEIGHT, IP_PIXELS, IP_SIZE;
 
 #define CAM_SUCCESS 0 /* CAMInit, CAMGet */
 #define CAM_FAILURE 1
+
+/* A machine as the library has it without another word. */
+#define MACHINE_SPEED   700000000
+#define MACHINE_TYPE    VEHICLE
+#define MACHINE_NAME    "EyeBot"
+#define MACHINE_ID      1
+#define MACHINE_VERSION "1.0"
+#ifndef EYESIM_LEAN
+#ifndef VERSION
+#define VERSION MACHINE_VERSION
+#endif
+#endif
 
 #endif

@@ -25,6 +25,19 @@ int SEMAUnlock(SEMA *sem);                      /* 0, 1 on failure */
 int VWDriveRemain(void); /* VWRemain */
 int VWDriveDone(void);   /* VWDone */
 int VWDriveWait(void);   /* VWWait */
+int VWDriveReady(void);  /* VWDone */
+
+int LCDInit(void); /* 0: the display is always there */
+
+/* ---- EyeSim X, in Python only ---- */
+
+int SERVODone(int servo); /* 1: a servo turns at once; 0 if there is no such servo */
+int SERVOWait(int servo); /* 0, 1 if there is no such servo */
+
+/* How many points LIDARGet gives, as LIDARSet has set them; at first 360. */
+#ifndef LIDAR_RESOLUTION
+extern int LIDAR_RESOLUTION;
+#endif
 
 /* ---- 2017: other names ---- */
 
@@ -60,12 +73,15 @@ menuitem_t *LCDListActiveItem(void);  /* its active item, or null */
 
 char *eyesim_OSExecute(const char *command);                             /* 2016: the output stays valid until the next call */
 int eyesim_SERSend(int interface, const char *text);                     /* 2016: a text that ends in 0 */
+int eyesim_RADIOSend(int id, const void *buf, int size);                 /* 2016: so many bytes */
 void eyesim_SIMGetObject(int id, int *x, int *y, int *phi);              /* 2017: without z */
 void eyesim_SIMSetObject(int id, int x, int y, int phi);                 /* 2017: without z */
 
 #define EYESIM_NTH(_1, _2, _3, _4, _5, name, ...) name
 #define OSExecute(...) \
     EYESIM_NTH(__VA_ARGS__, OSExecute, OSExecute, OSExecute, OSExecute, eyesim_OSExecute, 0)(__VA_ARGS__)
+#define RADIOSend(...) \
+    EYESIM_NTH(__VA_ARGS__, RADIOSend, RADIOSend, eyesim_RADIOSend, RADIOSend, RADIOSend, 0)(__VA_ARGS__)
 #define SERSend(...) EYESIM_NTH(__VA_ARGS__, SERSend, SERSend, SERSend, eyesim_SERSend, SERSend, 0)(__VA_ARGS__)
 #define SIMGetObject(...) \
     EYESIM_NTH(__VA_ARGS__, SIMGetObject, eyesim_SIMGetObject, SIMGetObject, SIMGetObject, SIMGetObject, 0)(__VA_ARGS__)

@@ -29,7 +29,7 @@ pub fn generated() -> Vec<(&'static str, String)> {
         functions: Robios6Call::ALL.iter().map(|call| call.function()).collect(),
         constants: robios6::CONSTANTS,
         includes: &["types.h", "hdt_sem.h"],
-        includes_behind: &[],
+        includes_behind: &["variants.h"],
     };
     let seven = Generation {
         title: "RoBIOS-7",

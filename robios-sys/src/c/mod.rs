@@ -32,11 +32,26 @@ pub const HEADERS6: &[SourceFile] = files![
     "include/robios6" / "keys.h",
     "include/robios6" / "kern.h",
     "include/robios6" / "protos.h",
+    "include/robios6" / "variants.h",
+    "include/both" / "eyesim-c-library.h",
 ];
 
 /// The headers for programs of RoBIOS-7.
-pub const HEADERS7: &[SourceFile] =
-    files!["include/robios7" / "eyebot.h", "include/robios7" / "types.h", "include/robios7" / "variants.h"];
+pub const HEADERS7: &[SourceFile] = files![
+    "include/robios7" / "eyebot.h",
+    "include/robios7" / "eyebot++.h",
+    "include/robios7" / "types.h",
+    "include/robios7" / "variants.h",
+    "include/robios7" / "X11/Xlib.h",
+    "include/both" / "eyesim-c-library.h",
+];
+
+/// The header of [`HEADERS6`] and [`HEADERS7`] that is included before a source that calls functions of the C library
+/// without a declaration.
+pub const C_LIBRARY_HEADER: &str = "eyesim-c-library.h";
+
+/// Defined for a source whose names collide with those that `types.h` of RoBIOS-7 brings besides its own.
+pub const LEAN_FLAG: &str = "-DEYESIM_LEAN";
 
 /// The shim: with these files and the headers of a generation in `-I` folders, [`SHIM_SOURCE`] is compiled and linked into
 /// a program.

@@ -314,7 +314,7 @@ function_table! {
         fn LIDARGet(distance: OutInts) -> i32 = 1, c "int LIDARGet(int distance[])";
 
         /// Sets angle in degrees, 1 to 360, the scanner's tilt in degrees, and the number of points.
-        fn LIDARSet(range: i32, tilt: i32, points: i32) -> () = ();
+        fn LIDARSet(range: i32, tilt: i32, points: i32) -> () = (), c "void LIDARSet(int range, int tilt, int points)";
     }
 
     family SERVO "servos", source "RoBIOS-7 library, servos and motors" {
@@ -541,5 +541,9 @@ function_table! {
         /// dx_mm: forward, dy_mm: to the left of the foothold of the gait. dz_mm: how much higher the foot is lifted.
         /// Returns 0, -1 if there is no such leg or it cannot reach so far.
         fn LEGCorrect(leg: i32, dx_mm: i32, dy_mm: i32, dz_mm: i32) -> i32 = -1;
+    }
+    family OLDER "functions of older libraries", source "eye.py of EyeSim X" {
+        /// Position of a servo, 0 to 255, as it was set last; the middle where nothing was. Returns -1 if there is no such servo.
+        fn SERVOGet(servo: i32) -> i32 = -1;
     }
 }

@@ -213,6 +213,7 @@ impl Robios7 for Caller {
         fn SERVOSet(servo: i32, angle: i32) -> i32 = |robot, world| servo7::set(robot, world, servo, angle);
         fn SERVOSetRaw(servo: i32, angle: i32) -> i32 = |robot, world| servo7::set_raw(robot, world, servo, angle);
         fn SERVORange(servo: i32, low: i32, high: i32) -> i32 = |robot, _| servo7::set_range(robot, servo, [low, high]);
+        fn SERVOGet(servo: i32) -> i32 = |robot, _| servo7::position(robot, servo);
     }
 
     // MOTOR, ENCODER.

@@ -33,6 +33,17 @@ pub fn set_range(robot: &mut Robot, servo: i32, [low, high]: [i32; 2]) -> i32 {
     0
 }
 
+/// `SERVOGet`: the position that `SERVOSet` takes, by the range that is set now.
+pub fn position(robot: &mut Robot, servo: i32) -> i32 {
+    let Some(index) = robot.find_numbered(Call::SERVOGet, HDT_SERVO, servo, &[]) else {
+        return robot.failed(Call::SERVOGet, -1);
+    };
+    let [low, high] = robot.devices.servos.range(index).map(f64::from);
+    let own = f64::from(robot.devices.servos.position(index));
+    let position = if low == high { own } else { 255.0 * (own - low) / (high - low) };
+    position.round().clamp(0.0, 255.0) as i32
+}
+
 /// The servo and the number as one of its own; `None` after the answer was counted as a failure.
 fn find(robot: &mut Robot, call: Call, servo: i32, number: i32) -> Option<(usize, u8)> {
     let Some(index) = robot.find_numbered(call, HDT_SERVO, servo, &[]) else {

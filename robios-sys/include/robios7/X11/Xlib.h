@@ -1,0 +1,23 @@
+/* What programs use of X without a window; EyeSim's types.h includes it. */
+#ifndef EYESIM_XLIB_H
+#define EYESIM_XLIB_H
+
+#ifndef True
+#define True  1
+#define False 0
+#endif
+#ifndef Bool
+#define Bool int
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+int XInitThreads(void); /* 1: done */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,2 @@
+/* The name that programs in C++ include it by. */
+#include "eyebot.h"
