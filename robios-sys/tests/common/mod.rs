@@ -37,7 +37,9 @@ pub fn folder() -> tempfile::TempDir {
 pub fn folder_with(headers: &[c::SourceFile]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("the temporary folder is writable");
     for file in headers.iter().chain(c::SHIM) {
-        std::fs::write(folder.path().join(file.name), file.text).expect("the temporary folder is writable");
+        let path = folder.path().join(file.name);
+        std::fs::create_dir_all(path.parent().expect("a file has a folder")).expect("the temporary folder is writable");
+        std::fs::write(path, file.text).expect("the temporary folder is writable");
     }
     folder
 }

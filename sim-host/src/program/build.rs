@@ -221,13 +221,18 @@ impl Builder {
         extra_flags.extend_from_slice(flags);
         let sources = absolute(sources)?;
         let folder = self.cache.build_folder().map_err(|error| self.cache_error(error))?;
-        let compiled = self.compile(&sources, choice.generation, &extra_flags, folder.path())?;
+        let (compiled, choice) = or_for_the_other(choice, |choice| {
+            Ok((self.compile(&sources, choice.generation, &extra_flags, folder.path())?, choice.clone()))
+        })?;
         replace_file(&compiled.library, out).map_err(|error| CompileError::Io { program: out.to_owned(), error })?;
         Ok((choice, compiled.commands, compiled.output))
     }
 
     fn build_sources(&self, source: &ProgramSource, files: &[PathBuf], wanted: Wanted) -> Result<Built, BuildError> {
-        let choice = choose(files, wanted)?;
+        or_for_the_other(choose(files, wanted)?, |choice| self.build_for(source, files, choice))
+    }
+
+    fn build_for(&self, source: &ProgramSource, files: &[PathBuf], choice: &Choice) -> Result<Built, BuildError> {
         let generation = choice.generation;
         let sources = absolute(files)?;
         let extra_flags = self.extra_flags()?;
@@ -352,7 +357,7 @@ impl Builder {
         add(self.kits.of(generation).digest().as_bytes());
         for compiler in self.compilers(sources)? {
             add(compiler.identity().as_bytes());
-            for flag in compiler.compile_flags().chain(compiler.link_flags()) {
+            for flag in compiler.compile_flags().chain(compiler.standards()).chain(compiler.link_flags()) {
                 add(flag.as_bytes());
             }
         }
@@ -375,6 +380,16 @@ impl Builder {
 
     fn cache_error(&self, error: io::Error) -> BuildError {
         BuildError::Cache { root: self.cache.root().to_owned(), error }
+    }
+}
+
+/// What `build` gives for the choice or, where that is a guess and the sources do not become a program, for the other generation.
+fn or_for_the_other<T>(choice: Choice, build: impl Fn(&Choice) -> Result<T, BuildError>) -> Result<T, BuildError> {
+    match build(&choice) {
+        Err(BuildError::Compile(error)) if choice.is_guess() => {
+            build(&choice.turned()).map_err(|_other| BuildError::Compile(error))
+        }
+        result => result,
     }
 }
 

@@ -10,8 +10,16 @@ pub struct Calls {
     pub called: BTreeSet<String>,
     /// Names of functions that it defines outside of classes and namespaces.
     pub defined: BTreeSet<String>,
+    /// Names of functions that it declares without defining them.
+    pub declared: BTreeSet<String>,
+    /// Other names that it uses, such as those of constants, and does not define.
+    pub used: BTreeSet<String>,
+    /// Names that it defines as macros, enumerators, variables or types.
+    pub own: BTreeSet<String>,
     /// Files that it includes with `"..."`.
     pub includes: Vec<String>,
+    /// Whether it includes the next header of a name, as one does that wraps it.
+    pub is_wrapper: bool,
 }
 
 /// Reads `text`. Comments and literals are passed over, and macros are not expanded: what their definitions call counts.
@@ -20,20 +28,53 @@ pub fn calls_of(text: &str) -> Calls {
     let tokens = tokens_of(text);
     let mut calls = Calls { includes, ..Calls::default() };
     let mut depth = 0_usize;
+    let mut is_enum = false;
     for (index, token) in tokens.iter().enumerate() {
+        let before = index.checked_sub(1).map(|before| tokens[before]);
         match *token {
+            // What `extern "C"` encloses stands outside all the same: its literal is passed over.
+            Token::Mark('{') if before == Some(Token::Name("extern")) => {}
             Token::Mark('{') => depth += 1,
-            Token::Mark('}') => depth = depth.saturating_sub(1),
+            Token::Mark('}') => {
+                depth = depth.saturating_sub(1);
+                is_enum = false;
+            }
+            Token::Name("enum") => is_enum = true,
+            Token::Name("include_next") => calls.is_wrapper = true,
             Token::Name(name) if tokens.get(index + 1) == Some(&Token::Mark('(')) => {
                 // Functions of classes have names of their own.
                 let is_definition = depth == 0 && behind_parentheses(&tokens[index + 1..]) == Some(Token::Mark('{'));
-                let names = if is_definition { &mut calls.defined } else { &mut calls.called };
+                let is_typed = before == Some(Token::Mark('*')) || is_type(before);
+                if depth == 0 && is_typed && behind_parentheses(&tokens[index + 1..]) == Some(Token::Mark(';')) {
+                    calls.declared.insert(name.to_owned());
+                }
+                let names = if before == Some(Token::Name("define")) {
+                    &mut calls.own
+                } else if is_definition {
+                    &mut calls.defined
+                } else {
+                    &mut calls.called
+                };
                 names.insert(name.to_owned());
             }
-            _ => {}
+            Token::Name(name) => {
+                let is_enumerator = is_enum && matches!(before, Some(Token::Mark('{' | ',')));
+                let is_own = is_enumerator || before == Some(Token::Name("define")) || is_type(before);
+                let names = if is_own { &mut calls.own } else { &mut calls.used };
+                names.insert(name.to_owned());
+            }
+            Token::Mark(_) => {}
         }
     }
+    calls.used.retain(|name| !calls.own.contains(name));
     calls
+}
+
+/// Whether a name behind this token is declared by it.
+fn is_type(token: Option<Token<'_>>) -> bool {
+    const NO_TYPES: [&str; 12] =
+        ["return", "case", "else", "goto", "sizeof", "do", "ifdef", "ifndef", "undef", "if", "elif", "defined"];
+    matches!(token, Some(Token::Name(name)) if !NO_TYPES.contains(&name))
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,7 +180,7 @@ mod tests {
     #[test]
     fn calls_are_names_before_parentheses() {
         assert_eq!(called("a(1); b (2) + c\n(3); d; e[f(4)];"), ["a", "b", "c", "f"]);
-        assert_eq!(called("#define GO(x) move(x)"), ["GO", "move"]);
+        assert_eq!(called("#define GO(x) move(x)"), ["move"]);
         assert_eq!(called("x = 3(4); y2k(1); ümlaut(1);"), ["y2k", "ümlaut"]);
     }
 
@@ -156,6 +197,28 @@ mod tests {
         let calls = calls_of("int own(int a) { if (test()) { go(); } while (x) { } return own(1); }");
         assert_eq!(calls.defined.into_iter().collect::<Vec<_>>(), ["own"]);
         assert_eq!(calls.called.into_iter().collect::<Vec<_>>(), ["go", "if", "own", "test", "while"]);
+    }
+
+    #[test]
+    fn constants_are_told_from_names_of_the_programs_own() {
+        let text = "#define SIZE QVGA_SIZE\nenum { RED, BLUE = 3 };\nint f(int mode) { int VGA; VGA = RED + KEY_LIST1; \
+                    switch (mode) { case IRTV_OK: return LCD_MODE; } }";
+        let calls = calls_of(text);
+        for name in ["QVGA_SIZE", "KEY_LIST1", "IRTV_OK", "LCD_MODE"] {
+            assert!(calls.used.contains(name), "{name}");
+        }
+        for name in ["SIZE", "RED", "BLUE", "VGA", "mode"] {
+            assert!(calls.own.contains(name) && !calls.used.contains(name), "{name}");
+        }
+    }
+
+    #[test]
+    fn declarations_are_told_from_calls() {
+        let header = "extern \"C\" {\nint VWWait(void); char *OSName(char *buf);\nstatic inline void go() { VWTurn(1, 2); }\n}\n\
+                      VWDone();";
+        let calls = calls_of(header);
+        assert_eq!(calls.declared.into_iter().collect::<Vec<_>>(), ["OSName", "VWWait"]);
+        assert!(!calls.is_wrapper && calls_of("#include_next <eyebot.h>").is_wrapper);
     }
 
     #[test]

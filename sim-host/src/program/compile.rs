@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::io;
+use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -9,7 +10,7 @@ use robios_sys::c;
 
 use super::compiler::Compiler;
 use super::constructors::defer_constructors;
-use super::generation::Generation;
+use super::generation::{Generation, is_of_robios};
 use super::hint;
 use super::language::Language;
 
@@ -146,16 +147,28 @@ pub enum CompileError {
 }
 
 impl<'a> Compilation<'a> {
-    /// Compiles each source, then the shims, then links.
+    /// Compiles each source, then the shims, then links: first in the newest standard and with our headers, and where the
+    /// compiler refuses that, as older sources need it.
     ///
     /// The compiler runs in the folder of the first source and sees sources by their names from there, so that
     /// `__FILE__` does not depend on where the user stands.
     ///
     /// # Errors
-    /// [`CompileError`].
+    /// [`CompileError`]: that of the first try.
     pub fn run(&self) -> Result<Compiled, CompileError> {
+        let hidden = self.hidden_headers();
+        let first = self.try_run(&Manner { hidden: &hidden, ..Manner::default() });
+        let result = match first {
+            Err(Failure::Refused { source_file, output }) => self
+                .other_manners(&hidden, &output)
+                .iter()
+                .map(|manner| self.try_run(manner))
+                .find(|result| !matches!(result, Err(Failure::Refused { .. })))
+                .unwrap_or(Err(Failure::Refused { source_file, output })),
+            result => result,
+        };
         let program = self.sources.first().cloned().unwrap_or_default();
-        self.try_run().map_err(|failure| match failure {
+        result.map_err(|failure| match failure {
             Failure::Refused { source_file, output } => {
                 CompileError::Refused { source_file, folder: self.source_folder().to_owned(), output }
             }
@@ -165,6 +178,45 @@ impl<'a> Compilation<'a> {
             }
             Failure::Io(error) => CompileError::Io { program, error },
         })
+    }
+
+    /// What else is tried where the compiler refuses a source and says `output`.
+    fn other_manners<'m>(&self, hidden: &'m [PathBuf], output: &str) -> Vec<Manner<'m>> {
+        let is_cpp = self.language() == Language::Cpp;
+        let may_be_lean = self.generation == Generation::Robios7 && hint::is_collision(output);
+        let mut manners = vec![Manner { hidden, ..Manner::default() }];
+        for hidden in [hidden, &[]] {
+            for is_lean in [false, may_be_lean] {
+                for is_old in [false, is_cpp] {
+                    let manner = Manner { is_old, is_lean, hidden };
+                    if !manners.contains(&manner) {
+                        manners.push(manner);
+                    }
+                }
+            }
+        }
+        manners.split_off(1)
+    }
+
+    /// Headers of RoBIOS beside the first source, of whatever year, that would be taken in place of ours.
+    fn hidden_headers(&self) -> Vec<PathBuf> {
+        let beside = self.kit.headers.iter().map(|(name, _)| self.source_folder().join(name));
+        beside.filter(|path| is_of_robios(path)).collect()
+    }
+
+    /// A folder that shows the source folder's files but the hidden headers.
+    fn folder_without(&self, hidden: &[PathBuf]) -> io::Result<PathBuf> {
+        let folder = self.folder.join("sources");
+        if !folder.exists() {
+            fs::create_dir(&folder)?;
+            for entry in fs::read_dir(self.source_folder())? {
+                let path = entry?.path();
+                if !hidden.contains(&path) {
+                    symlink(&path, folder.join(path.file_name().unwrap_or_default()))?;
+                }
+            }
+        }
+        Ok(folder)
     }
 
     /// The sources with their object files.
@@ -183,17 +235,17 @@ impl<'a> Compilation<'a> {
         folder.unwrap_or(Path::new("/"))
     }
 
-    fn try_run(&self) -> Result<Compiled, Failure> {
+    fn try_run(&self, manner: &Manner<'_>) -> Result<Compiled, Failure> {
         let mut compiled = Compiled {
             library: self.folder.join("program.so"),
-            output: String::new(),
-            read: Vec::new(),
+            output: manner.remark(),
+            read: manner.hidden.to_vec(),
             commands: String::new(),
         };
         let mut objects = Vec::new();
         let mut void_main = false;
         for (index, source) in self.sources.iter().enumerate() {
-            let (object, output) = self.compile_source(index, source, &mut compiled)?;
+            let (object, output) = self.compile_source(index, source, manner, &mut compiled)?;
             void_main |= returns_nothing_from_main(&output);
             compiled.output.push_str(&output);
             objects.push(object);
@@ -229,21 +281,66 @@ impl<'a> Compilation<'a> {
         &self,
         index: usize,
         source: &Path,
+        manner: &Manner<'_>,
         compiled: &mut Compiled,
     ) -> Result<(PathBuf, String), Failure> {
-        let compiler = self.compiler(Language::of(source).unwrap_or(Language::C))?;
         let object = self.object(index);
-        let dependencies = self.folder.join(format!("{index}.d"));
+        let output = self.compile_to(&object, source, manner, &[], compiled)?;
+        let undeclared = hint::undeclared_functions(&output);
+        if undeclared.is_empty() {
+            return Ok((object, output));
+        }
+        // A call of an undeclared function passes what its author did not mean: the headers that are missing are included.
+        let with_headers = self.folder.join(format!("{index}-with-headers.o"));
+        let is_ours = undeclared.iter().any(|name| self.generation.has(name));
+        let headers = &[c::C_LIBRARY_HEADER, "eyebot.h"][..if is_ours { 2 } else { 1 }];
+        match self.compile_to(&with_headers, source, manner, headers, compiled) {
+            Ok(again) => {
+                let left = hint::undeclared_functions(&again);
+                let declared: Vec<&String> = undeclared.iter().filter(|name| !left.contains(name)).collect();
+                if declared.is_empty() {
+                    return Ok((object, output));
+                }
+                let (name, declared) = (source.file_name().unwrap_or_default().display(), hint::quoted(&declared));
+                let remark =
+                    format!("{name}: the headers that declare {declared} are included, as it does not include them\n");
+                Ok((with_headers, remark + &again))
+            }
+            Err(Failure::Refused { .. }) => Ok((object, output)),
+            Err(failure) => Err(failure),
+        }
+    }
+
+    /// Compiles a source with some of the kit's headers before it; what the compiler said.
+    fn compile_to(
+        &self,
+        object: &Path,
+        source: &Path,
+        manner: &Manner<'_>,
+        headers: &[&str],
+        compiled: &mut Compiled,
+    ) -> Result<String, Failure> {
+        let compiler = self.compiler(Language::of(source).unwrap_or(Language::C))?;
+        let dependencies = object.with_extension("d");
         let mut command = self.compile_command(compiler);
-        command.args(compiler.compile_flags()).args(self.extra_flags);
+        command.args(compiler.compile_flags()).arg(compiler.standards()[usize::from(manner.is_old)]);
+        if !manner.hidden.is_empty() {
+            let folder = self.folder_without(manner.hidden)?;
+            command.arg(format!("-ffile-prefix-map={}={}", folder.display(), self.source_folder().display()));
+            command.current_dir(folder);
+        }
+        command.args(manner.is_lean.then_some(c::LEAN_FLAG)).args(self.extra_flags);
+        for header in headers {
+            command.arg("-include").arg(self.kit_folder.join("include").join(header));
+        }
         command.arg("-MD").arg("-MF").arg(&dependencies).args(["-MT", "o"]);
-        command.arg("-c").arg(self.seen_from_folder(source)).arg("-o").arg(&object);
+        command.arg("-c").arg(self.seen_from_folder(source)).arg("-o").arg(object);
         let output = compiled
             .call(&mut command)?
             .map_err(|output| Failure::Refused { source_file: source.to_owned(), output })?;
         let listed = parse_dependencies(&fs::read_to_string(&dependencies)?);
         compiled.read.extend(listed.iter().map(|path| self.source_folder().join(path)));
-        Ok((object, output))
+        Ok(output)
     }
 
     /// The object file of the shim's file `name`.
@@ -288,6 +385,28 @@ impl<'a> Compilation<'a> {
             // A name that starts with `-` would be an option.
             Ok(name) if !name.as_os_str().as_encoded_bytes().starts_with(b"-") => name,
             _ => source,
+        }
+    }
+}
+
+/// How a compilation is tried.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Manner<'m> {
+    /// In an older standard of C++.
+    is_old: bool,
+    /// Without what EyeSim's `types.h` brings besides its own names.
+    is_lean: bool,
+    /// Headers beside the first source that are not seen.
+    hidden: &'m [PathBuf],
+}
+
+impl Manner<'_> {
+    /// What is said of it: a line, or nothing.
+    fn remark(&self) -> String {
+        let names = self.hidden.iter().map(|path| path.file_name().unwrap_or_default().display().to_string());
+        match names.collect::<Vec<_>>().as_slice() {
+            [] => String::new(),
+            names => format!("{} beside the program is RoBIOS's own: eyesim's is used instead\n", hint::quoted(names)),
         }
     }
 }

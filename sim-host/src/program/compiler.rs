@@ -11,12 +11,15 @@ use super::cache::Cache;
 use super::language::Language;
 use super::words::split_words;
 
-/// The standard that sources are written in, behind [`robios_sys::c::COMPILE_FLAGS`]: in C, K&R functions and `bool` as a
-/// name still compile, which newer standards refuse; C++ is the newest one that course programs of its time still are.
-const fn standard(language: Language) -> &'static str {
+/// The standards that sources are compiled in, the newest one that the compiler knows first, and then the last one: in C, K&R
+/// functions and `bool` as a name still compile, which newer standards refuse; in C++ the last one is that of course
+/// programs which the newest refuses.
+const fn standards(language: Language) -> &'static [&'static str] {
     match language {
-        Language::C => "-std=gnu17",
-        Language::Cpp => "-std=gnu++17",
+        Language::C => &["-std=gnu17"],
+        Language::Cpp => {
+            &["-std=gnu++26", "-std=gnu++2c", "-std=gnu++23", "-std=gnu++2b", "-std=gnu++20", "-std=gnu++17"]
+        }
     }
 }
 
@@ -76,6 +79,7 @@ pub struct Compiler {
     language: Language,
     command: Vec<String>,
     version: String,
+    newest_standard: String,
     optional_compile_flags: Vec<String>,
     optional_link_flags: Vec<String>,
 }
@@ -160,7 +164,9 @@ impl Compiler {
                 .ok_or(CompilerError::Missing { language })?,
         };
         let (optional_compile_flags, optional_link_flags) = (Vec::new(), Vec::new());
-        let mut compiler = Self { language, command, version, optional_compile_flags, optional_link_flags };
+        let newest_standard = String::new();
+        let mut compiler =
+            Self { language, command, version, newest_standard, optional_compile_flags, optional_link_flags };
         compiler.probe(cache)?;
         Ok(compiler)
     }
@@ -187,10 +193,15 @@ impl Compiler {
         format!("{:?}\n{}\n{}", self.command, program.display(), self.version)
     }
 
-    /// The flags of a compilation to an object file.
+    /// The flags of a compilation to an object file, but for the standard.
     pub fn compile_flags(&self) -> impl Iterator<Item = &str> {
         let flags = c::COMPILE_FLAGS.iter().chain(COMPILE_FLAGS).copied();
-        flags.chain([standard(self.language)]).chain(self.optional_compile_flags.iter().map(String::as_str))
+        flags.chain(self.optional_compile_flags.iter().map(String::as_str))
+    }
+
+    /// The flag of the newest standard that it knows, then that of an older one for sources which that refuses.
+    pub fn standards(&self) -> [&str; 2] {
+        [&self.newest_standard, standards(self.language).last().unwrap_or(&"")]
     }
 
     /// The flags of the link, before the object files; [`robios_sys::c::LIBRARIES`] go behind them.
@@ -213,13 +224,14 @@ impl Compiler {
     fn probe(&mut self, cache: &Cache) -> Result<(), CompilerError> {
         let base: (Vec<&str>, Vec<&str>) = (self.compile_flags().collect(), self.link_flags().collect());
         let optional = optional_compile_flags(self.language);
-        let wanted = format!("{base:?}{optional:?}{OPTIONAL_LINK_FLAGS:?}");
+        let standards = standards(self.language);
+        let wanted = format!("{base:?}{optional:?}{standards:?}{OPTIONAL_LINK_FLAGS:?}");
         let digest = blake3::hash(format!("{}\n{wanted}", self.identity()).as_bytes());
         let key = format!("compiler-{}", &digest.to_hex()[..32]);
-        let kept: Option<(Vec<String>, Vec<String>)> =
+        let kept: Option<(Vec<String>, Vec<String>, String)> =
             cache.note(&key).and_then(|note| serde_json::from_str(&note).ok());
-        if let Some((compile, link)) = kept {
-            (self.optional_compile_flags, self.optional_link_flags) = (compile, link);
+        if let Some((compile, link, standard)) = kept {
+            (self.optional_compile_flags, self.optional_link_flags, self.newest_standard) = (compile, link, standard);
             return Ok(());
         }
         let folder = cache.build_folder()?;
@@ -230,6 +242,13 @@ impl Compiler {
         std::fs::write(folder.path().join(name), text)?;
         let (compile, link) = base;
         let compile: Vec<&str> = compile.into_iter().chain(["-Werror", "-c", name, "-o", "probe.o"]).collect();
+        let mut newest = String::new();
+        for &standard in standards {
+            newest = self.accepted(folder.path(), &compile, &[standard])?.pop().unwrap_or_default();
+            if !newest.is_empty() {
+                break;
+            }
+        }
         let compile = self.accepted(folder.path(), &compile, optional)?;
         let link: Vec<&str> = link.into_iter().chain(["probe.o", "-o", "probe.so", "-lm"]).collect();
         let link = self.accepted(folder.path(), &link, OPTIONAL_LINK_FLAGS).map_err(|error| match error {
@@ -238,13 +257,9 @@ impl Compiler {
             }
             error => error,
         })?;
-        (self.optional_compile_flags, self.optional_link_flags) = (compile, link);
-        cache.set_note(
-            &key,
-            &serde_json::to_string(&(&self.optional_compile_flags, &self.optional_link_flags))
-                .map_err(io::Error::from)?,
-        )?;
-        Ok(())
+        let note = serde_json::to_string(&(&compile, &link, &newest)).map_err(io::Error::from)?;
+        (self.optional_compile_flags, self.optional_link_flags, self.newest_standard) = (compile, link, newest);
+        Ok(cache.set_note(&key, &note)?)
     }
 
     /// Whether the probe links with the shared library of C++.

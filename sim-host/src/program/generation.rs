@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use robios_sys::{Robios6Call, Robios7Call};
+use robios_sys::constant::Constant;
+use robios_sys::{Robios6Call, Robios7Call, robios6, robios7};
 
-use super::calls::{Calls, calls_of};
+use super::calls::calls_of;
 use super::hint::quoted;
 
 /// A generation of the RoBIOS API.
@@ -55,7 +56,7 @@ impl Generation {
     /// Whether it has a function called `name`, those of its older headers included.
     pub fn has(self, name: &str) -> bool {
         match self {
-            Self::Robios6 => Robios6Call::from_name(name).is_some(),
+            Self::Robios6 => Robios6Call::from_name(name).is_some() || VARIANTS_OF_6.contains(&name),
             Self::Robios7 => Robios7Call::from_name(name).is_some() || VARIANTS_OF_7.contains(&name),
         }
     }
@@ -63,7 +64,9 @@ impl Generation {
     /// The names of its functions.
     pub fn functions(self) -> Vec<&'static str> {
         match self {
-            Self::Robios6 => Robios6Call::ALL.iter().map(|call| call.name()).collect(),
+            Self::Robios6 => {
+                Robios6Call::ALL.iter().map(|call| call.name()).chain(VARIANTS_OF_6.iter().copied()).collect()
+            }
             Self::Robios7 => {
                 Robios7Call::ALL.iter().map(|call| call.name()).chain(VARIANTS_OF_7.iter().copied()).collect()
             }
@@ -71,9 +74,66 @@ impl Generation {
     }
 }
 
+impl Generation {
+    /// Whether `name` is a constant or type of its header that no program has of its own by chance: `QVGA_SIZE` is, `RED` is not.
+    pub fn has_constant(self, name: &str) -> bool {
+        let is_telling = |constant: &&Constant| constant.name == name && name.contains('_');
+        match self {
+            Self::Robios6 => robios6::CONSTANTS.iter().any(|it| is_telling(&it)) || TYPES_OF_6.contains(&name),
+            Self::Robios7 => {
+                let of_size = |size: &&str| name.strip_prefix(*size).is_some_and(|rest| OF_SIZES_OF_7.contains(&rest));
+                robios7::CONSTANTS.iter().any(|it| is_telling(&it))
+                    || SIZES_OF_7.iter().any(|size| of_size(&size))
+                    || TYPES_OF_7.contains(&name)
+            }
+        }
+    }
+}
+
+/// Types and sizes of the header of RoBIOS 6.
+const TYPES_OF_6: &[&str] = &[
+    "BumpHandle",
+    "IRHandle",
+    "MotorHandle",
+    "PSDHandle",
+    "PositionType",
+    "QuadHandle",
+    "ServoHandle",
+    "SpeedType",
+    "VWHandle",
+    "colimage",
+    "imagecolumns",
+    "imagerows",
+    "meterPerSec",
+    "radPerSec",
+];
+
+/// Variables of the header of RoBIOS-7, some of its constants, and its name in C++.
+const TYPES_OF_7: &[&str] = &[
+    CPP_HEADER,
+    "CAMHEIGHT",
+    "CAMPIXELS",
+    "CAMSIZE",
+    "CAMWIDTH",
+    "HELVETICA",
+    "IP_HEIGHT",
+    "IP_PIXELS",
+    "IP_SIZE",
+    "IP_WIDTH",
+    "ITALICS",
+];
+
+/// Sizes of images in RoBIOS-7, and what follows them in names of constants and types.
+const SIZES_OF_7: &[&str] = &["QQVGA", "QVGA", "VGA", "CAM1MP", "CAMHD", "CAM5MP"];
+const OF_SIZES_OF_7: &[&str] = &["", "_X", "_Y", "_PIXELS", "_SIZE", "col", "gray"];
+
+/// Functions of RoBIOS 6 by other names. Source: `include/robios6/variants.h`.
+const VARIANTS_OF_6: &[&str] = &["VWDriveReady"];
+
 /// Functions of older headers of RoBIOS-7, which lead to others of the list. Source: `include/robios7/variants.h`.
 const VARIANTS_OF_7: &[&str] = &[
     "LCDGetList",
+    "LCDInit",
     "LCDList",
     "LCDListActiveItem",
     "LCDSetList",
@@ -87,10 +147,13 @@ const VARIANTS_OF_7: &[&str] = &[
     "SEMAInit",
     "SEMALock",
     "SEMAUnlock",
+    "SERVODone",
+    "SERVOWait",
     "SIMGetPose",
     "SIMLaserScan",
     "SIMSetPose",
     "VWDriveDone",
+    "VWDriveReady",
     "VWDriveRemain",
     "VWDriveWait",
 ];
@@ -120,6 +183,10 @@ pub enum Why {
     Said,
     /// It calls these functions, which only this generation has.
     Calls(Vec<String>),
+    /// What it calls is in both, but it uses these constants or types, which only this generation has.
+    Constants(Vec<String>),
+    /// What it calls is in both, and for the other generation it does not compile.
+    Compiles,
     /// What it calls is in both, and the line of the sim file is written for this generation's simulator.
     Dialect,
     /// What it calls is in both, and nobody says anything.
@@ -134,7 +201,8 @@ impl std::fmt::Display for Choice {
         let (name, other) = (self.generation.name(), self.generation.other());
         match &self.why {
             Why::Said | Why::None => f.write_str(name),
-            Why::Calls(calls) => {
+            Why::Compiles => write!(f, "{name}, as it does not compile for {}", other.name()),
+            Why::Calls(calls) | Why::Constants(calls) => {
                 let more = if calls.len() > MOST_SHOWN { ", ..." } else { "" };
                 write!(f, "{name} ({}{more})", calls[..calls.len().min(MOST_SHOWN)].join(", "))
             }
@@ -151,6 +219,18 @@ impl Choice {
     /// no difference.
     pub fn remark(&self, source: &Path) -> Option<String> {
         (self.why != Why::None).then(|| format!("{}: {self}", source.file_name().unwrap_or_default().display()))
+    }
+}
+
+impl Choice {
+    /// Whether it is a guess that gives way where the program compiles for the other generation only.
+    pub fn is_guess(&self) -> bool {
+        matches!(self.why, Why::Constants(_) | Why::Dialect | Why::Default)
+    }
+
+    /// The other generation, for which alone the program compiles.
+    pub fn turned(&self) -> Self {
+        Self { generation: self.generation.other(), why: Why::Compiles }
     }
 }
 
@@ -174,7 +254,8 @@ pub struct GenerationError {
 }
 
 /// The generation of a program with these C or C++ sources: what is wanted, else the functions called that only one of them
-/// has, else the dialect, else RoBIOS 6. Headers of the program's own are read, too.
+/// has, else the constants and types used that only one of them has, else the dialect, else RoBIOS 6. Headers of the
+/// program's own are read, too.
 ///
 /// What a program calls goes before the dialect: robots of EyeSim VR run programs written for RoBIOS 6 and the reverse, and
 /// with the wrong header such a program does not compile. Source: our choice.
@@ -186,7 +267,7 @@ pub fn choose(sources: &[PathBuf], wanted: Wanted) -> Result<Choice, GenerationE
     if let Some(generation) = wanted.api {
         return choice(generation, Why::Said);
     }
-    let calls = calls_of_files(sources);
+    let Names { calls, constants } = names_in_files(sources);
     let only = |generation: Generation| -> Vec<String> {
         let is_only = |name: &&String| generation.has(name) && !generation.other().has(name);
         calls.iter().filter(is_only).cloned().collect()
@@ -199,6 +280,10 @@ pub fn choose(sources: &[PathBuf], wanted: Wanted) -> Result<Choice, GenerationE
         }
         (false, true) => choice(Generation::Robios6, Why::Calls(of_6)),
         (true, false) => choice(Generation::Robios7, Why::Calls(of_7)),
+        (true, true) if of_constants(&constants).is_some() => {
+            let (generation, constants) = of_constants(&constants).unwrap_or((Generation::Robios6, Vec::new()));
+            choice(generation, Why::Constants(constants))
+        }
         (true, true) if !calls.iter().any(|name| Generation::Robios6.has(name)) => {
             choice(wanted.dialect.unwrap_or(Generation::Robios6), Why::None)
         }
@@ -209,27 +294,71 @@ pub fn choose(sources: &[PathBuf], wanted: Wanted) -> Result<Choice, GenerationE
     }
 }
 
-/// The functions that `sources` and the headers beside them call and do not define.
-fn calls_of_files(sources: &[PathBuf]) -> BTreeSet<String> {
+/// The generation that alone has constants of these, and which they are; none if both have, or neither.
+fn of_constants(names: &BTreeSet<String>) -> Option<(Generation, Vec<String>)> {
+    let only = |generation: Generation| -> Vec<String> {
+        let is_only = |name: &&String| generation.has_constant(name) && !generation.other().has_constant(name);
+        names.iter().filter(is_only).cloned().collect()
+    };
+    match Generation::ALL.map(only) {
+        [of_6, of_7] if of_7.is_empty() && !of_6.is_empty() => Some((Generation::Robios6, of_6)),
+        [of_6, of_7] if of_6.is_empty() && !of_7.is_empty() => Some((Generation::Robios7, of_7)),
+        _ => None,
+    }
+}
+
+/// What sources name and do not define.
+struct Names {
+    calls: BTreeSet<String>,
+    constants: BTreeSet<String>,
+}
+
+/// The names in `sources` and the headers beside them.
+fn names_in_files(sources: &[PathBuf]) -> Names {
     let mut waiting: Vec<PathBuf> = sources.to_vec();
     let mut seen = BTreeSet::new();
-    let (mut called, mut defined) = (BTreeSet::new(), BTreeSet::new());
+    let (mut names, mut own) = (Names { calls: BTreeSet::new(), constants: BTreeSet::new() }, BTreeSet::new());
     while let Some(path) = waiting.pop() {
         if !seen.insert(path.clone()) {
             continue;
         }
         let Ok(bytes) = fs::read(&path) else { continue };
-        let Calls { called: more, defined: own, includes } = calls_of(&String::from_utf8_lossy(&bytes));
-        called.extend(more);
-        defined.extend(own);
+        let found = calls_of(&String::from_utf8_lossy(&bytes));
+        names.calls.extend(found.called);
+        names.constants.extend(found.used);
+        own.extend(found.defined.into_iter().chain(found.own));
         let folder = path.parent().unwrap_or(Path::new(""));
-        // A copy of RoBIOS's own header calls everything.
-        let includes =
-            includes.iter().filter(|name| Path::new(name).file_name().is_some_and(|name| name != "eyebot.h"));
-        waiting.extend(includes.map(|name| folder.join(name)).filter(|path| path.is_file()));
+        // A copy of RoBIOS's own header calls everything; that for C++ is of RoBIOS-7.
+        let (of_robios, includes): (Vec<_>, Vec<_>) =
+            found.includes.iter().partition(|name| ["eyebot.h", CPP_HEADER].contains(&file_name(name)));
+        if of_robios.iter().any(|name| file_name(name) == CPP_HEADER) {
+            names.constants.insert(CPP_HEADER.to_owned());
+        }
+        let paths = includes.into_iter().map(|name| folder.join(name));
+        waiting.extend(paths.filter(|path| path.is_file() && !is_of_robios(path)));
     }
-    called.retain(|name| !defined.contains(name));
-    called
+    names.calls.retain(|name| !own.contains(name));
+    names.constants.retain(|name| !own.contains(name));
+    names
+}
+
+/// The header by which programs in C++ include RoBIOS-7.
+const CPP_HEADER: &str = "eyebot++.h";
+
+fn file_name(path: &str) -> &str {
+    path.rsplit('/').next().unwrap_or(path)
+}
+
+/// Whether the file is a header of RoBIOS itself, of whatever year: it declares its functions, or defines many of its constants,
+/// and is not one that adds to the header that it wraps.
+pub fn is_of_robios(path: &Path) -> bool {
+    const MANY: usize = 8;
+    let Ok(bytes) = fs::read(path) else { return false };
+    let found = calls_of(&String::from_utf8_lossy(&bytes));
+    let is_function = |name: &String| Generation::ALL.into_iter().any(|generation| generation.has(name));
+    let is_constant = |name: &&String| Generation::ALL.into_iter().any(|generation| generation.has_constant(name));
+    !found.is_wrapper
+        && (found.declared.iter().any(is_function) || found.own.iter().filter(is_constant).count() >= MANY)
 }
 
 #[cfg(test)]
@@ -264,6 +393,17 @@ mod tests {
             "RoBIOS-7 (VWCurve, VWDone, VWTurn, ...)"
         );
         assert_eq!(of_text("f(){ SIMGetPose(&x, &y, &p); }"), "RoBIOS-7 (SIMGetPose)");
+    }
+
+    #[test]
+    fn constants_tell_it_where_functions_do_not() {
+        let text = "int main() { BYTE img[QQVGA_SIZE]; CAMInit(QQVGA); LCDClear(); }";
+        assert_eq!(of_text(text), "RoBIOS-7 (QQVGA, QQVGA_SIZE)");
+        assert_eq!(of_text("int main() { image img; int i = imagerows; LCDClear(); }"), "RoBIOS 6 (imagerows)");
+        let own = "enum { RED, QVGA };\n#define VGA 3\nint main() { int i = QVGA + VGA + RED; LCDClear(); }";
+        assert!(of_text(own).starts_with("RoBIOS 6; its calls are in RoBIOS-7 as well"));
+        assert_eq!(of_text("int main() { VWInit(VW_DRIVE, 1); CAMInit(QVGA); }"), "RoBIOS 6 (VWInit)");
+        assert!(of_text("#include \"eyebot++.h\"\nint main() { LCDClear(); }").starts_with("RoBIOS-7"));
     }
 
     #[test]

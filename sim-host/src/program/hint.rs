@@ -36,6 +36,42 @@ pub fn quoted(names: &[impl AsRef<str>]) -> String {
     names.iter().map(|name| format!("`{}`", name.as_ref())).collect::<Vec<_>>().join(", ")
 }
 
+/// The functions that the compiler says are called without a declaration, each once (gcc and clang, `LC_ALL=C`).
+pub fn undeclared_functions(output: &str) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for line in output.lines() {
+        let rest = ["implicit declaration of function ", "implicitly declaring library function "]
+            .iter()
+            .find_map(|phrase| line.split_once(phrase));
+        let name = rest.and_then(|(_, rest)| rest.trim_start_matches(['\'', '`']).split('\'').next());
+        if let Some(name) = name
+            && !names.iter().any(|known| known == name)
+        {
+            names.push(name.to_owned());
+        }
+    }
+    names
+}
+
+/// Whether the compiler refuses a name of the program's because it has another meaning already.
+pub fn is_collision(output: &str) -> bool {
+    let phrases = [
+        "conflicting",
+        "redeclared",
+        "redeclaration",
+        "redefinition",
+        "redefined",
+        "ambiguat",
+        "is ambiguous",
+        "different exception",
+        "previous declaration",
+        "previous definition",
+        "expected identifier before",
+        "expected unqualified-id before",
+    ];
+    phrases.iter().any(|phrase| output.contains(phrase))
+}
+
 fn line(text: &mut String, hint: &str) {
     // Writing to a string does not fail.
     let _ = write!(text, "\n  {hint}");
@@ -182,6 +218,15 @@ mod tests {
         assert_eq!(undefined_symbols(lld), ["Plan"]);
         assert_eq!(undefined_symbols("a.cpp:3: undefined reference to `Plan(int, char*)'"), ["Plan"]);
         assert!(undefined_symbols("maze.c:3: multiple definition of `main'").is_empty());
+    }
+
+    #[test]
+    fn undeclared_functions_are_read_from_each_compiler() {
+        let gcc = "a.c:1:3: warning: implicit declaration of function 'sleep' [-Wimplicit-function-declaration]\n\
+                   a.c:9:3: warning: implicit declaration of function 'sleep'; did you mean 'strsep'?";
+        assert_eq!(undeclared_functions(gcc), ["sleep"]);
+        let clang = "a.c:1:3: warning: implicitly declaring library function 'sqrt' with type 'double (double)'";
+        assert_eq!(undeclared_functions(clang), ["sqrt"]);
     }
 
     #[test]
