@@ -900,7 +900,8 @@ def AURecord(*arguments):
     """AURecord(time, freq) records the microphone: a value of 0 to 255 for each sample; AURecord(buf, time, freq) into a
     buffer. Times in milliseconds, rates in Hz."""
     *buf, time_ms, freq_hz = arguments
-    size = max(0, _whole(time_ms) * _whole(freq_hz) // 1000)
+    freq_hz = _whole(freq_hz)
+    size = max(0, _whole(time_ms) * freq_hz // 1000)
     data, result = _call(_AURecord, size, freq_hz)
     return _out_image("AURecord", data, size, size, 1, buf[0], result) if buf and _takes(buf[0]) else data
 

@@ -43,6 +43,8 @@ All this is for Linux with glibc and for the compilers gcc and clang.
 - **Input** is at its end.
 - **C++.** The library of C++ is linked into each program, so that its streams, clocks and random numbers end in these
   functions. `std::random_device` draws from the robot's own stream.
+- **Headers** beside a program, whatever they are called, change none of this: what they declare is linked to the functions
+  below. The shim is compiled with eyesim's own headers alone.
 - **Alarms** are refused: they would arrive by signal, in real time.
 
 ## Replaced

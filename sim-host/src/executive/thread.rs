@@ -169,6 +169,9 @@ impl Threads {
     }
 }
 
+/// How many times longer than anything else the import of a module may take.
+const IMPORT_PATIENCE: f64 = 12.0;
+
 impl Executor for ThreadExecutor {
     fn admit(&self, robot: RobotId) {
         while self.robots.count() <= robot.index() {
@@ -288,9 +291,14 @@ impl Executor for ThreadExecutor {
     fn is_overdue(&self, robot: RobotId, timeout: f64) -> bool {
         let threads = self.robot(robot);
         let Some(flow) = threads.working() else { return false };
+        let mut timeout = timeout;
         let look = match threads.child.get() {
             Some(child) if child.is_asked(flow.release()) => return true,
-            Some(child) => Look::at_process(child.pid(), &flow.block),
+            Some(child) => {
+                let (is_importing, spent) = child.imports();
+                timeout *= if is_importing { IMPORT_PATIENCE } else { 1.0 };
+                Look::at_process(child.pid(), &flow.block).map(|look| look.without(spent))
+            }
             None if flow.block.in_host.load(Ordering::Relaxed) => {
                 flow.watch.lock().pause();
                 return false;

@@ -56,6 +56,13 @@ impl Look {
     }
 }
 
+impl Look {
+    /// The same look at a flow whose time for other things does not count.
+    pub fn without(self, other: Duration) -> Self {
+        Self { processor_time: self.processor_time.saturating_sub(other), ..self }
+    }
+}
+
 impl Watch {
     /// The host works for the program, such as on an image: that is not the program's time, which is measured anew behind it.
     pub fn pause(&mut self) {

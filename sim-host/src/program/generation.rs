@@ -280,16 +280,13 @@ pub fn choose(sources: &[PathBuf], wanted: Wanted) -> Result<Choice, GenerationE
         }
         (false, true) => choice(Generation::Robios6, Why::Calls(of_6)),
         (true, false) => choice(Generation::Robios7, Why::Calls(of_7)),
-        (true, true) if of_constants(&constants).is_some() => {
-            let (generation, constants) = of_constants(&constants).unwrap_or((Generation::Robios6, Vec::new()));
-            choice(generation, Why::Constants(constants))
-        }
-        (true, true) if !calls.iter().any(|name| Generation::Robios6.has(name)) => {
-            choice(wanted.dialect.unwrap_or(Generation::Robios6), Why::None)
-        }
-        (true, true) => match wanted.dialect {
-            Some(dialect) => choice(dialect, Why::Dialect),
-            None => choice(Generation::Robios6, Why::Default),
+        (true, true) => match (of_constants(&constants), wanted.dialect) {
+            (Some((generation, constants)), _) => choice(generation, Why::Constants(constants)),
+            (None, dialect) if !calls.iter().any(|name| Generation::Robios6.has(name)) => {
+                choice(dialect.unwrap_or(Generation::Robios6), Why::None)
+            }
+            (None, Some(dialect)) => choice(dialect, Why::Dialect),
+            (None, None) => choice(Generation::Robios6, Why::Default),
         },
     }
 }

@@ -67,6 +67,12 @@ impl Python {
     pub fn command(&self, program: &Path) -> Command {
         let mut command = Command::new(&self.interpreter);
         command.arg("-B").arg(&self.eye).arg(program).env("PYTHONHASHSEED", "0").env("TZ", "UTC0");
+        // Sums of several threads depend on how many there are, which is the machine's; a user who wants them says so.
+        for name in ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"] {
+            if std::env::var_os(name).is_none() {
+                command.env(name, "1");
+            }
+        }
         command
     }
 }

@@ -89,6 +89,8 @@ struct Header {
     thread: AtomicU32,
     channels: AtomicU32,
     host: AtomicU32,
+    is_importing: AtomicU32,
+    import_ms: AtomicU32,
 }
 
 /// One mapped channel.
@@ -291,6 +293,13 @@ impl Channel {
     /// In channel 0: the process of the host.
     pub fn host(&self) -> u32 {
         self.header().host.load(Ordering::Relaxed)
+    }
+
+    /// In channel 0: whether the child imports a module now, and the processor time that earlier imports have taken.
+    pub fn imports(&self) -> (bool, Duration) {
+        let header = self.header();
+        let spent_ms = header.import_ms.load(Ordering::Relaxed);
+        (header.is_importing.load(Ordering::Relaxed) != 0, Duration::from_millis(spent_ms.into()))
     }
 
     /// In channel 0: how many channels there are.

@@ -174,6 +174,11 @@ impl Child {
         &self.first
     }
 
+    /// Whether it imports a module now, and the processor time that earlier imports have taken.
+    pub fn imports(&self) -> (bool, Duration) {
+        self.first.imports()
+    }
+
     /// The process.
     pub fn pid(&self) -> i32 {
         self.pid
