@@ -295,23 +295,28 @@ def _takes(target):
 
 def _fill(target, data, name):
     """Writes bytes to a buffer or image of the program."""
-    target = _pointee(target)
+    target, data = _pointee(target), bytes(data)
     if target is None:
         return
     if isinstance(target, _ctypes.c_void_p):
-        _ctypes.memmove(target, bytes(data), len(data))
+        _ctypes.memmove(target, data, len(data))
         return
-    if len(target) * getattr(target, "itemsize", 1) < len(data) and not hasattr(target, "nbytes"):
-        raise ValueError(f"{name}: the buffer has {len(target)} bytes, but {len(data)} are needed")
     if isinstance(target, list):
-        target[: len(data)] = list(data)
-        return
-    view = memoryview(target)
-    if view.readonly or not view.contiguous:
-        raise TypeError(f"{name}: the buffer cannot be written to, or has gaps")
-    if view.nbytes < len(data):
-        raise ValueError(f"{name}: the buffer has {view.nbytes} bytes, but {len(data)} are needed")
-    view.cast("B")[: len(data)] = bytes(data)
+        room = len(target)
+    else:
+        try:
+            view = memoryview(target)
+        except TypeError:
+            raise TypeError(f"{name}: expected a buffer, got {target!r:.100}") from None
+        if view.readonly or not view.c_contiguous:
+            raise TypeError(f"{name}: the buffer cannot be written to, or has gaps")
+        room = view.nbytes
+    if room < len(data):
+        raise ValueError(f"{name}: the buffer has {room} bytes, but {len(data)} are needed")
+    if isinstance(target, list):
+        target[: len(data)] = data
+    else:
+        view.cast("B")[: len(data)] = data
 
 
 def _store(target, values, name):
@@ -319,13 +324,12 @@ def _store(target, values, name):
     target = _pointee(target)
     if target is None:
         return
-    if isinstance(target, _SIMPLE) and not isinstance(target, _ctypes.c_void_p):
-        kind = type(values[0])
-        target.value = bytes(values[:1]) if isinstance(target, _ctypes.c_char) else kind(values[0])
-        return
     if isinstance(target, _ctypes.c_void_p):
         kind = _ctypes.c_float if isinstance(values[0], float) else _ctypes.c_int
         target = _ctypes.cast(target, _ctypes.POINTER(kind))
+    elif isinstance(target, _SIMPLE):
+        target.value = bytes(values[:1]) if isinstance(target, _ctypes.c_char) else values[0]
+        return
     elif len(target) < len(values):
         raise ValueError(f"{name}: there is room for {len(target)} numbers, but {len(values)} are needed")
     for index, value in enumerate(values):
