@@ -59,7 +59,8 @@ pub fn calls_of(text: &str) -> Calls {
             }
             Token::Name(name) => {
                 let is_enumerator = is_enum && matches!(before, Some(Token::Mark('{' | ',')));
-                let is_own = is_enumerator || before == Some(Token::Name("define")) || is_type(before);
+                let is_value = index.checked_sub(2).is_some_and(|at| tokens[at] == Token::Name("define"));
+                let is_own = is_enumerator || before == Some(Token::Name("define")) || is_type(before) && !is_value;
                 let names = if is_own { &mut calls.own } else { &mut calls.used };
                 names.insert(name.to_owned());
             }

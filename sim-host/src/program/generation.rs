@@ -72,18 +72,19 @@ impl Generation {
             }
         }
     }
-}
 
-impl Generation {
     /// Whether `name` is a constant or type of its header that no program has of its own by chance: `QVGA_SIZE` is, `RED` is not.
     pub fn has_constant(self, name: &str) -> bool {
-        let is_telling = |constant: &&Constant| constant.name == name && name.contains('_');
+        let is_telling = |constant: &Constant| constant.name == name && name.contains('_');
         match self {
-            Self::Robios6 => robios6::CONSTANTS.iter().any(|it| is_telling(&it)) || TYPES_OF_6.contains(&name),
+            Self::Robios6 => {
+                let constants = robios6::CONSTANTS.iter().chain(robios6::semantics::SEMANTICS);
+                constants.chain(robios6::hdt_type::HDT_TYPES).any(is_telling) || TYPES_OF_6.contains(&name)
+            }
             Self::Robios7 => {
                 let of_size = |size: &&str| name.strip_prefix(*size).is_some_and(|rest| OF_SIZES_OF_7.contains(&rest));
-                robios7::CONSTANTS.iter().any(|it| is_telling(&it))
-                    || SIZES_OF_7.iter().any(|size| of_size(&size))
+                robios7::CONSTANTS.iter().any(is_telling)
+                    || SIZES_OF_7.iter().any(of_size)
                     || TYPES_OF_7.contains(&name)
             }
         }
