@@ -38,7 +38,7 @@ pub fn position(robot: &mut Robot, servo: i32) -> i32 {
     let Some(index) = robot.find_numbered(Call::SERVOGet, HDT_SERVO, servo, &[]) else {
         return robot.failed(Call::SERVOGet, -1);
     };
-    let [low, high] = robot.devices.servos.range(index).map(f64::from);
+    let [low, high] = robot.robios.servos.range(index).map(f64::from);
     let own = f64::from(robot.devices.servos.position(index));
     let position = if low == high { own } else { 255.0 * (own - low) / (high - low) };
     position.round().clamp(0.0, 255.0) as i32
