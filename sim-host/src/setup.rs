@@ -4,8 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
-use sim_core::noise::Profile;
-use sim_core::spec::{NoiseRef, ObjectSpec, PathRef, RobotSpec, SceneSpec, Span};
+use sim_core::spec::{ObjectSpec, PathRef, RobotSpec, SceneSpec, Span};
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
@@ -277,25 +276,6 @@ pub fn build_world(
     options: &RobotOptions<'_>,
 ) -> anyhow::Result<(World, Vec<Robot>)> {
     Maker::new(scene, options).world(scene, &programs.of_robots)
-}
-
-/// The noise profiles of the robots, each made once.
-#[derive(Default)]
-pub(crate) struct Profiles<'a> {
-    made: Vec<(&'a NoiseRef, Option<Arc<Profile>>)>,
-}
-
-impl<'a> Profiles<'a> {
-    /// The profile of a robot; `None` where it has no errors.
-    pub fn of(&mut self, robot: &'a RobotSpec) -> Option<Arc<Profile>> {
-        let noise = robot.noise.as_ref()?;
-        if let Some((_, made)) = self.made.iter().find(|(known, _)| *known == noise) {
-            return made.clone();
-        }
-        let made = noise.profile().map(Arc::new);
-        self.made.push((noise, made.clone()));
-        made
-    }
 }
 
 /// The robots and objects of a scene by their numbers for programs.

@@ -2,17 +2,13 @@
 
 mod types;
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
 use sim_core::build;
-use sim_core::drive::{Model, Motion};
 use sim_core::noise::{Profile, Radio};
 use sim_core::pose::Pose;
-use sim_core::radio::Channel;
-use sim_core::scene::{Ground, Walls};
 use sim_core::spec::{ObjectSpec, ObjectType, RobiSpec, RobotSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_core::world::World;
@@ -26,12 +22,12 @@ use crate::record::frame::Frames;
 use crate::robios::Robios;
 use crate::robios::irtv::Remote;
 use crate::robios::key::{Keys, Press};
-use crate::robios::robot::{Robot, RobotParts};
+use crate::robios::robot::Robot;
 use crate::robios::storage::Storage;
 use crate::robios::truth::Census;
 use crate::scenery::{LazyScenery, Newcomer};
-use crate::setup::{self, Profiles, Programs, RobotOptions};
-use sim_core::simulation::Placeable;
+use crate::setup::{self, Programs, RobotOptions};
+use sim_core::simulation::{Placeable, RobotFactory};
 pub use types::Types;
 
 /// Most robots that may come into a run after its start, those that have left again included: each keeps its number, its record
@@ -144,8 +140,7 @@ impl Workshop {
             dialect: model.and_then(|robot| robot.dialect),
             span: Default::default(),
         };
-        let profile = spec.noise.as_ref().and_then(|noise| noise.profile()).map(Arc::new);
-        let (robot, heard) = self.maker.robot(&spec, prepared.as_ref(), profile, since)?;
+        let (robot, heard) = self.maker.robot(&spec, prepared.as_ref(), since)?;
         let program = prepared.map(|prepared| Ok::<_, anyhow::Error>((self.load(&spec, &prepared)?, prepared)));
         Ok(NewRobot { spec, robot, heard, program: program.transpose()? })
     }
@@ -197,36 +192,24 @@ impl Workshop {
 /// Makes the robots of a run.
 pub(crate) struct Maker {
     folder: PathBuf,
-    seed: u64,
-    slot: Time,
+    robots: RobotFactory,
     keys: Vec<Press>,
     may_execute: bool,
-    is_verbose: bool,
     scenery: Arc<LazyScenery>,
     frames: Option<Arc<Frames>>,
-    walls: Arc<Walls>,
-    /// What legged robots walk on.
-    ground: Arc<Ground>,
     census: Arc<Census>,
-    /// By the files of the types.
-    models: BTreeMap<String, Arc<Model>>,
 }
 
 impl Maker {
     pub fn new(scene: &SceneSpec, options: &RobotOptions<'_>) -> Self {
         Self {
             folder: Path::new(&scene.folder).to_owned(),
-            seed: options.seed,
-            slot: options.slot,
+            robots: RobotFactory::new(scene, options.seed, options.slot, options.is_verbose),
             keys: options.keys.to_vec(),
             may_execute: options.may_execute,
-            is_verbose: options.is_verbose,
             scenery: Arc::clone(&options.scenery),
             frames: options.frames.clone(),
-            walls: build::obstacles(scene),
-            ground: build::ground(&scene.world),
             census: Arc::new(setup::census(scene)),
-            models: BTreeMap::new(),
         }
     }
 
@@ -237,19 +220,15 @@ impl Maker {
         programs: &[Option<Arc<Prepared>>],
     ) -> anyhow::Result<(World, Vec<Robot>)> {
         debug_assert!(scene.robots.iter().enumerate().all(|(index, robot)| robot.id.index() == index));
-        let mut profiles = Profiles::default();
         let mut robots = Vec::with_capacity(scene.robots.len());
         let mut heard = Vec::with_capacity(scene.robots.len());
         for (spec, program) in scene.robots.iter().zip(programs) {
-            let (robot, radio) = self.robot(spec, program.as_ref(), profiles.of(spec), Time::ZERO)?;
+            let (robot, radio) = self.robot(spec, program.as_ref(), Time::ZERO)?;
             robots.push(robot);
             heard.push(radio);
         }
-        let walls = Arc::clone(&self.walls);
-        let world = World::new(walls, self.slot, robots.iter_mut().map(|robot| &mut robot.motion));
-        let objects = build::movable(scene).map(|object| (build::properties(object), object.pose));
-        let radio = Channel::new(scene.radio, self.seed, heard);
-        Ok((world.with_objects(objects).with_space(build::space(scene)).with_radio(radio), robots))
+        let world = self.robots.world(scene, robots.iter_mut().map(|robot| &mut robot.state), heard);
+        Ok((world, robots))
     }
 
     /// A robot that comes at `since`, and what happens to its messages.
@@ -257,12 +236,9 @@ impl Maker {
         &mut self,
         spec: &RobotSpec,
         program: Option<&Arc<Prepared>>,
-        profile: Option<Arc<Profile>>,
         since: Time,
     ) -> anyhow::Result<(Robot, Radio)> {
-        let new_model = || Arc::new(build::model(&spec.robi));
-        let model = Arc::clone(self.models.entry(spec.robi.file.clone()).or_insert_with(new_model));
-        model.check().with_context(|| format!("robot type `{}`", spec.robi.file))?;
+        let (state, heard) = self.robots.robot(spec, since)?;
         let is_meant = |press: &&Press| press.robot.is_none_or(|robot| robot == spec.id) && press.at >= since;
         let presses = self.keys.iter().filter(is_meant);
         let generation = program.and_then(|program| program.generation());
@@ -274,23 +250,11 @@ impl Maker {
         robios.storage = Storage::new(&self.folder);
         robios.os.may_execute = self.may_execute;
         robios.camera = robios.camera.in_run(Arc::clone(&self.scenery), self.frames.clone());
-        let mut motion = Motion::new(spec.id, model, Arc::clone(&self.walls), spec.start).starting_at(since);
-        if let Some(legs) = build::legs(&spec.robi) {
-            motion = motion.with_legs(legs, Arc::clone(&self.ground));
+        if state.noise().camera != Profile::default().camera {
+            robios.camera.set_errors(state.noise(), state.seed(), state.id);
         }
-        let heard = profile.as_ref().map(|profile| profile.radio).unwrap_or_default();
-        let mut robot = Robot::new(RobotParts {
-            program: program.map(|program| program.name.clone()).unwrap_or_default(),
-            start: since,
-            motion,
-            spec: Arc::clone(&spec.robi),
-            robios,
-            seed: self.seed,
-            is_verbose: self.is_verbose,
-        });
-        if let Some(profile) = profile {
-            robot = robot.with_noise(&profile).context("noise of the drive")?;
-        }
+        let name = program.map(|program| program.name.clone()).unwrap_or_default();
+        let mut robot = Robot::new(state, robios, name);
         robot.record_start();
         Ok((robot, heard))
     }

@@ -35,6 +35,11 @@ impl Recorder {
         Self { digest: RunDigest::new(seed, slot), interest, pages: Vec::new(), used: 0, order: Vec::new() }
     }
 
+    /// Shows events of the kinds of `interest` from this slot on.
+    pub fn set_interest(&mut self, interest: KindSet) {
+        self.interest = interest;
+    }
+
     /// Takes what `journal` recorded in this slot and begins its next one. To be called in order of the robots' ids;
     /// robots that did nothing may be left out.
     pub fn collect(&mut self, journal: &mut Journal) {

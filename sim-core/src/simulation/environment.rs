@@ -3,7 +3,7 @@
 use super::traffic::Traffic;
 use super::{Placeable, Placement, Robot};
 use crate::drive::Motion;
-use crate::record::{Event, Journal, Recorder, WORLD};
+use crate::record::{Digest, Event, Journal, Recorder, WORLD};
 use crate::time::Time;
 use crate::world::World;
 use crate::{ObjectId, RobotId};
@@ -53,6 +53,11 @@ impl Environment {
     /// The record.
     pub fn recorder(&mut self) -> &mut Recorder {
         &mut self.recorder
+    }
+
+    /// The digest of the run up to the last slot that has ended.
+    pub fn digest(&self) -> Digest {
+        self.recorder.digest()
     }
 
     /// The journal of what belongs to no robot.

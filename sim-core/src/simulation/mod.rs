@@ -1,14 +1,19 @@
 //! The simulation: robots with their devices in one environment, advanced slot by slot.
 //!
-//! [`Robot`] is all that is known of one robot, [`Environment`] what they share. Programs, threads and files are not known here:
-//! whoever runs programs lets each robot act within the slot, at its own virtual time, and ends the slot.
+//! [`Robot`] is all that is known of one robot, [`Environment`] what they share; [`Simulation`] is both as one value, for callers that
+//! drive robots themselves. Programs, threads and files are not known here: whoever runs programs lets each robot act within the slot,
+//! at its own virtual time, and ends the slot.
 
 mod environment;
+mod factory;
 mod placement;
 mod robot;
 mod station;
 mod traffic;
+mod value;
 
 pub use environment::{Environment, SlotEnd};
+pub use factory::{FactoryError, RobotFactory};
 pub use placement::{Placeable, Placement};
 pub use robot::{Robot, WalkRecord};
+pub use value::{DEFAULT_SLOT, Options, Simulation};

@@ -313,6 +313,11 @@ impl Robot {
         self.journal.record(at, &event);
     }
 
+    /// Records that its program, of this name, begins; the name is empty for a robot without one.
+    pub fn record_start(&mut self, program: &str) {
+        self.record(Event::ProgramStarted { program });
+    }
+
     /// Tells the user of a likely mistake.
     pub fn hint(&mut self, text: &str) {
         self.journal.record(self.now, &Event::Hint { text });

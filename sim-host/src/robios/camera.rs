@@ -402,7 +402,6 @@ mod tests {
     use sim_core::pose::{Pose, Twist};
     use sim_format::read_robi;
 
-    use super::super::robot::RobotParts;
     use super::super::{Robios, key, servo};
     use super::*;
 
@@ -417,8 +416,8 @@ mod tests {
         let mut motion = Motion::new(RobotId(1), model, walls.clone(), Pose::new(1.0, 0.5, FRAC_PI_2));
         let world = World::new(walls, Time::from_millis(100_000), [&mut motion]);
         let robios = Robios::new(&spec, key::Keys::default());
-        let (program, spec) = ("test".to_owned(), Arc::new(spec));
-        (Robot::new(RobotParts { program, start: Time::ZERO, motion, robios, spec, seed: 0, is_verbose: false }), world)
+        let state = simulation::Robot::new(motion, Arc::new(spec), Time::ZERO, 0, false);
+        (Robot::new(state, robios, "test".to_owned()), world)
     }
 
     #[test]

@@ -1,14 +1,12 @@
 //! One robot of a run: the robot of the simulation, and what its running program keeps, waits for and how it ended.
 
 use std::ops::{Deref, DerefMut};
-use std::sync::Arc;
 
 use robios_sys::{Robios6Call, SupportCall};
-use sim_core::drive::{ModelError, Motion};
+use sim_core::drive::ModelError;
 use sim_core::noise::Profile;
 use sim_core::record::Event;
 use sim_core::simulation;
-use sim_core::spec::RobiSpec;
 use sim_core::time::Time;
 
 use super::Robios;
@@ -51,24 +49,6 @@ impl DerefMut for Robot {
     fn deref_mut(&mut self) -> &mut Self::Target {
         &mut self.state
     }
-}
-
-/// What a robot is made of.
-pub struct RobotParts {
-    /// The name of its program; empty for a robot without one.
-    pub program: String,
-    /// When it starts.
-    pub start: Time,
-    /// Where it starts.
-    pub motion: Motion,
-    /// What its robi file says.
-    pub spec: Arc<RobiSpec>,
-    /// What RoBIOS keeps for its program.
-    pub robios: Robios,
-    /// Seed of the run.
-    pub seed: u64,
-    /// True when its calls are to be recorded.
-    pub is_verbose: bool,
 }
 
 /// A wait in progress.
@@ -128,19 +108,11 @@ pub enum Ending {
 }
 
 impl Robot {
-    /// A robot at its start.
-    pub fn new(parts: RobotParts) -> Self {
-        let RobotParts { program, start, motion, spec, robios, seed, is_verbose } = parts;
-        let generators = Generators::new(seed, motion.id());
-        Self {
-            state: simulation::Robot::new(motion, spec, start, seed, is_verbose),
-            robios,
-            program,
-            generators,
-            timers: Timers::default(),
-            tasks: Tasks::default(),
-            ending: None,
-        }
+    /// A robot at its start, whose program has this name.
+    pub fn new(state: simulation::Robot, robios: Robios, program: String) -> Self {
+        let generators = Generators::new(state.seed(), state.id);
+        let (timers, tasks) = (Timers::default(), Tasks::default());
+        Self { state, robios, program, generators, timers, tasks, ending: None }
     }
 
     /// Somebody presses a key, touches the display or uses a remote control at `at`, the start of a slot.
@@ -150,15 +122,6 @@ impl Robot {
             None => self.robios.keys.press(at, touch),
         }
         self.tasks.look_at_input(at);
-    }
-
-    /// This robot, to which nothing has happened yet, with these errors.
-    ///
-    /// # Errors
-    /// The first number that makes no sense for its drive.
-    pub fn with_noise(mut self, profile: &Profile) -> Result<Self, ModelError> {
-        self.set_noise(self.now, profile)?;
-        Ok(self)
     }
 
     /// From `at` on, the start of the present slot, it has these errors; those of its radio are the channel's.
@@ -192,7 +155,7 @@ impl Robot {
 
     /// Records that its program begins.
     pub fn record_start(&mut self) {
-        self.state.journal.record(self.state.now, &Event::ProgramStarted { program: &self.program });
+        self.state.record_start(&self.program);
     }
 
     /// Records how its program stands at the end of the run.

@@ -12,12 +12,13 @@ use sim_core::RobotId;
 use sim_core::build;
 use sim_core::drive::Motion;
 use sim_core::pose::Pose;
+use sim_core::simulation;
 use sim_core::time::Time;
 use sim_format::{read_companion, read_robi, read_world};
 
 use super::caller::Poll;
 use super::key::{Keys, Touch};
-use super::robot::{Ending, RobotParts, Waits};
+use super::robot::{Ending, Waits};
 use super::*;
 
 /// A robot of 200 mm on the axle's middle, wheels of 100 mm with 1,000 ticks a turn, 10 turns a second at most.
@@ -79,15 +80,9 @@ impl Bench {
         let world = World::new(walls, Time::from_millis(100_000), [&mut motion]);
         let presses = [(Time(2_500_000), KEY1), (Time(3_000_000), KEY3)];
         let keys = Keys::scripted(presses.map(|(at, code)| (at, Touch::Key(code))));
-        let robot = Robot::new(RobotParts {
-            start: Time::ZERO,
-            program: "test".to_owned(),
-            motion,
-            robios: Robios::new(&spec, keys),
-            spec: Arc::new(spec),
-            seed: 0,
-            is_verbose: false,
-        });
+        let robios = Robios::new(&spec, keys);
+        let state = simulation::Robot::new(motion, Arc::new(spec), Time::ZERO, 0, false);
+        let robot = Robot::new(state, robios, "test".to_owned());
         Self { robot, world }
     }
 

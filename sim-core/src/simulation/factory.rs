@@ -1,0 +1,106 @@
+//! From a scene to the robots and the world of a simulation.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::Robot;
+use crate::build;
+use crate::drive::{Model, ModelError, Motion};
+use crate::noise::{Profile, Radio};
+use crate::radio::Channel;
+use crate::scene::{Ground, Walls};
+use crate::spec::{NoiseRef, RobotSpec, SceneSpec};
+use crate::time::Time;
+use crate::world::World;
+
+/// Makes robots of a scene: those of its start, and those that come later.
+#[derive(Clone, Debug)]
+pub struct RobotFactory {
+    seed: u64,
+    slot: Time,
+    is_verbose: bool,
+    walls: Arc<Walls>,
+    /// What legged robots walk on.
+    ground: Arc<Ground>,
+    /// By the files of the types.
+    models: BTreeMap<String, Arc<Model>>,
+    /// The noise profiles of the robots, each made once.
+    profiles: Vec<(NoiseRef, Option<Arc<Profile>>)>,
+}
+
+/// Why a robot cannot be simulated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("robot type `{file}`: {part}{error}")]
+pub struct FactoryError {
+    /// The file of the robot's type.
+    pub file: String,
+    /// `noise of the drive: ` where its errors are meant; empty for its type.
+    pub part: &'static str,
+    /// A value with which nothing can be computed.
+    pub error: ModelError,
+}
+
+impl RobotFactory {
+    /// The factory of a run of `scene` with `seed` and slots of length `slot`; `is_verbose` says whether somebody wants to see calls.
+    pub fn new(scene: &SceneSpec, seed: u64, slot: Time, is_verbose: bool) -> Self {
+        Self {
+            seed,
+            slot,
+            is_verbose,
+            walls: build::obstacles(scene),
+            ground: build::ground(&scene.world),
+            models: BTreeMap::new(),
+            profiles: Vec::new(),
+        }
+    }
+
+    /// Seed of the run.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// The robot of `spec`, which comes at `since`, and what happens to its messages.
+    ///
+    /// # Errors
+    /// A robot type, or errors of its drive, with which nothing can be computed.
+    pub fn robot(&mut self, spec: &RobotSpec, since: Time) -> Result<(Robot, Radio), FactoryError> {
+        let failed = |part| move |error| FactoryError { file: spec.robi.file.clone(), part, error };
+        let new_model = || Arc::new(build::model(&spec.robi));
+        let model = Arc::clone(self.models.entry(spec.robi.file.clone()).or_insert_with(new_model));
+        model.check().map_err(failed(""))?;
+        let mut motion = Motion::new(spec.id, model, Arc::clone(&self.walls), spec.start).starting_at(since);
+        if let Some(legs) = build::legs(&spec.robi) {
+            motion = motion.with_legs(legs, Arc::clone(&self.ground));
+        }
+        let mut robot = Robot::new(motion, Arc::clone(&spec.robi), since, self.seed, self.is_verbose);
+        let Some(profile) = self.profile(spec) else { return Ok((robot, Radio::default())) };
+        robot.set_noise(since, &profile).map_err(failed("noise of the drive: "))?;
+        Ok((robot, profile.radio))
+    }
+
+    /// The world of `scene`, which is this factory's, at time 0 with these robots, in the order of their ids, each with what happens
+    /// to its messages.
+    pub fn world<'a>(
+        &self,
+        scene: &SceneSpec,
+        robots: impl IntoIterator<Item = &'a mut Robot>,
+        heard: Vec<Radio>,
+    ) -> World {
+        let motions = robots.into_iter().map(|robot| &mut robot.motion);
+        let objects = build::movable(scene).map(|object| (build::properties(object), object.pose));
+        let radio = Channel::new(scene.radio, self.seed, heard);
+        let world = World::new(Arc::clone(&self.walls), self.slot, motions);
+        world.with_objects(objects).with_space(build::space(scene)).with_radio(radio)
+    }
+
+    /// The noise profile of a robot; `None` where it has no errors.
+    fn profile(&mut self, robot: &RobotSpec) -> Option<Arc<Profile>> {
+        let noise = robot.noise.as_ref()?;
+        if let Some((_, made)) = self.profiles.iter().find(|(known, _)| known == noise) {
+            return made.clone();
+        }
+        let made = noise.profile().map(Arc::new);
+        self.profiles.push((noise.clone(), made.clone()));
+        made
+    }
+}

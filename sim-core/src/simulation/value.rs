@@ -1,0 +1,191 @@
+//! A whole simulation as one value: owned, advanced, looked at, copied and set back by its caller.
+
+use std::convert::Infallible;
+
+use super::{Environment, FactoryError, Robot, RobotFactory};
+use crate::RobotId;
+use crate::drive::{Command, CommandError};
+use crate::record::{Digest, KindSet, Record, Recorder};
+use crate::spec::SceneSpec;
+use crate::time::Time;
+use crate::world::World;
+
+/// Robots in their environment, without programs: their caller drives them through the devices, noise and timing that a program
+/// would get.
+///
+/// It is a value: a [`Clone`] is a snapshot, and assigning that back restores it. Whatever happens to a copy, the original goes on as
+/// if there were none, and both go on alike, to the bit. Walls, meshes and types are shared between copies.
+///
+/// A command acts at the present time, [`Simulation::now`]; other robots see it from the next slot on. Within a slot the order in which
+/// robots act changes nothing. Nothing here reads a file, a clock or anything else from outside.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    environment: Environment,
+    /// In the order of their ids.
+    robots: Vec<Robot>,
+    /// Robots that may have acted in the present slot.
+    acted: Vec<RobotId>,
+    now: Time,
+}
+
+/// What a simulation is told beside its scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Options {
+    /// Seed of all randomness; that of the scene, else 0, where none is given.
+    pub seed: Option<u64>,
+    /// Length of a slot; that of the scene, else 50 ms, where none is given. Positive.
+    pub slot: Option<Time>,
+}
+
+/// Length of a slot where nobody says anything else.
+pub const DEFAULT_SLOT: Time = Time::from_millis(50);
+
+impl Simulation {
+    /// The simulation of `scene` at time 0.
+    ///
+    /// # Errors
+    /// A robot type, or errors of its drive, with which nothing can be computed.
+    ///
+    /// # Panics
+    /// If the slot is not positive.
+    pub fn new(scene: &SceneSpec, options: &Options) -> Result<Self, FactoryError> {
+        let seed = options.seed.or(scene.run.seed).unwrap_or(0);
+        let slot = options.slot.or(scene.run.slot).unwrap_or(DEFAULT_SLOT);
+        let mut factory = RobotFactory::new(scene, seed, slot, false);
+        let made = scene.robots.iter().map(|spec| factory.robot(spec, Time::ZERO));
+        let (mut robots, heard): (Vec<Robot>, Vec<_>) = made.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+        robots.iter_mut().for_each(|robot| robot.record_start(""));
+        let world = factory.world(scene, &mut robots, heard);
+        let acted = robots.iter().map(|robot| robot.id).collect();
+        let recorder = Recorder::new(seed, slot, KindSet::NONE);
+        Ok(Self { environment: Environment::new(world, recorder), robots, acted, now: Time::ZERO })
+    }
+
+    /// The present time, that of all robots.
+    pub fn now(&self) -> Time {
+        self.now
+    }
+
+    /// The world, as it was made public at the start of the present slot.
+    pub fn world(&self) -> &World {
+        &self.environment.world
+    }
+
+    /// Number of robots; their ids are 1 to this.
+    pub fn robot_count(&self) -> usize {
+        self.robots.len()
+    }
+
+    /// Robot `id`: its true motion, its devices, its spec.
+    ///
+    /// # Panics
+    /// If there is no such robot.
+    pub fn robot(&self, id: RobotId) -> &Robot {
+        &self.robots[id.index()]
+    }
+
+    /// Lets `act` read and change robot `id` now: devices, radio, drive.
+    ///
+    /// # Panics
+    /// If there is no such robot.
+    pub fn with_robot<R>(&mut self, id: RobotId, act: impl FnOnce(&mut Robot, &World) -> R) -> R {
+        if self.acted.last() != Some(&id) {
+            self.acted.push(id);
+        }
+        act(&mut self.robots[id.index()], &self.environment.world)
+    }
+
+    /// Gives the drive of robot `id` a command now.
+    ///
+    /// # Errors
+    /// [`CommandError`] for what the drive cannot do; nothing changes then.
+    ///
+    /// # Panics
+    /// If there is no such robot.
+    pub fn command(&mut self, id: RobotId, command: Command) -> Result<(), CommandError> {
+        self.with_robot(id, |robot, world| robot.command(world, command))
+    }
+
+    /// What range sensor `index` of robot `id` reads now, with its errors, m; `None` when nothing is within its reach.
+    ///
+    /// # Panics
+    /// If there is no such robot.
+    pub fn range(&mut self, id: RobotId, index: usize) -> Option<f64> {
+        self.robots[id.index()].read_range(&self.environment.world, index).distance
+    }
+
+    /// Goes on to `time`; nothing happens if that is not later than [`Simulation::now`].
+    pub fn advance_to(&mut self, time: Time) {
+        let Ok(()) = self.advance_with(time, |_| Ok::<(), Infallible>(()));
+    }
+
+    /// Goes on to `time`; `show` gets what is recorded at the end of each slot, in order of (virtual time, robot, sequence), as far as
+    /// it is of [interest](Recorder::set_interest).
+    ///
+    /// # Errors
+    /// The first error of `show`; the simulation then stands at the end of that slot.
+    pub fn advance_with<E>(&mut self, time: Time, mut show: impl FnMut(&Record<'_>) -> Result<(), E>) -> Result<(), E> {
+        while self.now < time {
+            let slot_end = self.world().slot_end();
+            self.pass_to(time.min(slot_end));
+            if time < slot_end {
+                break;
+            }
+            self.end_slot();
+            let ended = self.environment.recorder().end_slot(slot_end, &mut show);
+            self.skip_to(time);
+            ended?;
+        }
+        Ok(())
+    }
+
+    /// Shows events of these kinds to who [looks on](Simulation::advance_with).
+    pub fn set_interest(&mut self, interest: KindSet) {
+        self.environment.recorder().set_interest(interest);
+    }
+
+    /// The digest of everything recorded up to the last slot that has ended.
+    pub fn digest(&self) -> Digest {
+        self.environment.digest()
+    }
+
+    /// Lets all robots pass to `time`, within the present slot or at its end; measurements are computed on the way that end.
+    fn pass_to(&mut self, time: Time) {
+        let Self { environment, robots, now, .. } = self;
+        let slot_end = environment.world.slot_end();
+        for robot in robots {
+            while robot.devices.due() <= time && robot.devices.due() < slot_end {
+                robot.now = robot.now.max(robot.devices.due());
+                robot.settle(&environment.world);
+            }
+            robot.now = time;
+        }
+        *now = time;
+    }
+
+    fn end_slot(&mut self) {
+        let Self { environment, robots, acted, .. } = self;
+        let concerned = environment.concerned(std::mem::take(acted), |id, act| act(&mut robots[id.index()]));
+        // The robots and their ids are in the same order.
+        let mut next = concerned.iter().copied().peekable();
+        let is_concerned = |robot: &&mut Robot| next.next_if_eq(&robot.id).is_some();
+        let mut states: Vec<&mut Robot> = robots.iter_mut().filter(is_concerned).collect();
+        environment.end_slot(&mut states);
+    }
+
+    /// Skips the slots before `time` in which nothing happens.
+    fn skip_to(&mut self, time: Time) {
+        let world = &self.environment.world;
+        let following = world.slot_start();
+        if world.is_object_moving() || self.environment.is_robot_moving() {
+            return;
+        }
+        let due = self.robots.iter().map(|robot| robot.devices.due()).fold(self.environment.message_due(), Time::min);
+        let next = due.min(time).floor_to(world.slot()).max(following);
+        if next > following {
+            self.environment.world.advance_to(next);
+            self.robots.iter_mut().for_each(|robot| robot.now = next);
+            self.now = next;
+        }
+    }
+}
