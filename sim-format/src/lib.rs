@@ -41,8 +41,8 @@ pub use convert::{Converted, Output, Standing, convert, scene_as_it_stands};
 pub use diagnostic::{Diagnostic, Severity, has_errors};
 pub use esobj::read_esobj;
 pub use load::{
-    FileError, Files, InputFile, Loaded, decode, load_maze, load_noise, load_object, load_robi, load_scene,
-    load_scene_with, load_world,
+    FileError, Files, InputFile, Loaded, MemoryFiles, decode, load_maze, load_noise, load_object, load_robi,
+    load_scene, load_scene_with, load_world,
 };
 pub use maze::read_maze;
 pub use mesh::MeshReader;

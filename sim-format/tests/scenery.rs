@@ -14,31 +14,13 @@ use sim_core::spec::{Collider, LightSpec, ObjectType, RobiSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
-use sim_format::{FileError, Files, MeshReader, builtin, load_scene, load_world, read_companion, read_robi};
+use sim_format::{MemoryFiles, MeshReader, builtin, load_scene, load_world, read_companion, read_robi};
 
-/// A file system that has these files.
-struct Memory(Vec<(&'static str, Vec<u8>)>);
-
-impl Files for Memory {
-    fn read(&self, path: &str) -> Result<Vec<u8>, FileError> {
-        let file = self.0.iter().find(|(name, _)| *name == path);
-        file.map(|(_, bytes)| bytes.clone()).ok_or(FileError::Missing)
-    }
-
-    fn list(&self, _: &str) -> Vec<String> {
-        Vec::new()
-    }
-
-    fn home(&self) -> Option<&str> {
-        None
-    }
+fn memory<const N: usize>(texts: [(&'static str, &str); N]) -> MemoryFiles {
+    texts.into_iter().collect()
 }
 
-fn memory<const N: usize>(texts: [(&'static str, &str); N]) -> Memory {
-    Memory(texts.into_iter().map(|(name, text)| (name, text.as_bytes().to_vec())).collect())
-}
-
-fn of(scene: &SceneSpec, files: &Memory) -> Scenery {
+fn of(scene: &SceneSpec, files: &MemoryFiles) -> Scenery {
     let mut reader = MeshReader::new(files);
     let scenery = scenery(scene, &mut reader);
     assert_eq!(reader.finish().0, []);

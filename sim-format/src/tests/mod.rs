@@ -18,34 +18,25 @@ use sim_core::pose::Pose;
 /// Files in memory.
 #[derive(Default)]
 pub(super) struct Memory {
-    files: BTreeMap<String, Vec<u8>>,
+    files: MemoryFiles,
 }
 
 impl Memory {
     pub(super) fn new(files: &[(&str, &str)]) -> Self {
-        let files = files.iter().map(|(path, text)| ((*path).to_owned(), text.as_bytes().to_vec()));
-        Self { files: files.collect() }
+        Self { files: files.iter().map(|(path, text)| (*path, *text)).collect() }
     }
 }
 
 impl Files for Memory {
     fn read(&self, path: &str) -> Result<Vec<u8>, FileError> {
-        match self.files.get(path) {
-            Some(_) if path.starts_with("locked") => Err(FileError::Unreadable("permission denied".to_owned())),
-            Some(bytes) => Ok(bytes.clone()),
-            None => Err(FileError::Missing),
+        match self.files.read(path) {
+            Ok(_) if path.starts_with("locked") => Err(FileError::Unreadable("permission denied".to_owned())),
+            result => result,
         }
     }
 
     fn list(&self, folder: &str) -> Vec<String> {
-        let prefix = match folder {
-            "" | "/" => folder.to_owned(),
-            folder => format!("{folder}/"),
-        };
-        let below = self.files.keys().filter_map(|path| path.strip_prefix(&prefix));
-        let mut names: Vec<String> = below.map(|rest| rest.split('/').next().unwrap_or_default().to_owned()).collect();
-        names.dedup();
-        names
+        self.files.list(folder)
     }
 
     fn home(&self) -> Option<&str> {

@@ -1,0 +1,236 @@
+//! The simulation as a value: stepped in any interleaving, copied and set back, it is the same to the bit.
+
+use std::sync::{Arc, LazyLock};
+
+use proptest::prelude::*;
+use sim_core::RobotId;
+use sim_core::drive::Command;
+use sim_core::pose::Twist;
+use sim_core::radio::Address;
+use sim_core::record::{Event, KindSet, Record};
+use sim_core::simulation::{Options, Robot, Simulation};
+use sim_core::spec::SceneSpec;
+use sim_core::time::Time;
+use sim_core::world::World;
+use sim_format::{MemoryFiles, load_scene};
+
+/// Robots of several kinds with errors, a radio that loses messages, and things to push.
+const SCENE: &str = r#"
+[world]
+floor_mm = [4000, 3000]
+
+[radio]
+medium = "aloha"
+
+[[robot]]
+type = "LabBot"
+x_mm = 800
+y_mm = 800
+noise = "harsh"
+
+[[robot]]
+type = "S4"
+x_mm = 2000
+y_mm = 1500
+heading_deg = 120
+noise = "real"
+
+[[robot]]
+type = "Walker"
+x_mm = 3200
+y_mm = 800
+heading_deg = 90
+noise = "mild"
+
+[[object]]
+type = "Soccer"
+x_mm = 1400
+y_mm = 800
+
+[[object]]
+type = "Can"
+x_mm = 2000
+y_mm = 2100
+
+[[object]]
+type = "Crate"
+x_mm = 2600
+y_mm = 1500
+
+[[robot_type]]
+name = "Walker"
+diameter_mm = 400
+drive = { kind = "legged" }
+leg = [
+    { name = "LEFT", y_mm = 150, z_mm = 800, thigh_mm = 440, shank_mm = 440 },
+    { name = "RIGHT", y_mm = -150, z_mm = 800, thigh_mm = 440, shank_mm = 440 },
+]
+"#;
+
+fn scene(text: &str) -> Arc<SceneSpec> {
+    let files: MemoryFiles = [("a.scene.toml", text)].into_iter().collect();
+    let loaded = load_scene("a.scene.toml", &files);
+    assert_eq!(loaded.diagnostics, []);
+    Arc::new(loaded.scene)
+}
+
+static CROWD: LazyLock<Arc<SceneSpec>> = LazyLock::new(|| scene(SCENE));
+
+fn simulation(seed: u64, slot_ms: i64) -> Simulation {
+    let options = Options { seed: Some(seed), slot: Some(Time::from_millis(slot_ms)) };
+    Simulation::new(&CROWD, &options).expect("robots that can be simulated")
+}
+
+/// What a robot does in step `step`: drives, reads, sends and receives.
+fn act(robot: &mut Robot, world: &World, step: u64) {
+    let turn = f64::from((step as u32 * 7 + robot.id.0 * 3) % 11) / 5.0 - 1.0;
+    if step.is_multiple_of(5) {
+        robot.command(world, Command::Twist(Twist::new(0.3 * (1.0 + turn), turn))).expect("a twist");
+    }
+    for index in 0..robot.spec.psds.len() {
+        let distance_m = robot.read_range(world, index).distance;
+        let measured_s = robot.now.seconds();
+        robot.record(Event::Distance { device: "PSD", distance_m, measured_s });
+    }
+    match step % 4 {
+        0 if robot.radio_member().is_none() => robot.switch_radio_on(world, robot.id.0, 9_600),
+        1 => {
+            robot.devices.psds.start(0b111, step.is_multiple_of(8), robot.now);
+        }
+        2 => drop(robot.send_message(world, Address::All, &step.to_le_bytes())),
+        _ => while robot.receive_message().is_some() {},
+    }
+}
+
+/// Steps it by 30 ms, from its step `from` on to before `to`.
+fn steps(simulation: &mut Simulation, from: u64, to: u64) {
+    for step in from..to {
+        for id in (0..simulation.robot_count()).map(RobotId::from_index) {
+            // What has no room in the station's buffer is a part of the run, too.
+            simulation.with_robot(id, |robot, world| act(robot, world, step));
+        }
+        simulation.advance_to(Time::from_millis(30 * (step as i64 + 1)));
+    }
+}
+
+/// All that can be seen of it, to the bit.
+fn seen(simulation: &Simulation) -> String {
+    let robots = (0..simulation.robot_count()).map(|index| {
+        let mut robot = simulation.robot(RobotId::from_index(index)).clone();
+        let (now, position) = (robot.now, robot.motion.pose(robot.now));
+        format!("{now} {position:?} {:?} {:?}", robot.motion.odometry(robot.now), robot.radio_waiting())
+    });
+    let world = simulation.world();
+    let objects =
+        (1..=world.object_count() as u32).map(|id| format!("{:?}", world.object_state(sim_core::ObjectId(id))));
+    format!("{} {:?}", simulation.digest(), robots.chain(objects).collect::<Vec<_>>())
+}
+
+const STEPS: u64 = 60;
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn a_copy_goes_on_as_its_original_and_disturbs_nothing(
+        seed in 0_u64..1_000, slot_ms in prop::sample::select(vec![1_i64, 7, 20, 50, 100]), at in 0..STEPS,
+    ) {
+        let mut alone = simulation(seed, slot_ms);
+        steps(&mut alone, 0, STEPS);
+
+        let mut simulation = simulation(seed, slot_ms);
+        steps(&mut simulation, 0, at);
+        let snapshot = simulation.clone();
+        let mut copy = snapshot.clone();
+        for step in at..STEPS {
+            steps(&mut simulation, step, step + 1);
+            steps(&mut copy, step, step + 1);
+        }
+        prop_assert_eq!(seen(&simulation), seen(&alone));
+        prop_assert_eq!(seen(&copy), seen(&alone));
+        // Set back, after it has gone on.
+        simulation.clone_from(&snapshot);
+        steps(&mut simulation, at, STEPS);
+        prop_assert_eq!(seen(&simulation), seen(&alone));
+    }
+}
+
+#[test]
+fn another_seed_is_another_run() {
+    let [mut one, mut other] = [simulation(1, 50), simulation(2, 50)];
+    steps(&mut one, 0, STEPS);
+    steps(&mut other, 0, STEPS);
+    assert_ne!(one.digest(), other.digest());
+}
+
+#[test]
+fn a_thousand_side_by_side_are_each_as_alone() {
+    const FEW: u64 = 8;
+    let alone: Vec<String> = (0..10)
+        .map(|seed| {
+            let mut simulation = simulation(seed, 50);
+            steps(&mut simulation, 0, FEW);
+            seen(&simulation)
+        })
+        .collect();
+    std::thread::scope(|scope| {
+        for half in 0..2 {
+            let alone = &alone;
+            scope.spawn(move || {
+                let mut many: Vec<_> = (0..500).map(|place| (simulation(place % 10, 50), 0_u64)).collect();
+                // The order of steps comes from a linear congruential generator.
+                let mut state = half;
+                while !many.is_empty() {
+                    state = (state * 6_364_136_223_846_793_005_u64).wrapping_add(1_442_695_040_888_963_407);
+                    let place = (state >> 33) as usize % many.len();
+                    let (simulation, step) = &mut many[place];
+                    steps(simulation, *step, *step + 1);
+                    *step += 1;
+                    if *step == FEW {
+                        let (simulation, _) = many.swap_remove(place);
+                        assert!(alone.contains(&seen(&simulation)));
+                    }
+                }
+            });
+        }
+    });
+}
+
+#[test]
+fn a_robot_drives_as_far_as_its_twist_says() {
+    let scene = scene(
+        "[world]\nfloor_mm = [9000, 3000]\nwalls_mm = [[9000, 0, 9000, 3000]]\n[[robot]]\ntype = \"S4\"\nx_mm = 1000\ny_mm = 1500\n",
+    );
+    let mut simulation = Simulation::new(&scene, &Options::default()).expect("a robot");
+    let id = RobotId(1);
+    simulation.command(id, Command::Twist(Twist::new(0.2, 0.0))).expect("a twist");
+    // In the middle of a slot, and skipping none: the robot moves.
+    simulation.advance_to(Time(1_234_567));
+    assert_eq!(simulation.now(), Time(1_234_567));
+    let mut robot = simulation.robot(id).clone();
+    let x = robot.motion.pose(simulation.now()).position.x;
+    assert!((x - (1.0 + 0.2 * 1.234_567)).abs() < 1e-12, "{x}");
+    // The sensor ahead sees the wall at x = 9 m from the edge at which it sits.
+    let ahead = robot.spec.psds.iter().position(|psd| psd.angle.abs() < 1e-9).expect("a sensor ahead");
+    let (reach, sits) = (robot.spec.psds[ahead].range, robot.spec.psds[ahead].position.x);
+    let expected = 9.0 - x - sits;
+    let read = simulation.range(id, ahead);
+    assert!(read.map_or(expected > reach, |read| (read - expected).abs() < 1e-9), "{read:?} {expected} {reach}");
+}
+
+#[test]
+fn time_in_which_nothing_happens_is_skipped() {
+    let scene = scene("[world]\nfloor_mm = [4000, 3000]\n[[robot]]\ntype = \"S4\"\nx_mm = 1000\ny_mm = 1500\n");
+    let mut simulation = Simulation::new(&scene, &Options::default()).expect("a robot");
+    let mut starts = 0;
+    simulation.set_interest(KindSet::ALL);
+    let count = |record: &Record<'_>| -> Result<(), String> {
+        starts += u32::from(matches!(record.event, Event::ProgramStarted { .. }));
+        Ok(())
+    };
+    // A million seconds in 20 million slots, of which one is run.
+    simulation.advance_with(Time::from_millis(1_000_000_000), count).expect("no error is shown");
+    assert_eq!((simulation.now(), starts), (Time::from_millis(1_000_000_000), 1));
+    let full = simulation.advance_with(Time::from_millis(1_000_000_100), |_| Err("nothing is recorded"));
+    assert_eq!(full, Ok(()));
+}
