@@ -18,6 +18,7 @@ use sim_format::{MemoryFiles, load_scene};
 const SCENE: &str = r#"
 [world]
 floor_mm = [4000, 3000]
+wall = [{ from_mm = [4000, 0], to_mm = [4000, 3000] }, { from_mm = [0, 0], to_mm = [0, 3000] }]
 
 [radio]
 medium = "aloha"
@@ -179,9 +180,9 @@ fn a_thousand_side_by_side_are_each_as_alone() {
             scope.spawn(move || {
                 let mut many: Vec<_> = (0..500).map(|place| (simulation(place % 10, 50), 0_u64)).collect();
                 // The order of steps comes from a linear congruential generator.
-                let mut state = half;
+                let mut state: u64 = half;
                 while !many.is_empty() {
-                    state = (state * 6_364_136_223_846_793_005_u64).wrapping_add(1_442_695_040_888_963_407);
+                    state = state.wrapping_mul(6_364_136_223_846_793_005_u64).wrapping_add(1_442_695_040_888_963_407);
                     let place = (state >> 33) as usize % many.len();
                     let (simulation, step) = &mut many[place];
                     steps(simulation, *step, *step + 1);
@@ -199,7 +200,7 @@ fn a_thousand_side_by_side_are_each_as_alone() {
 #[test]
 fn a_robot_drives_as_far_as_its_twist_says() {
     let scene = scene(
-        "[world]\nfloor_mm = [9000, 3000]\nwalls_mm = [[9000, 0, 9000, 3000]]\n[[robot]]\ntype = \"S4\"\nx_mm = 1000\ny_mm = 1500\n",
+        "[world]\nfloor_mm = [9000, 3000]\nwall = [{ from_mm = [9000, 0], to_mm = [9000, 3000] }]\n[[robot]]\ntype = \"S4\"\nx_mm = 1000\ny_mm = 1500\n",
     );
     let mut simulation = Simulation::new(&scene, &Options::default()).expect("a robot");
     let id = RobotId(1);
