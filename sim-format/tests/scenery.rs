@@ -212,7 +212,7 @@ fn the_image_of_the_floor_lies_as_the_world_is_drawn() {
     let mut png = Cursor::new(Vec::new());
     fields().write_to(&mut png, image::ImageFormat::Png).expect("an image");
     let mut files = memory([("a.wld", "floor 1000 1000\nfloor_texture f.png\n")]);
-    files.0.push(("f.png", png.into_inner()));
+    files.insert("f.png", png.into_inner());
     let scene = SceneSpec { world: load_world("a.wld", &files).scene.world, ..SceneSpec::default() };
     let full = LightSpec { ambient: 1.0, ..LightSpec::default() };
     let mut scene = scene;

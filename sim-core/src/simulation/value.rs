@@ -5,6 +5,7 @@ use std::convert::Infallible;
 use super::{Environment, FactoryError, Robot, RobotFactory};
 use crate::RobotId;
 use crate::drive::{Command, CommandError};
+use crate::pose::Pose;
 use crate::record::{Digest, KindSet, Record, Recorder};
 use crate::spec::SceneSpec;
 use crate::time::Time;
@@ -112,6 +113,22 @@ impl Simulation {
     /// If there is no such robot.
     pub fn range(&mut self, id: RobotId, index: usize) -> Option<f64> {
         self.robots[id.index()].read_range(&self.environment.world, index).distance
+    }
+
+    /// True pose of the centre of robot `id`, now.
+    ///
+    /// # Panics
+    /// If there is no such robot.
+    pub fn pose(&mut self, id: RobotId) -> Pose {
+        self.robots[id.index()].motion.pose(self.now)
+    }
+
+    /// Pose of robot `id` by its odometry, now, in the frame in which it started.
+    ///
+    /// # Panics
+    /// If there is no such robot.
+    pub fn odometry(&mut self, id: RobotId) -> Pose {
+        self.robots[id.index()].motion.odometry(self.now)
     }
 
     /// Goes on to `time`; nothing happens if that is not later than [`Simulation::now`].

@@ -167,8 +167,8 @@ fn files_are_found_by_the_rules_and_missing_ones_are_warnings() {
         ("o/my parts.mtl", "newmtl a\nmap_Kd C:\\Users\\x\\red.png\n"),
         ("m/b.mtl", "newmtl b\nmap_Kd tex\\RED.png\nnewmtl unused\nmap_Kd none.png\n"),
     ]);
-    files.files.insert("o/red.png".into(), png.clone());
-    files.files.insert("m/tex/red.png".into(), png);
+    files.files.insert("o/red.png", png.clone());
+    files.files.insert("m/tex/red.png", png);
     let mut kind = object(model(DVec3::ZERO, DVec3::ZERO), 1.0);
     kind.file = "o/o.esObj".into();
     let (mesh, diagnostics) = load(&files, &kind);
@@ -326,15 +326,15 @@ proptest! {
     #[test]
     fn no_bytes_are_too_wild(obj in prop::collection::vec(any::<u8>(), 0..300), mtl in ".{0,200}", png in prop::collection::vec(any::<u8>(), 0..300)) {
         let mut files = Memory::new(&[("a.obj", QUAD)]);
-        files.files.insert("a.mtl".into(), format!("newmtl red\n{mtl}\nmap_Kd a.png\n").into_bytes());
+        files.files.insert("a.mtl", format!("newmtl red\n{mtl}\nmap_Kd a.png\n").into_bytes());
         let mut image = b"\x89PNG\r\n\x1a\n".to_vec();
         image.extend(&png);
-        files.files.insert("a.png".into(), image);
+        files.files.insert("a.png", image);
         let kind = object(model(DVec3::ZERO, DVec3::ZERO), 1.0);
         let (mesh, diagnostics) = load(&files, &kind);
         check(&mesh.expect("the mesh itself is good"));
         prop_assert!(diagnostics.iter().all(|d| d.severity == Severity::Warning));
-        files.files.insert("a.obj".into(), obj);
+        files.files.insert("a.obj", obj);
         if let Some(mesh) = load(&files, &kind).0 {
             check(&mesh);
         }

@@ -7,7 +7,6 @@ mod mistakes;
 mod properties;
 mod robi;
 
-use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec2, DVec3};
@@ -313,7 +312,7 @@ fn a_robot_type_is_read_once_under_all_its_names() {
 #[test]
 fn text_that_is_not_utf8_is_read_with_a_warning() {
     let mut files = Memory::new(&[]);
-    files.files.insert("w.wld".to_owned(), b"floor 10 10\r\n; M\xfcller\r\n0 0 5 5\r\n".to_vec());
+    files.files.insert("w.wld", b"floor 10 10\r\n; M\xfcller\r\n0 0 5 5\r\n".to_vec());
     let loaded = load_world("w.wld", &files);
     assert_eq!(codes(&loaded.diagnostics), ["file-encoding"]);
     assert_eq!((loaded.diagnostics[0].span.line, loaded.diagnostics[0].span.column), (2, 4));

@@ -44,13 +44,11 @@ pub fn trace_header(
     }
 }
 
+/// Sinks, and the trails among them that are looked at after the run.
+type SinksAndTrails = (Vec<Box<dyn Sink>>, Option<Arc<Mutex<Trails>>>);
+
 /// The sinks that the arguments ask for, and the one of them that the plot shows at the end.
-pub(super) fn sinks(
-    args: &RunArgs,
-    options: &Options,
-    scene: &SceneSpec,
-    progress: &Progress,
-) -> (Vec<Box<dyn Sink>>, Option<Arc<Mutex<Trails>>>) {
+pub(super) fn sinks(args: &RunArgs, options: &Options, scene: &SceneSpec, progress: &Progress) -> SinksAndTrails {
     let mut all: Vec<Box<dyn Sink>> = Vec::new();
     if !args.is_silent {
         all.push(Box::new(Log::new(options.filter.clone(), progress.stdout(), progress.stderr())));

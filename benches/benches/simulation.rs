@@ -1,0 +1,53 @@
+//! The simulation as a value: a step of one robot that reads eight range sensors, and setting it back.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use sim_core::RobotId;
+use sim_core::drive::Command;
+use sim_core::pose::Twist;
+use sim_core::simulation::{Options, Simulation};
+use sim_core::time::Time;
+use sim_format::{MemoryFiles, load_scene};
+
+/// A closed room of 20 m with a robot that looks in eight directions.
+fn simulation() -> Simulation {
+    let corners = ["[0, 0]", "[20000, 0]", "[20000, 20000]", "[0, 20000]"];
+    let wall = |place: usize| format!("{{ from_mm = {}, to_mm = {} }}", corners[place], corners[(place + 1) % 4]);
+    let walls: Vec<String> = (0..4).map(wall).collect();
+    let sensor = |place: i32| format!("{{ name = \"PSD{place}\", angle_deg = {}, range_mm = 9999 }}", 45 * place);
+    let sensors: Vec<String> = (0..8).map(sensor).collect();
+    let scene = format!(
+        "[world]\nfloor_mm = [20000, 20000]\nwall = [{}]\n\
+         [[robot_type]]\nname = \"Eight\"\ndiameter_mm = 200\npsd = [{}]\n\
+         drive = {{ kind = \"differential\" }}\n\
+         [[robot]]\ntype = \"Eight\"\nx_mm = 10000\ny_mm = 10000\n",
+        walls.join(", "),
+        sensors.join(", ")
+    );
+    let files: MemoryFiles = [("eight.scene.toml", scene)].into_iter().collect();
+    let loaded = load_scene("eight.scene.toml", &files);
+    assert!(!loaded.has_errors(), "{:#?}", loaded.diagnostics);
+    let mut simulation = Simulation::new(&loaded.scene, &Options::default()).expect("a robot that can be simulated");
+    // It drives a circle for ever.
+    simulation.command(RobotId(1), Command::Twist(Twist::new(0.3, 0.5))).expect("it drives");
+    simulation
+}
+
+/// Goes on by a slot of 50 ms and reads the eight sensors; their sum, m.
+fn step(simulation: &mut Simulation) -> f64 {
+    simulation.advance_to(simulation.now() + Time::from_millis(50));
+    (0..8).filter_map(|index| simulation.range(RobotId(1), index)).sum()
+}
+
+fn bench(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("simulation");
+    let mut stepped = simulation();
+    group.bench_function("step", |bencher| bencher.iter(|| step(&mut stepped)));
+    let mut restored = simulation();
+    restored.advance_to(Time::from_millis(5_000));
+    let snapshot = restored.clone();
+    group.bench_function("restore", |bencher| bencher.iter(|| restored.clone_from(&snapshot)));
+    group.finish();
+}
+
+criterion_group!(benches, bench);
+criterion_main!(benches);

@@ -1,0 +1,99 @@
+//! Arrows between the rooms of a crate: every `use` of a room is in the table of ARCHITECTURE.md, and the table says nothing else.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use tests::root;
+
+/// Room to the rooms that it uses, within one crate.
+type Arrows = BTreeMap<String, BTreeSet<String>>;
+
+/// The table of ARCHITECTURE.md: rows of crate, room, rooms that it uses.
+fn documented() -> BTreeMap<String, Arrows> {
+    let page = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("the page");
+    let (_, table) = page.split_once("| crate | room | uses |\n|---|---|---|\n").expect("the table of arrows");
+    let mut crates: BTreeMap<String, Arrows> = BTreeMap::new();
+    for row in table.lines().take_while(|line| line.starts_with('|')) {
+        let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).collect();
+        let [name, room, uses] = cells[..] else { panic!("`{row}`: three cells") };
+        let uses = uses.split(", ").filter(|room| !room.is_empty()).map(str::to_owned).collect();
+        crates.entry(name.to_owned()).or_default().insert(room.to_owned(), uses);
+    }
+    crates
+}
+
+/// The arrows that the sources of a crate have.
+fn found(name: &str) -> Arrows {
+    let source = root().join(name).join("src");
+    let mut arrows = Arrows::new();
+    walk(&source, &mut |path| {
+        let relative = path.strip_prefix(&source).expect("a path below the sources");
+        let room = relative.iter().next().expect("a name").to_string_lossy();
+        let room = room.strip_suffix(".rs").unwrap_or(&room).to_owned();
+        if room == "lib" || room == "main" {
+            return;
+        }
+        let uses = uses_of(&std::fs::read_to_string(path).expect("a source"));
+        arrows.entry(room.clone()).or_default().extend(uses.into_iter().filter(|other| *other != room));
+    });
+    // Names of functions and types that the crate's root re-exports are no rooms.
+    let rooms: BTreeSet<String> = arrows.keys().cloned().collect();
+    arrows.values_mut().for_each(|uses| uses.retain(|name| rooms.contains(name)));
+    arrows.retain(|_, uses| !uses.is_empty());
+    arrows
+}
+
+fn walk(folder: &Path, visit: &mut impl FnMut(&Path)) {
+    for entry in std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+        let is_test = entry.file_stem().is_some_and(|name| name == "tests");
+        if entry.is_dir() && !is_test {
+            walk(&entry, visit);
+        } else if entry.extension().is_some_and(|ending| ending == "rs") && !is_test {
+            visit(&entry);
+        }
+    }
+}
+
+/// The rooms that a source names in `use crate::...`, outside of its tests.
+fn uses_of(text: &str) -> Vec<String> {
+    let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let statements = text.split("use crate::").skip(1).filter_map(|rest| rest.split_once(';'));
+    let mut names = Vec::new();
+    for (tree, _) in statements {
+        let mut depth = 0;
+        let mut name = String::new();
+        for letter in tree.trim_start_matches('{').chars().chain([',']) {
+            match letter {
+                '{' => depth += 1,
+                '}' => depth -= 1,
+                ',' if depth <= 0 => {
+                    let room = name.split("::").next().unwrap_or_default().trim();
+                    names.push(room.to_owned());
+                    name.clear();
+                }
+                letter if depth <= 0 => name.push(letter),
+                _ => {}
+            }
+        }
+    }
+    names
+}
+
+#[test]
+fn rooms_use_what_the_table_says_and_nothing_else() {
+    for (name, documented) in documented() {
+        let found = found(&name);
+        let row = |(room, uses): (&String, &BTreeSet<String>)| {
+            format!("| {name} | {room} | {} |", uses.iter().cloned().collect::<Vec<_>>().join(", "))
+        };
+        let [found, documented] = [&found, &documented].map(|arrows| arrows.iter().map(row).collect::<Vec<_>>());
+        assert_eq!(found, documented, "rows of the sources, rows of ARCHITECTURE.md");
+    }
+}
+
+#[test]
+fn nested_names_are_understood() {
+    let text =
+        "use crate::{\n    a::{b, c},\n    d,\n};\nuse crate::e::f;\n#[cfg(test)]\nmod tests {\n    use crate::g;\n}\n";
+    assert_eq!(uses_of(text), ["a", "d", "e"]);
+}
