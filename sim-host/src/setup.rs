@@ -9,6 +9,7 @@ use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 
+use crate::executive::damage;
 use crate::executive::process::serve::{Refusal, RemoteProgram};
 use crate::executive::process::{Child, Debugger};
 use crate::executive::program::{Exec, RobotProgram};
@@ -139,10 +140,14 @@ pub fn load_program(
     loading.and_then(|loading| loading.finish(robot)).map_err(|error| of_robot(robot, &error))
 }
 
-/// Checks that the kernel lets this process map the copies and the stacks of these programs.
-fn check_room<'a>(programs: impl IntoIterator<Item = &'a Arc<Prepared>>, exec: Exec) -> Result<(), LoadError> {
-    let in_host = programs.into_iter().filter(|program| exec_of(program, exec) == Exec::Thread);
-    check_mappings(in_host.filter_map(|program| Some((&**program.image()?, 1))), MAPPINGS_PER_FLOW)
+/// Checks that this process can run these programs after what earlier ones have done to it, and that the kernel lets it map their
+/// copies and stacks.
+fn check_room<'a>(programs: impl IntoIterator<Item = &'a Arc<Prepared>>, exec: Exec) -> anyhow::Result<()> {
+    let mut in_host = programs.into_iter().filter(|program| exec_of(program, exec) == Exec::Thread).peekable();
+    if in_host.peek().is_some() {
+        damage::check()?;
+    }
+    Ok(check_mappings(in_host.filter_map(|program| Some((&**program.image()?, 1))), MAPPINGS_PER_FLOW)?)
 }
 
 fn of_robot(robot: &RobotSpec, error: &LoadError) -> anyhow::Error {

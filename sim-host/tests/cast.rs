@@ -8,6 +8,7 @@ use sim_core::record::{Action, KindSet, Outcome, Recorder};
 use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 use sim_format::{Loaded, load_scene};
+use sim_host::executive::interrupt::Interrupt;
 use sim_host::executive::program::Exec;
 use sim_host::executive::scheduler::{Ended, Limits, Parts, Scheduler};
 use sim_host::executive::thread::ThreadExecutor;
@@ -135,6 +136,7 @@ fn run((folder, scene): &(tempfile::TempDir, SceneSpec), lanes: usize, actions: 
         costs: Costs::default(),
         recorder: Recorder::new(0, slot, KindSet::ALL),
         sinks: Sinks::one(trace),
+        interrupt: Interrupt::default(),
     };
     let mut scheduler = Scheduler::start(parts, &limits).expect("a run");
     let mut answers = Vec::new();

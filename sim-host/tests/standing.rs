@@ -9,6 +9,7 @@ use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 use sim_format::{Loaded, load_scene};
 use sim_host::executive::conductor::End;
+use sim_host::executive::interrupt::Interrupt;
 use sim_host::executive::program::Exec;
 use sim_host::executive::scheduler::{Ended, Limits, Parts, Progress, Scheduler};
 use sim_host::executive::thread::ThreadExecutor;
@@ -90,7 +91,8 @@ fn run(folder: &Path, scene: &SceneSpec, lanes: usize) -> Ended {
     let sinks = Sinks::one(trace);
     let recorder = Recorder::new(0, slot, sinks.interest());
     let costs = Costs::default();
-    let parts = Parts { world, robots, programs: loaded, workshop: None, executor, costs, recorder, sinks };
+    let interrupt = Interrupt::default();
+    let parts = Parts { world, robots, programs: loaded, workshop: None, executor, costs, recorder, sinks, interrupt };
     let mut scheduler = Scheduler::start(parts, &limits).expect("a run");
     assert_eq!(scheduler.advance_to(Time::NEVER), Progress::Paused);
     scheduler.finish()

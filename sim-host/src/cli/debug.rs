@@ -12,8 +12,8 @@ use sim_format::load_scene_with;
 
 use super::options::{ProgramOption, index_of};
 use super::run::{self, RunArgs, parse_seconds};
+use crate::executive::interrupt;
 use crate::executive::process::Debugger;
-use crate::executive::signal;
 use crate::files::DiskFiles;
 use crate::setup::Debug;
 
@@ -85,7 +85,7 @@ pub fn run(args: &DebugArgs) -> anyhow::Result<ExitCode> {
         breakpoints.push(main_of(&program));
     }
     run.debug = Some(Debug { robot, debugger: Debugger { breakpoints, arguments: args.gdb.clone() } });
-    signal::leave_interrupts_to_debugger();
+    interrupt::leave_interrupts_to_debugger();
     run::run(&run)
 }
 

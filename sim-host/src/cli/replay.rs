@@ -28,6 +28,7 @@ use super::output::check_outputs;
 use super::run::{Built, Company, RunArgs, print};
 use super::view::{open_browser, open_window};
 use crate::executive::conductor::End;
+use crate::executive::interrupt;
 use crate::executive::scheduler::{Progress, Scheduler};
 use crate::executive::script::Script;
 use crate::files::DiskFiles;
@@ -194,7 +195,9 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     }
     let mut script = script_of(&recorded);
     let comparison = Arc::new(Mutex::new(Comparison::new(&recorded)));
-    let company = Company { sinks: vec![Box::new(Arc::clone(&comparison))], is_quiet: true, ..Company::default() };
+    let interrupt = interrupt::of_process().context("no handlers of signals")?;
+    let sinks: Vec<Box<dyn Sink>> = vec![Box::new(Arc::clone(&comparison))];
+    let company = Company { sinks, is_quiet: true, interrupt, ..Company::default() };
     let mut running = ready.start(&run, company)?;
     run_until_parting(&mut running.scheduler, &mut script, &comparison);
     let ran = running.finish();

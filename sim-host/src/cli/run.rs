@@ -20,6 +20,7 @@ use super::options::{Options, ProgramOption};
 use super::table::{self, Screen};
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM, EXIT_USAGE};
 use crate::executive::conductor::End;
+use crate::executive::interrupt;
 use crate::executive::program::Exec;
 use crate::executive::scheduler::Ended;
 use crate::files::slashed;
@@ -207,7 +208,8 @@ pub fn carry_out(args: &RunArgs, check: impl FnOnce(&SceneSpec) -> anyhow::Resul
     match built.load(args) {
         Ok(ready) => {
             let mut script = stage::script(args)?;
-            let mut running = ready.start(args, Company::default())?;
+            let interrupt = interrupt::of_process().context("no handlers of signals")?;
+            let mut running = ready.start(args, Company { interrupt, ..Company::default() })?;
             running.follow(&mut script);
             let ran = running.finish();
             script.refused().iter().for_each(|(at, why)| eprintln!("--repeat: at {at}: {why}"));

@@ -20,8 +20,8 @@ use sim_view::window::{Access, Asked, Download, OpenError, Options, Window, rand
 use super::EXIT_INTERRUPTED;
 use super::run::{Built, Company, Ran, Ready, Rejected, RunArgs, Speed, explain, trace_header};
 use crate::executive::conductor::End;
+use crate::executive::interrupt::{self, Interrupt};
 use crate::executive::program::Exec;
-use crate::executive::signal;
 use crate::files::DiskFiles;
 use crate::record::{Sink, Tape, TraceReader};
 use crate::window::control::Control;
@@ -101,6 +101,7 @@ pub fn run(args: ViewArgs) -> anyhow::Result<ExitCode> {
     let stage = Arc::new(Stage {
         window: Arc::clone(&window),
         control: Arc::clone(&control),
+        interrupt: interrupt::of_process().context("no handlers of signals")?,
         args: Mutex::new(args.run.clone()),
         next: Mutex::new(None),
         is_building: AtomicBool::new(false),
@@ -181,6 +182,8 @@ pub fn open_browser(url: &str) -> bool {
 struct Stage {
     window: Arc<Window>,
     control: Arc<Control>,
+    /// Ends the present run, and no other follows.
+    interrupt: Interrupt,
     /// Those of the present run.
     args: Mutex<RunArgs>,
     /// The run that is to begin when the present one has ended, and its arguments.
@@ -200,7 +203,8 @@ impl Stage {
             });
             let tape = self.offer(&ready, &args, &show)?;
             let sinks: Vec<Box<dyn Sink>> = vec![Box::new(feed), Box::new(tape)];
-            let company = Company { sinks, until: Some(Time::NEVER), is_quiet: true };
+            let interrupt = self.interrupt.clone();
+            let company = Company { sinks, until: Some(Time::NEVER), is_quiet: true, interrupt };
             let mut running = ready.start(&args, company)?;
             Driver::new(Arc::clone(&self.control), Arc::clone(&show)).drive(&mut running.scheduler);
             let ran = running.finish();
@@ -285,7 +289,7 @@ impl Stage {
     fn wait_for_next(&self, ran: &Ran, show: &Mutex<Show>) -> Option<(Ready, RunArgs)> {
         let mut is_shown = false;
         loop {
-            if signal::is_interrupted() {
+            if self.interrupt.is_set() {
                 return None;
             }
             if let Some(next) = self.next.lock().take() {
@@ -356,7 +360,7 @@ fn why(ran: &Ran) -> String {
         End::Until => format!("its {} are over", ran.ended.time),
         End::Stuck => "every program waits for what cannot come".to_owned(),
         End::Interrupted => "interrupted".to_owned(),
-        End::Broken => "a program broke".to_owned(),
+        End::Broken | End::HeapLost => "a program broke".to_owned(),
         End::Record(error) => error.to_string(),
     }
 }

@@ -26,17 +26,14 @@ impl Bell {
 
     /// Rings; async-signal-safe. A bell that rings already stays so.
     pub fn ring(&self) {
-        ring(self.raw());
-    }
-
-    /// The descriptor, for [`ring`] in a signal handler.
-    pub fn raw(&self) -> i32 {
-        self.fd.as_raw_fd()
+        let one = 1u64;
+        // SAFETY: `one` has eight bytes; write is async-signal-safe and an error (a full counter) means it rings already.
+        unsafe { libc::write(self.fd.as_raw_fd(), (&raw const one).cast(), 8) };
     }
 
     /// Waits until the bell rings or `timeout` has passed, and silences it. True when it rang.
     pub fn wait(&self, timeout: Duration) -> bool {
-        let mut poll = libc::pollfd { fd: self.raw(), events: libc::POLLIN, revents: 0 };
+        let mut poll = libc::pollfd { fd: self.fd.as_raw_fd(), events: libc::POLLIN, revents: 0 };
         let millis = i32::try_from(timeout.as_millis()).unwrap_or(i32::MAX);
         // SAFETY: `poll` is one valid pollfd, as the count says.
         let ready = unsafe { libc::poll(&mut poll, 1, millis) };
@@ -45,18 +42,8 @@ impl Bell {
         }
         let mut count = 0u64;
         // SAFETY: `count` has the eight bytes that an eventfd gives.
-        unsafe { libc::read(self.raw(), (&raw mut count).cast(), 8) == 8 }
+        unsafe { libc::read(self.fd.as_raw_fd(), (&raw mut count).cast(), 8) == 8 }
     }
-}
-
-/// Rings the bell of the descriptor `fd`, nothing when it is negative; async-signal-safe.
-pub fn ring(fd: i32) {
-    if fd < 0 {
-        return;
-    }
-    let one = 1u64;
-    // SAFETY: `one` has eight bytes; write is async-signal-safe and an error (a full counter) means it rings already.
-    unsafe { libc::write(fd, (&raw const one).cast(), 8) };
 }
 
 #[cfg(test)]

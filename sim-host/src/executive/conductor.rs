@@ -18,7 +18,6 @@ use sim_core::world::World;
 
 use super::intervene::{self, Effect, Refusal};
 use super::run::Run;
-use super::signal;
 use crate::record::{RecordError, Sinks};
 use crate::robios::robot::Robot;
 use sim_core::record::{Action, ActionText, Event};
@@ -83,6 +82,8 @@ pub enum End {
     Interrupted,
     /// A program broke in a way after which nothing may run on.
     Broken,
+    /// A program of another run in this process broke within the heap of the C library, which all programs of the process share.
+    HeapLost,
     /// What was asked to be recorded cannot be.
     Record(RecordError),
 }
@@ -226,6 +227,7 @@ impl Conductor {
         while !self.is_over() {
             self.finish_slot(run, None);
         }
+        self.horizon = None;
     }
 
     /// The program of `robot` has left after the end of the run.
@@ -332,7 +334,7 @@ impl Conductor {
         if let Err(error) = self.end_slot(run, &mut environment) {
             self.end = Some(End::Record(error));
         }
-        if signal::is_interrupted() {
+        if run.interrupt().is_set() {
             self.end_with(End::Interrupted);
         }
         if self.end.is_some() {

@@ -9,7 +9,9 @@
 pub mod bell;
 pub mod cast;
 pub mod conductor;
+pub mod damage;
 pub mod fault;
+pub mod interrupt;
 pub mod intervene;
 pub mod pace;
 pub mod process;
@@ -34,6 +36,16 @@ use crate::robios::caller::Call;
 /// A robot has one flow for each of its tasks, of which one has the robot's baton: first that of `main`. A flow starts suspended.
 /// Exactly the robots run that the conductor resumed and that have not suspended themselves since, each by the flow with the baton.
 pub trait Executor: Send + Sync {
+    /// A run begins, whose supervisor waits for `bell`: flows that break ring it. To be told before the first flow starts.
+    fn begin(&self, bell: &Arc<bell::Bell>);
+
+    /// The run is over: gives back what its flows took. Those that have broken are lost with all that they hold, and so are those of
+    /// robots that have not `departed`.
+    fn end(&self, departed: &dyn Fn(RobotId) -> bool);
+
+    /// True when the run's flows must not go on because of what a program of another run has done to this process.
+    fn is_doomed(&self) -> bool;
+
     /// Gets ready for robots up to this one.
     fn admit(&self, robot: RobotId);
 

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use sim_core::time::Time;
 
-use super::signal;
+use super::interrupt::Interrupt;
 
 /// So many virtual seconds for each second of real time, counted from the first wait on.
 pub struct Pace {
@@ -21,11 +21,11 @@ impl Pace {
         Self { factor, start: None }
     }
 
-    /// Sleeps until real time has reached the virtual time `due`; false if the user interrupts before.
-    pub fn wait_until(&mut self, due: Time) -> bool {
+    /// Sleeps until real time has reached the virtual time `due`; false if the run is interrupted before.
+    pub fn wait_until(&mut self, due: Time, interrupt: &Interrupt) -> bool {
         let start = *self.start.get_or_insert_with(Instant::now);
         let due = start + Duration::try_from_secs_f64(due.seconds() / self.factor).unwrap_or(Duration::MAX / 4);
-        while !signal::is_interrupted() {
+        while !interrupt.is_set() {
             let left = due.saturating_duration_since(Instant::now());
             if left.is_zero() {
                 return true;

@@ -15,6 +15,7 @@ use super::Executor;
 use super::bell::Bell;
 use super::conductor::{Conductor, HandOver, Plan};
 use super::fault::Broken;
+use super::interrupt::Interrupt;
 use super::program::{RobotProgram, Site};
 use super::scheduler::{Limits, Parts};
 use super::standing::{self, Senders};
@@ -38,7 +39,8 @@ pub struct Run {
     /// Robots whose processes broke, and how: nobody else is harmed.
     pub(super) lost: Mutex<Vec<(RobotId, Broken)>>,
     costs: Costs,
-    bell: Bell,
+    bell: Arc<Bell>,
+    interrupt: Interrupt,
     /// Bounds of the present slot in microseconds: a copy that calls read without the world's lock.
     slot_start: AtomicI64,
     slot_end: AtomicI64,
@@ -79,7 +81,7 @@ impl Run {
     pub(super) fn new(parts: Parts, limits: &Limits) -> std::io::Result<Arc<Self>> {
         let has_program: Vec<bool> = parts.programs.iter().map(Option::is_some).collect();
         let plan = Plan { has_program, lanes: limits.lanes, until: limits.until };
-        let bell = Bell::new()?;
+        let bell = Arc::new(Bell::new()?);
         let members = parts.robots.into_iter().zip(parts.programs);
         Ok(Arc::new_cyclic(|own| Self {
             slot_start: AtomicI64::new(parts.world.slot_start().0),
@@ -92,6 +94,7 @@ impl Run {
             lost: Mutex::default(),
             costs: parts.costs,
             bell,
+            interrupt: parts.interrupt,
             is_stopping: AtomicBool::new(false),
             is_pausing: AtomicBool::new(false),
             is_verbose: limits.is_verbose,
@@ -226,8 +229,13 @@ impl Run {
     }
 
     /// What wakes the supervisor.
-    pub(super) fn bell(&self) -> &Bell {
+    pub(super) fn bell(&self) -> &Arc<Bell> {
         &self.bell
+    }
+
+    /// Ends the run early once it is set.
+    pub fn interrupt(&self) -> &Interrupt {
+        &self.interrupt
     }
 
     /// Tells the robots' calls the bounds of the present slot.

@@ -13,11 +13,12 @@ use sim_core::{ObjectId, RobotId};
 use super::Executor;
 use super::conductor::{Boundary, End};
 use super::fault::Broken;
+use super::interrupt::Interrupt;
 use super::intervene::Refusal;
 use super::program::RobotProgram;
 use super::run::{LEAVE, Run};
 use super::standing::{Finish, Senders, Standing};
-use super::{signal, standing, watchdog};
+use super::{damage, standing, watchdog};
 use crate::record::Sinks;
 use crate::robios::cost::Costs;
 use crate::robios::panel::Panel;
@@ -68,6 +69,8 @@ pub struct Parts {
     pub recorder: Recorder,
     /// Who wants to see them.
     pub sinks: Sinks<'static>,
+    /// What ends it early.
+    pub interrupt: Interrupt,
 }
 
 /// What a run is told by its user.
@@ -142,7 +145,7 @@ impl Scheduler {
     pub fn start(parts: Parts, limits: &Limits) -> std::io::Result<Self> {
         let start = Instant::now();
         let run = Run::new(parts, limits)?;
-        signal::install(run.bell())?;
+        run.executor().begin(run.bell());
         let (broken, left_behind) = (Vec::new(), Vec::new());
         // Without all flows there is nobody to leave.
         let mut scheduler = Self { run, timeout: limits.timeout, start, broken, left_behind, has_left: true };
@@ -226,8 +229,12 @@ impl Scheduler {
                 return;
             }
             let mut timeout = self.timeout;
-            if signal::is_interrupted() {
+            if self.run.interrupt().is_set() {
                 conductor.end_with(End::Interrupted);
+                timeout = timeout.min(PATIENCE);
+            }
+            if self.run.executor().is_doomed() {
+                conductor.end_with(End::HeapLost);
                 timeout = timeout.min(PATIENCE);
             }
             if looked.elapsed() >= LOOK {
@@ -272,24 +279,31 @@ impl Scheduler {
         }
     }
 
-    /// Lets every program that has not ended leave, one after the other in the order of ids.
+    /// Lets every program that has not ended leave, one after the other in the order of ids; nothing of a broken process runs on into
+    /// the record.
     fn leave(&mut self) {
-        // Nothing of a broken process runs on: another program may wait for a lock that the broken one holds.
-        if std::mem::replace(&mut self.has_left, true) || !self.broken.is_empty() {
+        if self.has_left || !self.broken.is_empty() || self.run.executor().is_doomed() {
             return;
         }
+        self.has_left = true;
+        for id in self.run.ids_with_program() {
+            self.stop(id);
+        }
+    }
+
+    /// Lets the program of robot `id` leave if it has not ended; false if it does not in time.
+    fn stop(&self, id: RobotId) -> bool {
         let run = &self.run;
         run.is_stopping.store(true, Ordering::Release);
-        for id in run.ids_with_program() {
-            if run.conductor.lock().has_departed(id) {
-                continue;
-            }
+        let has_departed = || run.conductor.lock().has_departed(id);
+        if !has_departed() {
             run.executor().resume(id, 0);
-            let deadline = Instant::now() + LEAVE;
-            while !run.conductor.lock().has_departed(id) && Instant::now() < deadline {
-                run.bell().wait(deadline.saturating_duration_since(Instant::now()));
-            }
         }
+        let deadline = Instant::now() + LEAVE;
+        while !has_departed() && Instant::now() < deadline {
+            run.bell().wait(deadline.saturating_duration_since(Instant::now()));
+        }
+        has_departed()
     }
 
     /// What the run has come to, once nobody runs any more.
@@ -340,11 +354,16 @@ impl Scheduler {
 
 impl Drop for Scheduler {
     fn drop(&mut self) {
-        if self.run.conductor.lock().is_at_rest() {
+        let is_at_rest = self.run.conductor.lock().is_at_rest();
+        if is_at_rest {
             self.leave();
         }
-        signal::uninstall();
         let deadline = Instant::now() + LEAVE;
         self.run.programs().for_each(|program| program.end(deadline));
+        if is_at_rest && !self.has_left && !damage::is_heap_lost() {
+            // The others give back what they hold, until one of them cannot.
+            self.run.ids_with_program().all(|id| self.stop(id));
+        }
+        self.run.executor().end(&|id| self.run.conductor.lock().has_departed(id));
     }
 }

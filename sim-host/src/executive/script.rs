@@ -59,7 +59,7 @@ impl Script {
         let Some(next) = boundary.next_within_limit() else { return Progress::Over };
         let behind_next = next + Time(1);
         let horizon = if let Some(pace) = &mut self.pace {
-            if !pace.wait_until(next) {
+            if !pace.wait_until(next, run.run().interrupt()) {
                 return interrupt(run);
             }
             behind_next
@@ -71,7 +71,7 @@ impl Script {
 
     /// Carries out the actions of the slot at `at`.
     fn act(&mut self, at: Time, run: &mut Scheduler, boundary: &Boundary) -> Progress {
-        if self.pace.as_mut().is_some_and(|pace| !pace.wait_until(at.min(boundary.limit))) {
+        if self.pace.as_mut().is_some_and(|pace| !pace.wait_until(at.min(boundary.limit), run.run().interrupt())) {
             return interrupt(run);
         }
         while let Some((time, action)) = self.actions.pop_front_if(|(time, _)| slot_start(*time, boundary) == at) {

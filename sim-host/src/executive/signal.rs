@@ -1,17 +1,23 @@
-//! Signals: what the kernel says of a broken robot program, and of a user who wants to stop.
+//! Signals: what the kernel says of a broken robot program.
 //!
 //! A fault of a program (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT) is caught on the thread's alternate stack, written into
 //! the thread's [`ThreadBlock`] and the thread is parked for good: nothing of the program runs again. The supervisor does
 //! the rest. The handler calls nothing but `write` and `pause`, and touches only memory allocated before.
+//!
+//! [`Handlers`] are installed while any flow of any run lives. A fault in a thread that is no robot's flow goes to the handler
+//! that was there before.
 
 use std::cell::Cell;
 use std::io;
 use std::ptr;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU16, AtomicU64, AtomicUsize, Ordering, compiler_fence};
 
-use super::bell;
+use parking_lot::Mutex;
 
-/// What a signal handler may read and write of one robot's thread; lives until the process ends.
+use super::bell::Bell;
+
+/// What a signal handler may read and write of one robot's thread.
 pub struct ThreadBlock {
     /// Kernel's id of the thread, 0 before it runs.
     pub tid: AtomicI32,
@@ -30,10 +36,17 @@ pub struct ThreadBlock {
     fault_pc: AtomicUsize,
     fault_sp: AtomicUsize,
     faulted: AtomicBool,
-    /// What takes a fault instead of parking the thread; async-signal-safe.
-    report: Option<Report>,
+    on_fault: OnFault,
     /// Where the alternate stack of this block's threads lies, 0 before the first.
     alternate_stack: AtomicUsize,
+}
+
+/// What happens at a fault.
+enum OnFault {
+    /// The thread is parked, and the bell of its run rings.
+    Park(Arc<Bell>),
+    /// This takes it; async-signal-safe.
+    Report(Report),
 }
 
 /// Takes a fault of the thread that the block belongs to, on whose alternate stack it runs; a return lets the thread go on.
@@ -55,9 +68,6 @@ pub struct Fault {
 /// The signal by which the watchdog stops an overdue thread.
 pub const OVERDUE_SIGNAL: i32 = libc::SIGURG;
 
-/// Signals that mean a broken program.
-const FAULT_SIGNALS: [i32; 6] = [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGABRT, libc::SIGTRAP];
-
 /// Size of a thread's alternate stack: the handler needs little, the kernel saves up to 12 KiB of registers there.
 const ALTERNATE_STACK: usize = 64 * 1024;
 
@@ -65,14 +75,18 @@ thread_local! {
     static CURRENT: Cell<*const ThreadBlock> = const { Cell::new(ptr::null()) };
 }
 
-static BELL: AtomicI32 = AtomicI32::new(-1);
-/// True while a debugger is to hear Ctrl-C.
-static IS_DEBUGGING: AtomicBool = AtomicBool::new(false);
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+impl ThreadBlock {
+    /// A block whose thread does not run yet; its fault parks the thread and rings `bell`.
+    pub fn ringing(bell: Arc<Bell>) -> Self {
+        Self::new(OnFault::Park(bell))
+    }
 
-impl Default for ThreadBlock {
-    /// A block whose thread does not run yet.
-    fn default() -> Self {
+    /// A block whose faults are handed to `report`.
+    pub fn reporting(report: Report) -> Self {
+        Self::new(OnFault::Report(report))
+    }
+
+    fn new(on_fault: OnFault) -> Self {
         Self {
             tid: AtomicI32::new(0),
             stack: Default::default(),
@@ -85,16 +99,9 @@ impl Default for ThreadBlock {
             fault_pc: AtomicUsize::new(0),
             fault_sp: AtomicUsize::new(0),
             faulted: AtomicBool::new(false),
-            report: None,
+            on_fault,
             alternate_stack: AtomicUsize::new(0),
         }
-    }
-}
-
-impl ThreadBlock {
-    /// A block whose faults are handed to `report`.
-    pub fn reporting(report: Report) -> Self {
-        Self { report: Some(report), ..Self::default() }
     }
 
     /// The fault that parked this thread.
@@ -130,7 +137,9 @@ impl ThreadBlock {
         self.fault_pc.store(fault.pc, Ordering::Relaxed);
         self.fault_sp.store(fault.sp, Ordering::Relaxed);
         self.faulted.store(true, Ordering::Release);
-        bell::ring(BELL.load(Ordering::Acquire));
+        if let OnFault::Park(bell) = &self.on_fault {
+            bell.ring();
+        }
         loop {
             // SAFETY: pause is async-signal-safe; the thread stays here until the process ends.
             unsafe { libc::pause() };
@@ -149,12 +158,14 @@ impl ThreadBlock {
         if low == 0 { usize::MAX } else { ((&raw const here) as usize).saturating_sub(low) }
     }
 
-    /// Makes this block the calling thread's: its bounds are noted and its faults are caught from now on. A thread that had it
-    /// before has ended.
+    /// Makes this block the calling thread's: its bounds are noted and its faults are caught from now on.
     ///
     /// # Errors
     /// When the alternate stack cannot be mapped or set.
-    pub fn adopt_current_thread(&'static self) -> io::Result<()> {
+    ///
+    /// # Safety
+    /// The block lives as long as the calling thread, and a thread that had it before has ended.
+    pub unsafe fn adopt_current_thread(&self) -> io::Result<()> {
         let (low, high) = stack_bounds()?;
         self.stack[0].store(low, Ordering::Relaxed);
         self.stack[1].store(high, Ordering::Relaxed);
@@ -170,28 +181,148 @@ impl ThreadBlock {
     }
 }
 
-/// Catches faults of robot programs and the user's Ctrl-C from now on; `bell` is rung at each.
-///
-/// # Errors
-/// When the kernel refuses a handler.
-pub fn install(bell: &bell::Bell) -> io::Result<()> {
-    BELL.store(bell.raw(), Ordering::Release);
-    catch_faults()?;
-    for signal in [libc::SIGINT, libc::SIGTERM] {
-        set_handler(signal, on_interrupt as *const () as usize, libc::SA_RESTART)?;
+impl Drop for ThreadBlock {
+    fn drop(&mut self) {
+        let address = *self.alternate_stack.get_mut();
+        if address != 0 {
+            // SAFETY: mapped with this size by `set_alternate_stack`; by the contract of `adopt_current_thread` the threads that
+            // had the block have ended, and nobody else knows the address.
+            unsafe { libc::munmap(ptr::with_exposed_provenance_mut(address), ALTERNATE_STACK) };
+        }
     }
-    Ok(())
 }
 
-/// In a robot's own process: catches faults of the threads whose blocks [report](ThreadBlock::reporting) them; what ends the host is
-/// the host's to hear.
+/// Catches the faults of flows as long as any of these lives; then the handlers are back that were there before.
+#[derive(Debug)]
+pub struct Handlers(());
+
+/// The signals that [`Handlers`] catch.
+const CAUGHT: [i32; 7] =
+    [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGABRT, libc::SIGTRAP, OVERDUE_SIGNAL];
+
+/// Who holds the handlers.
+struct Holders {
+    count: usize,
+    /// For each of [`CAUGHT`] what was there before, as long as ours is there.
+    previous: [Option<libc::sigaction>; CAUGHT.len()],
+}
+
+static HOLDERS: Mutex<Holders> = Mutex::new(Holders { count: 0, previous: [None; CAUGHT.len()] });
+
+/// True while the handlers are held, for signal handlers.
+static ARE_HELD: AtomicBool = AtomicBool::new(false);
+
+/// What was there before, as far as a handler needs it.
+struct Previous {
+    handler: AtomicUsize,
+    flags: AtomicI32,
+}
+
+/// For each of [`CAUGHT`]; valid once ours has been installed, and kept after that: somebody may call ours as what was there before.
+static PREVIOUS: [Previous; CAUGHT.len()] =
+    [const { Previous { handler: AtomicUsize::new(libc::SIG_DFL), flags: AtomicI32::new(0) } }; CAUGHT.len()];
+
+impl Handlers {
+    /// Installs the handlers if nobody holds them yet.
+    ///
+    /// # Errors
+    /// When the kernel refuses a handler.
+    pub fn hold() -> io::Result<Self> {
+        let mut holders = HOLDERS.lock();
+        if holders.count == 0 {
+            holders.install().inspect_err(|_| holders.restore())?;
+        }
+        holders.count += 1;
+        Ok(Self(()))
+    }
+
+    /// True while anybody holds them.
+    pub fn are_held() -> bool {
+        ARE_HELD.load(Ordering::Acquire)
+    }
+}
+
+impl Drop for Handlers {
+    fn drop(&mut self) {
+        let mut holders = HOLDERS.lock();
+        holders.count -= 1;
+        if holders.count == 0 {
+            holders.restore();
+        }
+    }
+}
+
+impl Holders {
+    fn install(&mut self) -> io::Result<()> {
+        let on_fault = action(on_fault as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK);
+        for (place, signal) in CAUGHT.into_iter().enumerate() {
+            // Else ours is still there, below somebody's who passes on to it.
+            if self.previous[place].is_none() {
+                // SAFETY: nothing changes.
+                let previous = unsafe { change_action(signal, None) }?;
+                PREVIOUS[place].handler.store(previous.sa_sigaction, Ordering::Relaxed);
+                PREVIOUS[place].flags.store(previous.sa_flags, Ordering::Release);
+                // SAFETY: `on_fault` has the type of an SA_SIGINFO handler; what it calls is async-signal-safe.
+                unsafe { change_action(signal, Some(&on_fault)) }?;
+                self.previous[place] = Some(previous);
+            }
+        }
+        ARE_HELD.store(true, Ordering::Release);
+        Ok(())
+    }
+
+    /// Puts back what was there, where nobody has put another handler over ours.
+    fn restore(&mut self) {
+        ARE_HELD.store(false, Ordering::Release);
+        for (signal, previous) in CAUGHT.into_iter().zip(&mut self.previous) {
+            let is_ours = |now: libc::sigaction| now.sa_sigaction == on_fault as *const () as usize;
+            // SAFETY: nothing changes, or what was there before is there again; that the kernel takes back.
+            unsafe {
+                if previous.is_some() && change_action(signal, None).is_ok_and(is_ours) {
+                    let _ = change_action(signal, previous.take().as_ref());
+                }
+            }
+        }
+    }
+}
+
+/// Lets the handler that was there before ours have a signal; async-signal-safe as far as that one is.
+///
+/// # Safety
+/// The arguments are those of an SA_SIGINFO handler.
+unsafe fn pass_on(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
+    let Some(previous) = CAUGHT.iter().position(|caught| *caught == signal).map(|place| &PREVIOUS[place]) else {
+        return;
+    };
+    let flags = previous.flags.load(Ordering::Acquire);
+    let handler = ptr::with_exposed_provenance::<()>(previous.handler.load(Ordering::Relaxed));
+    // SAFETY: the kernel's own, by this function's contract.
+    let is_of_kernel = unsafe { (*info).si_code } > 0;
+    match handler.addr() {
+        libc::SIG_IGN if !is_of_kernel => {}
+        // A fault cannot be ignored.
+        libc::SIG_DFL | libc::SIG_IGN if signal != OVERDUE_SIGNAL => default_action(signal),
+        libc::SIG_DFL | libc::SIG_IGN => {}
+        _ if flags & libc::SA_SIGINFO != 0 => {
+            type Handler = extern "C" fn(i32, *mut libc::siginfo_t, *mut libc::c_void);
+            // SAFETY: neither of the two constants, so a handler of this type by its flags, which its owner keeps in place.
+            unsafe { std::mem::transmute::<*const (), Handler>(handler)(signal, info, context) }
+        }
+        // SAFETY: as above, of the other type.
+        _ => unsafe { std::mem::transmute::<*const (), extern "C" fn(i32)>(handler)(signal) },
+    }
+}
+
+/// In a robot's own process: catches faults of the threads whose blocks [report](ThreadBlock::reporting) them, for ever; what ends
+/// the host is the host's to hear.
 ///
 /// # Errors
 /// When the kernel refuses a handler.
 pub fn install_in_child() -> io::Result<()> {
-    catch_faults()?;
+    std::mem::forget(Handlers::hold()?);
     for signal in [libc::SIGINT, libc::SIGTERM, libc::SIGHUP, libc::SIGQUIT] {
-        set_handler(signal, libc::SIG_IGN, 0)?;
+        // SAFETY: no handler.
+        unsafe { change_action(signal, Some(&action(libc::SIG_IGN, 0))) }?;
     }
     Ok(())
 }
@@ -205,23 +336,6 @@ pub fn default_action(signal: i32) {
     }
 }
 
-fn catch_faults() -> io::Result<()> {
-    for signal in FAULT_SIGNALS.into_iter().chain([OVERDUE_SIGNAL]) {
-        set_handler(signal, on_fault as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK)?;
-    }
-    Ok(())
-}
-
-/// No bell is rung any more: the run is over and its bell about to be closed.
-pub fn uninstall() {
-    BELL.store(-1, Ordering::Release);
-}
-
-/// True once the user has asked for the end, of this run and of all that would follow it.
-pub fn is_interrupted() -> bool {
-    INTERRUPTED.load(Ordering::Acquire)
-}
-
 /// Stops the thread of `block` where it is, as a fault of [`OVERDUE_SIGNAL`].
 pub fn stop_overdue(block: &ThreadBlock) {
     let tid = block.tid.load(Ordering::Relaxed);
@@ -232,62 +346,22 @@ pub fn stop_overdue(block: &ThreadBlock) {
 extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
     let block = CURRENT.get();
     if block.is_null() {
-        // SAFETY: neither call takes a pointer, and both always succeed.
-        let is_first_thread = unsafe { libc::gettid() == libc::getpid() };
-        if signal != OVERDUE_SIGNAL && !is_first_thread && BELL.load(Ordering::Relaxed) >= 0 {
-            end_with_foreign_fault();
-        }
-        if signal != OVERDUE_SIGNAL {
-            // The host's own fault: let the default action show it when the instruction is tried again.
-            default_action(signal);
-        }
-        return;
+        // SAFETY: the arguments are what the kernel passed to this SA_SIGINFO handler.
+        return unsafe { pass_on(signal, info, context) };
     }
-    // SAFETY: the block is 'static (see `adopt_current_thread`).
+    // SAFETY: the block lives as long as this thread (see `adopt_current_thread`).
     let block = unsafe { &*block };
-    if let Some(report) = block.report {
-        // SAFETY: `info` and `context` are what the kernel passed to this SA_SIGINFO handler.
-        let (address, (pc, sp)) = unsafe { ((*info).si_addr() as usize, registers(context)) };
-        report(block, Fault { signal, address, pc, sp });
-        return;
-    }
-    if signal == OVERDUE_SIGNAL && block.in_host.load(Ordering::Relaxed) {
+    if matches!(block.on_fault, OnFault::Park(_)) && signal == OVERDUE_SIGNAL && block.in_host.load(Ordering::Relaxed) {
         block.overdue.store(true, Ordering::Relaxed);
         return;
     }
     // SAFETY: `info` and `context` are what the kernel passed to this SA_SIGINFO handler.
     let (address, (pc, sp)) = unsafe { ((*info).si_addr() as usize, registers(context)) };
-    block.park_faulted(Fault { signal, address, pc, sp });
-}
-
-/// Ends the process with a message: a thread that a program started itself has faulted. Such threads are outside the guarantee;
-/// what is recorded up to the last slot is in the trace. Async-signal-safe.
-fn end_with_foreign_fault() -> ! {
-    const WORDS: &[u8] =
-        b"error: a thread that a robot program started by itself has faulted: such threads are outside the \
-        guarantee; the run ends here, the trace is complete up to the last slot\n";
-    // SAFETY: write and _exit are async-signal-safe; `WORDS` has as many bytes as are given.
-    unsafe {
-        libc::write(2, WORDS.as_ptr().cast(), WORDS.len());
-        libc::_exit(1)
+    let fault = Fault { signal, address, pc, sp };
+    match block.on_fault {
+        OnFault::Park(_) => block.park_faulted(fault),
+        OnFault::Report(report) => report(block, fault),
     }
-}
-
-/// From now on Ctrl-C is a debugger's alone, whose process group this process shares.
-pub fn leave_interrupts_to_debugger() {
-    IS_DEBUGGING.store(true, Ordering::Release);
-}
-
-extern "C" fn on_interrupt(signal: i32) {
-    if signal == libc::SIGINT && IS_DEBUGGING.load(Ordering::Acquire) {
-        return;
-    }
-    if INTERRUPTED.swap(true, Ordering::AcqRel) {
-        // The second Ctrl-C: the user does not want to wait for files to be closed.
-        // SAFETY: _exit is async-signal-safe.
-        unsafe { libc::_exit(130) };
-    }
-    bell::ring(BELL.load(Ordering::Acquire));
 }
 
 /// Program counter and stack pointer at the fault.
@@ -303,16 +377,23 @@ unsafe fn registers(context: *mut libc::c_void) -> (usize, usize) {
     return (machine.pc as usize, machine.sp as usize);
 }
 
-fn set_handler(signal: i32, handler: usize, flags: i32) -> io::Result<()> {
-    // SAFETY: an all-zero sigaction is a valid value; the handlers have the signatures that their flags ask for.
-    let status = unsafe {
-        let mut action: libc::sigaction = std::mem::zeroed();
-        action.sa_sigaction = handler;
-        action.sa_flags = flags;
-        libc::sigemptyset(&mut action.sa_mask);
-        libc::sigaction(signal, &action, ptr::null_mut())
-    };
-    if status == 0 { Ok(()) } else { Err(io::Error::last_os_error()) }
+/// What [`change_action`] installs.
+pub(super) fn action(handler: usize, flags: i32) -> libc::sigaction {
+    // SAFETY: an all-zero sigaction is a valid value: no flags, an empty mask.
+    let mut action: libc::sigaction = unsafe { std::mem::zeroed() };
+    (action.sa_sigaction, action.sa_flags) = (handler, flags);
+    action
+}
+
+/// What is done at `signal`, and lets `new` be done from now on where there is one.
+///
+/// # Safety
+/// The handler of `new` has the type that its flags say, and is async-signal-safe.
+pub(super) unsafe fn change_action(signal: i32, new: Option<&libc::sigaction>) -> io::Result<libc::sigaction> {
+    let mut old = action(libc::SIG_DFL, 0);
+    // SAFETY: `new` is null or valid, as `old` is; the caller's promise.
+    let status = unsafe { libc::sigaction(signal, new.map_or(ptr::null(), ptr::from_ref), &mut old) };
+    if status == 0 { Ok(old) } else { Err(io::Error::last_os_error()) }
 }
 
 /// Lowest and highest address of the calling thread's stack, without its guard page.
@@ -331,8 +412,7 @@ fn stack_bounds() -> io::Result<(usize, usize)> {
     if status == 0 { Ok((low as usize, low as usize + size)) } else { Err(io::Error::from_raw_os_error(status)) }
 }
 
-/// Gives the calling thread an alternate signal stack that stays mapped until the process ends, as a parked thread sits on it: the
-/// one at `address`, or a new one for 0. Returns its address.
+/// Gives the calling thread an alternate signal stack: the one at `address`, or a new one for 0. Returns its address.
 fn set_alternate_stack(address: usize) -> io::Result<usize> {
     let mut memory = ptr::with_exposed_provenance_mut(address);
     if address == 0 {
@@ -352,7 +432,40 @@ fn set_alternate_stack(address: usize) -> io::Result<usize> {
         }
     }
     let stack = libc::stack_t { ss_sp: memory, ss_flags: 0, ss_size: ALTERNATE_STACK };
-    // SAFETY: the memory has the stated size, is never unmapped, and no other thread that lives has it.
+    // SAFETY: the memory has the stated size, stays mapped as long as the thread's block, and no other thread that lives has it.
     let status = unsafe { libc::sigaltstack(&stack, ptr::null_mut()) };
     if status == 0 { Ok(memory.expose_provenance()) } else { Err(io::Error::last_os_error()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    static HEARD: AtomicI32 = AtomicI32::new(0);
+
+    extern "C" fn hear(signal: i32) {
+        HEARD.store(signal, Ordering::Relaxed);
+    }
+
+    #[test]
+    fn who_was_there_before_hears_what_is_no_flows_and_is_back_at_the_end() {
+        let handler = || {
+            // SAFETY: nothing changes.
+            unsafe { change_action(OVERDUE_SIGNAL, None) }.unwrap().sa_sigaction
+        };
+        // SAFETY: a handler without SA_SIGINFO gets a number, and stores it.
+        let before = unsafe { change_action(OVERDUE_SIGNAL, Some(&action(hear as *const () as usize, 0))) }.unwrap();
+        let held = [Handlers::hold().unwrap(), Handlers::hold().unwrap()];
+        assert_eq!(handler(), on_fault as *const () as usize);
+        // SAFETY: raise takes no pointer.
+        unsafe { libc::raise(OVERDUE_SIGNAL) };
+        assert_eq!(HEARD.load(Ordering::Relaxed), OVERDUE_SIGNAL);
+        let [first, second] = held;
+        drop(first);
+        assert!(Handlers::are_held());
+        drop(second);
+        assert_eq!(handler(), hear as *const () as usize);
+        // SAFETY: what was there before.
+        unsafe { change_action(OVERDUE_SIGNAL, Some(&before)) }.unwrap();
+    }
 }

@@ -120,6 +120,10 @@ pub fn judge(robot: &mut Robot, finish: &Finish<'_>, broken: Option<&Broken>, pr
         _ => match finish.end {
             End::Interrupted => standing(Outcome::Interrupted, None),
             End::Broken => standing(Outcome::Interrupted, Some("another robot's program broke".into())),
+            End::HeapLost => {
+                let reason = "a program of another run in this process broke within the heap of the C library";
+                standing(Outcome::Interrupted, Some(reason.into()))
+            }
             End::Record(_) => standing(Outcome::Interrupted, Some("the record could not be written".into())),
             End::Until | End::Stuck | End::Finished => standing(Outcome::Running, None),
         },

@@ -2,20 +2,24 @@
 
 use std::cell::Cell;
 use std::io;
+use std::os::unix::thread::JoinHandleExt as _;
+use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, OnceLock, mpsc};
 use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant, SystemTime};
 
 use parking_lot::Mutex;
 use robios_sys::{Callback, Stop};
 use sim_core::RobotId;
 
-use super::Executor;
+use super::bell::Bell;
 use super::fault::{Broken, stack_words};
 use super::process::Child;
 use super::process::child::Release;
-use super::signal::{self, ThreadBlock};
+use super::signal::{self, Handlers, ThreadBlock};
 use super::watchdog::{Look, Watch};
+use super::{Executor, damage};
 use crate::robios::caller::Call;
 use crate::robios::task::MAIN;
 
@@ -25,11 +29,16 @@ pub(super) const STACK: usize = 8 << 20;
 /// Stack that a RoBIOS call may need, the slot loop included: below it the program has overflowed.
 const RESERVE: usize = 128 << 10;
 
+/// How long the thread of a program that has ended may take to end itself before it is given up.
+const LAST_STEPS: Duration = Duration::from_secs(10);
+
 /// Executor with one OS thread a task.
 pub struct ThreadExecutor {
     robots: boxcar::Vec<Arc<Threads>>,
     /// The processor of each lane.
     processors: Arc<[usize]>,
+    /// What flows ring that break; none before the run begins.
+    bell: OnceLock<Arc<Bell>>,
 }
 
 /// The threads of one robot.
@@ -46,30 +55,30 @@ struct Threads {
 #[derive(Default)]
 struct Flows {
     /// Those that have not ended, with the tasks that they run.
-    list: Vec<(u32, &'static Flow)>,
+    list: Vec<(u32, Arc<Flow>)>,
     /// The one that has the baton.
-    holder: Option<&'static Flow>,
+    holder: Option<Arc<Flow>>,
     /// The one that handed it on as the last thing it did: whoever has the baton waits for the end of its thread, which may still
     /// run the program's destructors of thread-locals.
-    ending: Option<&'static Flow>,
-    /// Those whose threads have ended, for further tasks.
-    spare: Vec<&'static Flow>,
+    ending: Option<Arc<Flow>>,
 }
 
-/// What is known of one thread. Leaked, since the thread outlives the executor when its program never returns.
-#[derive(Default)]
+/// What is known of one thread, which has a count of its own of it, given back by [`Flow::join`] alone.
 struct Flow {
     block: ThreadBlock,
     /// The lane to whose processor the thread is bound.
     lane: AtomicU32,
     go: AtomicBool,
+    /// None once it has been joined, or cannot be.
     thread: Mutex<Option<JoinHandle<()>>>,
     watch: Mutex<Watch>,
+    /// A flow that never ends keeps them.
+    _handlers: Handlers,
 }
 
 thread_local! {
     /// The flow of this thread.
-    static FLOW: Cell<Option<&'static Flow>> = const { Cell::new(None) };
+    static FLOW: Cell<*const Flow> = const { Cell::new(ptr::null()) };
 }
 
 impl ThreadExecutor {
@@ -80,7 +89,7 @@ impl ThreadExecutor {
     /// measured a hand-over to another one costs two to three times as much.
     pub fn new(count: usize, flows: usize, lanes: usize) -> Self {
         let processors: Arc<[usize]> = if flows > lanes { processors(lanes).into() } else { Arc::default() };
-        let executor = Self { robots: boxcar::Vec::with_capacity(count), processors };
+        let executor = Self { robots: boxcar::Vec::with_capacity(count), processors, bell: OnceLock::new() };
         if count > 0 {
             executor.admit(RobotId::from_index(count - 1));
         }
@@ -93,10 +102,55 @@ impl ThreadExecutor {
 }
 
 impl Flow {
-    /// The flow of the calling thread.
-    fn current() -> &'static Self {
-        let Some(flow) = FLOW.get() else { unreachable!("only flows of robots come here") };
+    fn new(bell: Arc<Bell>) -> io::Result<Self> {
+        Ok(Self {
+            block: ThreadBlock::ringing(bell),
+            lane: AtomicU32::new(u32::MAX),
+            go: AtomicBool::new(false),
+            thread: Mutex::default(),
+            watch: Mutex::default(),
+            _handlers: Handlers::hold()?,
+        })
+    }
+
+    /// Makes this the flow of the calling thread, of which nobody else is one.
+    fn adopt_current_thread(self: Arc<Self>) -> io::Result<()> {
+        let flow = Arc::into_raw(self);
+        FLOW.set(flow);
+        // SAFETY: the count that the thread has from now on is given back when the thread has been joined, so that it has ended;
+        // its block never had another one.
+        unsafe { (*flow).block.adopt_current_thread() }
+    }
+
+    /// The flow of the calling thread; the reference does not leave that.
+    fn current<'a>() -> &'a Self {
+        // SAFETY: null, or kept alive by the count of this thread as long as that lives, see `adopt_current_thread`.
+        let Some(flow) = (unsafe { FLOW.get().as_ref() }) else { unreachable!("only flows of robots come here") };
         flow
+    }
+
+    /// Waits for the end of its thread, which has adopted it and ends soon; false if it breaks, or has not ended after `patience`: it is lost.
+    fn join(self: &Arc<Self>, patience: Duration) -> bool {
+        /// How often is looked whether it has broken.
+        const LOOK: Duration = Duration::from_millis(20);
+        let Some(thread) = self.thread.lock().take().map(JoinHandle::into_pthread_t) else { return false };
+        let start = Instant::now();
+        while self.block.fault().is_none() && start.elapsed() < patience {
+            let until = (SystemTime::now() + LOOK).duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+            let until = libc::timespec {
+                tv_sec: until.as_secs() as libc::time_t,
+                tv_nsec: until.subsec_nanos() as libc::c_long,
+            };
+            // SAFETY: nobody else has the handle, which has been neither joined nor detached; `until` is valid. Then the thread has
+            // ended, and nobody else gives back the count that it took when it adopted the flow.
+            unsafe {
+                if libc::pthread_timedjoin_np(thread, ptr::null_mut(), &until) == 0 {
+                    Arc::decrement_strong_count(Arc::as_ptr(self));
+                    return true;
+                }
+            }
+        }
+        false
     }
 
     /// It is released once more: its time begins anew for the watchdog.
@@ -134,16 +188,14 @@ impl Threads {
             thread::park();
         }
         flow.begin_release();
-        let ending = self.flows.lock().ending;
+        let ending = self.flows.lock().ending.clone();
         if let Some(ending) = ending {
-            let thread = ending.thread.lock().take();
-            if let Some(thread) = thread {
-                // What its flow did last cannot panic; if it could, the baton would be here all the same.
-                let _ = thread.join();
+            // The supervisor hears of one that has broken; nothing of the robot runs on then.
+            while !ending.join(Duration::MAX) {
+                thread::park();
             }
             let mut flows = self.flows.lock();
-            flows.list.retain(|(_, flow)| !std::ptr::eq(*flow, ending));
-            flows.spare.push(ending);
+            flows.list.retain(|(_, flow)| !Arc::ptr_eq(flow, &ending));
             flows.ending = None;
         }
     }
@@ -151,21 +203,26 @@ impl Threads {
     /// Hands the baton from the calling flow to that of `task`; the calling one goes no further if it `is_ending`.
     fn hand_to(&self, task: u32, is_ending: bool) {
         let mut flows = self.flows.lock();
-        let Some((_, next)) = flows.list.iter().find(|(number, _)| *number == task).copied() else {
-            unreachable!("task {task} has no flow")
+        let Some((_, next)) = flows.list.iter().find(|(number, _)| *number == task).cloned() else {
+            // The run is over and its flows have been given up: this one comes too late.
+            drop(flows);
+            loop {
+                thread::park();
+            }
         };
-        flows.holder = Some(next);
+        let last = flows.holder.replace(Arc::clone(&next));
         if is_ending {
-            flows.ending = Some(Flow::current());
+            debug_assert!(last.as_ref().is_some_and(|last| ptr::eq(&**last, Flow::current())), "it had the baton");
+            flows.ending = last;
         }
         drop(flows);
-        self.go(next);
+        self.go(&next);
     }
 
     /// The flow that works for the robot now.
-    fn working(&self) -> Option<&'static Flow> {
+    fn working(&self) -> Option<Arc<Flow>> {
         let flows = self.flows.lock();
-        flows.ending.or(flows.holder)
+        flows.ending.as_ref().or(flows.holder.as_ref()).cloned()
     }
 }
 
@@ -173,6 +230,30 @@ impl Threads {
 const IMPORT_PATIENCE: f64 = 12.0;
 
 impl Executor for ThreadExecutor {
+    fn begin(&self, bell: &Arc<Bell>) {
+        damage::heap_functions();
+        // A run begins once.
+        let _ = self.bell.set(Arc::clone(bell));
+    }
+
+    fn end(&self, departed: &dyn Fn(RobotId) -> bool) {
+        for (index, threads) in &self.robots {
+            let Flows { list, .. } = std::mem::take(&mut *threads.flows.lock());
+            let is_broken = list.iter().any(|(_, flow)| flow.block.fault().is_some());
+            let ends = !is_broken && departed(RobotId::from_index(index));
+            for (_, flow) in list {
+                if !(ends && flow.join(LAST_STEPS)) {
+                    damage::lose_flow();
+                }
+            }
+        }
+    }
+
+    fn is_doomed(&self) -> bool {
+        let has_native = |threads: &Threads| threads.child.get().is_none() && !threads.flows.lock().list.is_empty();
+        damage::is_heap_lost() && self.robots.iter().any(|(_, threads)| has_native(threads))
+    }
+
     fn admit(&self, robot: RobotId) {
         while self.robots.count() <= robot.index() {
             self.robots.push(Arc::new(Threads {
@@ -185,35 +266,32 @@ impl Executor for ThreadExecutor {
     }
 
     fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<()> {
+        let Some(bell) = self.bell.get() else { unreachable!("the run has begun") };
         let threads = Arc::clone(self.robot(robot));
-        let place: &'static Flow = threads.flows.lock().spare.pop().unwrap_or_else(|| Box::leak(Box::default()));
-        place.lane.store(u32::MAX, Ordering::Relaxed);
+        let place = Arc::new(Flow::new(Arc::clone(bell))?);
         let (adopted, adoption) = mpsc::sync_channel(1);
         let name = if task == MAIN { robot.to_string() } else { format!("{robot}.{task}") };
+        let own = Arc::clone(&place);
         let life = move || {
-            let result = place.block.adopt_current_thread();
+            let result = own.adopt_current_thread();
             let is_adopted = result.is_ok();
             // The receiver waits just below for this one message.
             let _ = adopted.send(result);
             if is_adopted {
-                FLOW.set(Some(place));
-                threads.wait(place);
+                threads.wait(Flow::current());
                 if let Some(next) = flow() {
                     threads.hand_to(next, true);
                 }
             }
         };
-        let started = thread::Builder::new().name(name).stack_size(STACK).spawn(life);
-        let result = started.and_then(|thread| {
-            // The handle is known before anybody lets the flow go on.
-            *place.thread.lock() = Some(thread);
-            adoption.recv().unwrap_or_else(|_| Err(io::Error::other("the thread ended before it began")))
-        });
-        // The place is lost after an error: its thread may not have ended yet.
-        result?;
+        let thread = thread::Builder::new().name(name).stack_size(STACK).spawn(life)?;
+        // The handle is known before anybody lets the flow go on.
+        *place.thread.lock() = Some(thread);
+        let adopted = adoption.recv().map_err(|_| io::Error::other("the thread ended before it began"))?;
+        adopted.inspect_err(|_| _ = place.join(LAST_STEPS))?;
         let mut flows = self.robot(robot).flows.lock();
+        flows.holder.get_or_insert_with(|| Arc::clone(&place));
         flows.list.push((task, place));
-        flows.holder.get_or_insert(place);
         Ok(())
     }
 
@@ -225,9 +303,9 @@ impl Executor for ThreadExecutor {
     fn resume(&self, robot: RobotId, lane: u32) {
         let threads = self.robot(robot);
         threads.lane.store(lane, Ordering::Relaxed);
-        let holder = threads.flows.lock().holder;
+        let holder = threads.flows.lock().holder.clone();
         if let Some(holder) = holder {
-            threads.go(holder);
+            threads.go(&holder);
         }
     }
 
@@ -265,7 +343,7 @@ impl Executor for ThreadExecutor {
         let block = &Flow::current().block;
         block.leave_host();
         // SAFETY: by this method's contract the robot's flow, which runs on this thread, is in a call of its program, or the
-        // first in a task that such a call started, and holds no lock; programs are never unloaded.
+        // first in a task that such a call started, and holds no lock; its frames hold the run, and with it the program.
         let result = unsafe { callback.call() };
         block.enter_host();
         result
@@ -275,10 +353,13 @@ impl Executor for ThreadExecutor {
         let mut all = Vec::new();
         for (index, threads) in &self.robots {
             let flows = threads.flows.lock();
-            for (task, Flow { block, .. }) in &flows.list {
+            for (task, flow) in &flows.list {
+                let block = &flow.block;
                 if let Some(fault) = block.fault() {
                     let (bounds, last_call) = (block.stack_bounds(), block.last_call.load(Ordering::Relaxed));
-                    let broken = Broken::new(fault, bounds, last_call, stack_words(fault.sp, bounds));
+                    let stack_words = stack_words(fault.sp, bounds);
+                    damage::assess(&fault, &stack_words);
+                    let broken = Broken::new(fault, bounds, last_call, stack_words);
                     let is_alone = *task == MAIN && flows.list.len() == 1;
                     let broken = if is_alone { broken } else { broken.in_task(*task) };
                     all.push((RobotId::from_index(index), broken));

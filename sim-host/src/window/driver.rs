@@ -15,7 +15,6 @@ use super::control::Control;
 use super::show::{Moment, Show};
 use crate::executive::conductor::Boundary;
 use crate::executive::scheduler::{Progress, Scheduler};
-use crate::executive::signal;
 
 /// How long the driver waits without looking whether the user wants to stop.
 const NAP: Duration = Duration::from_millis(20);
@@ -150,7 +149,7 @@ impl Driver {
         self.now = self.now.max(boundary.following);
         loop {
             let wished = self.take_wishes();
-            if wished.is_ending || signal::is_interrupted() {
+            if wished.is_ending || run.run().interrupt().is_set() {
                 run.interrupt();
                 return Progress::Over;
             }

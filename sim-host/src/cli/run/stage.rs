@@ -22,6 +22,7 @@ use crate::cli::diagnostic::{self, Colour, Format};
 use crate::cli::options::{Options, give_noise};
 use crate::cli::output;
 use crate::cli::progress::{Building, Counts, Progress};
+use crate::executive::interrupt::Interrupt;
 use crate::executive::pace::Pace;
 use crate::executive::program::RobotProgram;
 use crate::executive::run::Run;
@@ -80,6 +81,8 @@ pub struct Company {
     pub until: Option<Time>,
     /// Where the messages of its programs and its progress go.
     pub is_quiet: bool,
+    /// Who ends it early.
+    pub interrupt: Interrupt,
 }
 
 /// Shows what is wrong with the scene, and refuses to run it if it is an error or, when `strict`, anything.
@@ -257,6 +260,7 @@ impl Ready {
             costs: options.costs.clone(),
             recorder: Recorder::new(options.seed, options.slot, sinks.interest()),
             sinks,
+            interrupt: company.interrupt,
         };
         let scheduler = Scheduler::start(parts, &limits).context("cannot start the robots")?;
         Ok(Running { scheduler, progress, options, scene, scenery, inputs, trails })

@@ -99,7 +99,8 @@ impl ProgramLine {
     fn adopt_thread(&'static self, block: &'static ThreadBlock) {
         self.channel.attach();
         LINE.set(self);
-        if let Err(error) = block.adopt_current_thread() {
+        // SAFETY: the block is never freed, and its threads run one after the other.
+        if let Err(error) = unsafe { block.adopt_current_thread() } {
             self.refuse(refusal::OTHER, &format!("no stack for signals: {error}"));
         }
     }

@@ -1,0 +1,102 @@
+//! The wish of a user that runs end: a handle for whoever owns them, and what connects one with Ctrl-C in a binary.
+
+use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+
+use super::signal::{Handlers, action, change_action, default_action};
+
+/// Interrupts the runs that have a copy of it, once and for all.
+#[derive(Clone, Debug, Default)]
+pub struct Interrupt(Arc<AtomicBool>);
+
+impl Interrupt {
+    /// Lets the runs end with their present slots, from any thread; async-signal-safe. True if they were to already.
+    pub fn set(&self) -> bool {
+        self.0.swap(true, Ordering::AcqRel)
+    }
+
+    /// True once it has been set.
+    pub fn is_set(&self) -> bool {
+        self.0.load(Ordering::Acquire)
+    }
+}
+
+/// What Ctrl-C and SIGTERM set.
+static OF_PROCESS: OnceLock<Interrupt> = OnceLock::new();
+
+/// True while a debugger is to hear Ctrl-C.
+static IS_DEBUGGING: AtomicBool = AtomicBool::new(false);
+
+/// For a binary: what Ctrl-C and SIGTERM set from now on, the second one ends the process. A thread that a robot program started by
+/// itself and that faults ends the process with a message from now on.
+///
+/// # Errors
+/// When the kernel refuses a handler.
+pub fn of_process() -> io::Result<Interrupt> {
+    if let Some(interrupt) = OF_PROCESS.get() {
+        return Ok(interrupt.clone());
+    }
+    let interrupt = OF_PROCESS.get_or_init(Interrupt::default).clone();
+    for signal in [libc::SIGINT, libc::SIGTERM] {
+        let action = action(on_interrupt as *const () as usize, libc::SA_RESTART);
+        // SAFETY: a handler without SA_SIGINFO gets a number; what it calls is async-signal-safe.
+        unsafe { change_action(signal, Some(&action)) }?;
+    }
+    for signal in [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGABRT, libc::SIGTRAP] {
+        let action = action(on_foreign_fault as *const () as usize, libc::SA_ONSTACK);
+        // SAFETY: as above.
+        unsafe { change_action(signal, Some(&action)) }?;
+    }
+    Ok(interrupt)
+}
+
+/// From now on Ctrl-C is a debugger's alone, whose process group this process shares.
+pub fn leave_interrupts_to_debugger() {
+    IS_DEBUGGING.store(true, Ordering::Release);
+}
+
+extern "C" fn on_interrupt(signal: i32) {
+    if signal == libc::SIGINT && IS_DEBUGGING.load(Ordering::Acquire) {
+        return;
+    }
+    if OF_PROCESS.get().is_some_and(Interrupt::set) {
+        // The second Ctrl-C: the user does not want to wait for files to be closed.
+        // SAFETY: _exit is async-signal-safe.
+        unsafe { libc::_exit(130) };
+    }
+}
+
+/// Ends the process with a message: a thread that a program started itself has faulted. Such threads are outside the guarantee;
+/// what is recorded up to the last slot is in the trace.
+extern "C" fn on_foreign_fault(signal: i32) {
+    const WORDS: &[u8] =
+        b"error: a thread that a robot program started by itself has faulted: such threads are outside the \
+        guarantee; the run ends here, the trace is complete up to the last slot\n";
+    // SAFETY: neither call takes a pointer, and both always succeed.
+    let is_first_thread = unsafe { libc::gettid() == libc::getpid() };
+    if is_first_thread || !Handlers::are_held() {
+        // The host's own fault: the default action shows it when the instruction is tried again.
+        return default_action(signal);
+    }
+    // SAFETY: write and _exit are async-signal-safe; `WORDS` has as many bytes as are given.
+    unsafe {
+        libc::write(2, WORDS.as_ptr().cast(), WORDS.len());
+        libc::_exit(1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_are_interrupted_together_and_others_are_not() {
+        let interrupt = Interrupt::default();
+        let copy = interrupt.clone();
+        assert!(!copy.is_set());
+        assert!(!interrupt.set());
+        assert!(copy.is_set() && copy.set());
+        assert!(!Interrupt::default().is_set());
+    }
+}
