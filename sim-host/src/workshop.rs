@@ -31,7 +31,7 @@ use sim_core::simulation::{Placeable, RobotFactory};
 pub use types::Types;
 
 /// Most robots that may come into a run after its start, those that have left again included: each keeps its number, its record
-/// and, in this process, its program for ever. Our choice.
+/// and, in this process, its program as long as the run. Our choice.
 pub const MOST_ROBOTS: usize = 1_000;
 
 /// The same of movable objects.

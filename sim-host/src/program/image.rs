@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 use object::read::elf::{ElfFile64, FileHeader as _, ProgramHeader as _};
 use object::{Object as _, ObjectSegment as _, ObjectSymbol as _, elf};
 use parking_lot::Mutex;
-use robios_sys::PROGRAM_SYMBOL;
+use robios_sys::{PROGRAM_SYMBOL, language};
 
 use super::kind::{FileKind, HEAD_BYTES, file_kind};
 use super::share::page_size;
@@ -27,6 +27,8 @@ pub struct ProgramImage {
     read_only: Vec<ReadOnlySegment>,
     description: Option<Description>,
     undefined: Vec<String>,
+    /// Functions that the dynamic linker calls when the library is unloaded.
+    destructors: usize,
     /// The debug information, read when a line is first asked for; `None` inside if there is none.
     lines: OnceLock<Option<Mutex<addr2line::Loader>>>,
 }
@@ -115,15 +117,25 @@ impl ProgramImage {
             return Err(ImageError::Foreign { path: path.to_owned(), what });
         }
         let parts = parts_of(&bytes).map_err(|what| ImageError::Broken { path: path.to_owned(), what })?;
-        let Parts { loaded_len, span, mappings, read_only, description, undefined } = parts;
+        let Parts { loaded_len, span, mappings, read_only, description, undefined, destructors } = parts;
         let source_folder = source_folder.map(|folder| {
             // The folder of a source named without one is the working folder.
             let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
             fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned())
         });
-        let path = path.to_owned();
-        let lines = OnceLock::new();
-        Ok(Self { path, source_folder, bytes, loaded_len, span, mappings, read_only, description, undefined, lines })
+        Ok(Self {
+            path: path.to_owned(),
+            source_folder,
+            bytes,
+            loaded_len,
+            span,
+            mappings,
+            read_only,
+            description,
+            undefined,
+            destructors,
+            lines: OnceLock::new(),
+        })
     }
 
     /// The library's file, with its debug information.
@@ -172,6 +184,17 @@ impl ProgramImage {
     /// Functions and variables that the library takes from elsewhere, sorted.
     pub fn undefined(&self) -> &[String] {
         &self.undefined
+    }
+
+    /// True when nothing leads into a copy any more once its program has returned: it has started no thread and given no function or
+    /// memory of its own to the C library to keep, as far as its imports tell, and has no destructors but those of the compiler's
+    /// start files and of the shim. Destructors of thread-locals are counted by the dynamic linker itself.
+    pub fn leaves_nothing(&self) -> bool {
+        let is_rust = self.description.is_some_and(|description| description.language == language::RUST);
+        // The standard library of Rust imports what it uses in executables only, or to look for newer functions.
+        let is_unused = |name: &str| is_rust && matches!(name, "sigaction" | "pthread_key_create" | "dlsym");
+        let keeps = |name: &String| KEEPING.contains(&name.as_str()) && !is_unused(name);
+        self.destructors <= OWN_DESTRUCTORS && !self.undefined.iter().any(keeps)
     }
 
     /// The line of the source at `offset` from the base, if the debug information tells it.
@@ -238,6 +261,41 @@ impl std::fmt::Debug for ProgramImage {
     }
 }
 
+/// Functions of the C library that keep a function or memory of their caller's, or start threads. The shim of C programs replaces
+/// most of them: then they are no imports.
+const KEEPING: &[&str] = &[
+    "GOMP_parallel",
+    "__cxa_at_quick_exit",
+    "__cxa_atexit",
+    "__kmpc_fork_call",
+    "__register_atfork",
+    "__sysv_signal",
+    "at_quick_exit",
+    "atexit",
+    "clone",
+    "dlmopen",
+    "dlopen",
+    "dlsym",
+    "dlvsym",
+    "initstate",
+    "mq_notify",
+    "on_exit",
+    "pthread_atfork",
+    "pthread_create",
+    "pthread_key_create",
+    "putenv",
+    "setstate",
+    "sigaction",
+    "signal",
+    "sigset",
+    "thrd_create",
+    "timer_create",
+    "tss_create",
+];
+
+/// Destructors of the compiler's start files and of the shim, which closes the console.
+const OWN_DESTRUCTORS: usize = 2;
+
 struct Parts {
     loaded_len: usize,
     span: Range<usize>,
@@ -245,6 +303,7 @@ struct Parts {
     read_only: Vec<ReadOnlySegment>,
     description: Option<Description>,
     undefined: Vec<String>,
+    destructors: usize,
 }
 
 /// One loaded segment.
@@ -260,7 +319,7 @@ fn parts_of(bytes: &[u8]) -> Result<Parts, String> {
     let endian = file.endian();
     let headers = file.elf_header().program_headers(endian, bytes).map_err(text)?;
     let number = |value: u64| usize::try_from(value).map_err(|_ignored| "its addresses are too large".to_owned());
-    let (mut segments, mut is_relocated, mut has_relro) = (Vec::new(), false, false);
+    let (mut segments, mut is_relocated, mut has_relro, mut destructors) = (Vec::new(), false, false, 0);
     for header in headers {
         match header.p_type(endian) {
             elf::PT_LOAD => {
@@ -276,6 +335,9 @@ fn parts_of(bytes: &[u8]) -> Result<Parts, String> {
             elf::PT_DYNAMIC => {
                 for entry in header.dynamic(endian, bytes).map_err(text)?.unwrap_or_default() {
                     let value = entry.d_val.get(endian);
+                    if entry.d_tag.get(endian) == elf::DT_FINI_ARRAYSZ {
+                        destructors = number(value)? / size_of::<usize>();
+                    }
                     is_relocated |= match entry.d_tag.get(endian) {
                         elf::DT_TEXTREL => true,
                         elf::DT_FLAGS => value & u64::from(elf::DF_TEXTREL) != 0,
@@ -312,6 +374,7 @@ fn parts_of(bytes: &[u8]) -> Result<Parts, String> {
         read_only: if is_relocated { Vec::new() } else { read_only_segments(&segments) },
         description,
         undefined,
+        destructors,
     })
 }
 

@@ -8,6 +8,7 @@ use std::io::{self, Write as _};
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::ptr::NonNull;
 use std::sync::Arc;
 
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
@@ -127,19 +128,19 @@ fn robios_hint(robios: &[String]) -> String {
     }
 }
 
-/// A robot's own copy of a program with its arguments, ready to run. It stays mapped until the process ends.
+/// A robot's own copy of a program with its arguments, ready to run. Its library is unmapped with the last clone of it, as far as
+/// that can be: see [`ProgramImage::leaves_nothing`].
 #[derive(Clone)]
 pub struct LoadedProgram {
     prepared: Arc<Prepared>,
     image: Arc<ProgramImage>,
     arguments: Vec<CString>,
-    base: usize,
-    description: &'static Program,
+    library: Arc<Opened>,
 }
 
 impl std::fmt::Debug for LoadedProgram {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("LoadedProgram").field("name", &self.prepared.name).field("base", &self.base).finish()
+        f.debug_struct("LoadedProgram").field("name", &self.prepared.name).field("base", &self.library.base).finish()
     }
 }
 
@@ -170,7 +171,7 @@ impl LoadedProgram {
 
     /// Whether the program's exit code says anything: not where `main` returns no value.
     pub fn has_exit_code(&self) -> bool {
-        self.description.flags & flag::VOID_MAIN == 0
+        self.library.description().flags & flag::VOID_MAIN == 0
     }
 
     /// Runs the program's `main` on this thread, its calls answered by `host`; gives its exit code.
@@ -182,16 +183,17 @@ impl LoadedProgram {
         argv.push(std::ptr::null());
         let argc = self.arguments.len() as c_int;
         let robot = std::ptr::from_ref(host).cast_mut().cast::<c_void>();
+        let description = self.library.description();
         // SAFETY: the tables are those of `H`, so that `robot` leads to what their entries expect
         // (`CallContext::from_context`), shared and alive until `run` returns; argv has argc strings that end in 0, then
-        // a null pointer, alive as long; the description was checked when it was loaded.
-        unsafe { (self.description.run)(Tables::<H>::of(self.description.generation), robot, argc, argv.as_ptr()) }
+        // a null pointer, alive as long; the description was checked when it was loaded, and the library stays as long as `self`.
+        unsafe { (description.run)(Tables::<H>::of(description.generation), robot, argc, argv.as_ptr()) }
     }
 
     /// The addresses at which the copy's code and variables lie.
     pub fn addresses(&self) -> Range<usize> {
         let span = self.image.span();
-        self.base + span.start..self.base + span.end
+        self.library.base + span.start..self.library.base + span.end
     }
 
     /// The line of the source at `address`, if it lies in this copy and the debug information tells it. See
@@ -210,12 +212,12 @@ impl LoadedProgram {
 
     /// Where the program called the function that it is in, if its shim tells. To be asked only while the program is in a call.
     pub fn call_site(&self) -> CallSite {
-        let site = self.description.call_site;
+        let site = self.library.description().call_site;
         if site.is_null() || !site.is_aligned() {
             return CallSite::NONE;
         }
-        // SAFETY: the description's contract: `call_site` leads to a variable of this copy, which is never unmapped and
-        // which only the program writes, that is in a call now.
+        // SAFETY: the description's contract: `call_site` leads to a variable of this copy, which is mapped as long as
+        // `self` and which only the program writes, that is in a call now.
         unsafe { site.read() }
     }
 
@@ -227,13 +229,14 @@ impl LoadedProgram {
             let offset = self.offset(address.addr().checked_sub(1)?)?;
             return self.image.call_line(offset).map(|line| line.to_string());
         }
-        // SAFETY: the contract of a program's call site: a name of that many bytes in the program's constants.
+        // SAFETY: the contract of a program's call site: a name of that many bytes in the program's constants, which are mapped as
+        // long as `self`; a site is asked about at its own program only.
         let file = unsafe { std::slice::from_raw_parts(file, file_len) };
         Some(format!("{}:{line}", String::from_utf8_lossy(file)))
     }
 
     fn offset(&self, address: usize) -> Option<usize> {
-        self.addresses().contains(&address).then(|| address - self.base)
+        self.addresses().contains(&address).then(|| address - self.library.base)
     }
 }
 
@@ -261,8 +264,8 @@ impl Loader {
 
     /// Maps a private copy of `prepared` for one robot, which runs it with `arguments` behind the program's name.
     ///
-    /// The library's constructors run on this thread. The copy is never unmapped: what it left behind (exit handlers,
-    /// thread-locals) may still point into it.
+    /// The library's constructors run on this thread. The copy is unmapped with the last clone of what this returns, unless something
+    /// that it may leave behind (exit handlers, threads) would still lead into it.
     ///
     /// # Errors
     /// [`LoadError`] if it is no program for this eyesim or the dynamic linker refuses it.
@@ -273,8 +276,8 @@ impl Loader {
             .map_err(|argument| LoadError::Argument { path: image.path().to_owned(), argument })?;
         let (opened, copy) = self.map_copy(image)?;
         self.share(prepared, image, opened.base, copy);
-        let Opened { base, description } = opened;
-        Ok(LoadedProgram { prepared: Arc::clone(prepared), image: Arc::clone(image), arguments, base, description })
+        let library = Arc::new(if image.leaves_nothing() { opened } else { opened.kept() });
+        Ok(LoadedProgram { prepared: Arc::clone(prepared), image: Arc::clone(image), arguments, library })
     }
 
     /// The file from which processes of their own load `prepared`: one copy for all of them, whose pages they share. It is there as
@@ -333,19 +336,41 @@ impl Loader {
                 let segments = image.read_only_segments();
                 // SAFETY: both files were written from this image, and differ at most in where the header says that the
                 // table of sections is, which the dynamic linker does not read; they have no name any more and no other
-                // owner. The segments are those of the image, which stays loaded at `base`.
+                // owner. The segments are those of the image, which is loaded at `base` as long as the caller has it.
                 unsafe { share_pages(base, segments, &first.get().1, &copy) };
             }
         }
     }
 }
 
-/// A library that is mapped for ever.
+/// A library that is mapped as long as this lives.
 pub struct Opened {
     /// Where it lies.
     pub base: usize,
-    /// Its description, checked.
-    pub description: &'static Program,
+    /// Checked; in the library's constants.
+    description: NonNull<Program>,
+    /// Is unmapped when it is dropped; none of a library that stays for ever.
+    library: Option<Library>,
+}
+
+// SAFETY: the description is a constant, and the handle of the dynamic linker may be used on all threads.
+unsafe impl Send for Opened {}
+// SAFETY: as above.
+unsafe impl Sync for Opened {}
+
+impl Opened {
+    /// Its description.
+    pub fn description(&self) -> &Program {
+        // SAFETY: checked by `open`, and mapped as long as `self`.
+        unsafe { self.description.as_ref() }
+    }
+
+    /// The same, mapped until the process ends.
+    #[must_use]
+    pub fn kept(mut self) -> Self {
+        std::mem::forget(self.library.take());
+        self
+    }
 }
 
 /// Why a library cannot be opened.
@@ -368,7 +393,7 @@ impl OpenError {
 }
 
 /// Maps the library at `path`, in which a description of this version was seen ([`Loader::library`] looks for one); its
-/// constructors run on this thread.
+/// constructors run on this thread, and its destructors on the one that drops it.
 ///
 /// # Errors
 /// Why it is not one that can be run.
@@ -383,18 +408,14 @@ pub fn open(path: &Path) -> Result<Opened, OpenError> {
     let library = unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) }.map_err(|error| linker(&error))?;
     // SAFETY: the symbol is only used as an address here.
     let symbol = unsafe { library.get::<*const Program>(PROGRAM_SYMBOL) }.map_err(|error| linker(&error))?;
-    let description = symbol.as_raw_ptr().cast_const().cast::<Program>();
-    // The library stays for ever: a loaded image may have left pointers into itself anywhere.
-    std::mem::forget(library);
-    if description.is_null() || !description.is_aligned() {
-        return Err(misfit("its description is not where it should be"));
-    }
+    let description =
+        NonNull::new(symbol.as_raw_ptr().cast::<Program>()).filter(|description| description.is_aligned());
+    let description = description.ok_or_else(|| misfit("its description is not where it should be"))?;
     // SAFETY: not null, aligned, and `check_description` has seen in the file that a description of this version and
-    // at least this size is there; it is a constant in an image that is never unmapped.
-    let description = unsafe { &*description };
-    description.check().map_err(|why| misfit(&why.to_string()))?;
-    let base = base_of(std::ptr::from_ref(description).addr()).ok_or_else(|| misfit("its address is unknown"))?;
-    Ok(Opened { base, description })
+    // at least this size is there; it is a constant in an image that is mapped as long as `library`.
+    unsafe { description.as_ref() }.check().map_err(|why| misfit(&why.to_string()))?;
+    let base = base_of(description.as_ptr().addr()).ok_or_else(|| misfit("its address is unknown"))?;
+    Ok(Opened { base, description, library: Some(library) })
 }
 
 /// The library of a program that is one.

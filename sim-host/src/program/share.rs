@@ -14,7 +14,7 @@ use super::image::ReadOnlySegment;
 /// loaded from. Pages that cannot be shared stay the copy's own.
 ///
 /// # Safety
-/// A library is loaded at `base` and stays so. `segments` are its own, mapped without the right to write, from a file with
+/// A library is loaded at `base`, and nobody unloads it meanwhile. `segments` are its own, mapped without the right to write, from a file with
 /// the same bytes there as `common`; no relocation changes them, and nothing else lies in their pages of memory. Neither
 /// file is changed by anybody else.
 pub unsafe fn share_pages(base: usize, segments: &[ReadOnlySegment], common: &File, copy: &File) {

@@ -15,7 +15,7 @@ use super::channel::{Channel, Channels, Message, Turn, kind, refusal};
 use crate::executive::fault::SEARCH;
 use crate::executive::signal::{self, Fault, OVERDUE_SIGNAL, ThreadBlock};
 use crate::executive::thread::STACK;
-use crate::program::load::{OpenError, Opened, open};
+use crate::program::load::{OpenError, open};
 
 /// A thread's end of its channel.
 struct ProgramLine {
@@ -107,15 +107,15 @@ impl ProgramLine {
 
     /// The life of the thread that runs `main`.
     fn run_program(&self, library: &Path) {
-        let Opened { base, description } = match open(library) {
-            Ok(opened) => opened,
+        let library = match open(library) {
+            Ok(opened) => opened.kept(),
             Err(OpenError::Linker(what)) => self.refuse(refusal::LINKER, &what),
             Err(OpenError::Misfit(what)) => self.refuse(refusal::MISFIT, &what),
         };
-        CALL_SITE.store(description.call_site.cast_mut(), Ordering::Relaxed);
-        let order = self.converse(kind::READY, &(base as u64).to_le_bytes());
+        CALL_SITE.store(library.description().call_site.cast_mut(), Ordering::Relaxed);
+        let order = self.converse(kind::READY, &(library.base as u64).to_le_bytes());
         let code = match arguments(&order) {
-            Ok(arguments) => run_main(description, &arguments),
+            Ok(arguments) => run_main(library.description(), &arguments),
             // Stopped before it began.
             Err(Malformed) => robios_sys::EXIT_STOPPED,
         };
