@@ -287,7 +287,7 @@ impl Executor for ThreadExecutor {
         let thread = thread::Builder::new().name(name).stack_size(STACK).spawn(life)?;
         // The handle is known before anybody lets the flow go on.
         *place.thread.lock() = Some(thread);
-        let adopted = adoption.recv().map_err(|_| io::Error::other("the thread ended before it began"))?;
+        let adopted = adoption.recv().map_err(io::Error::other)?;
         adopted.inspect_err(|_| _ = place.join(LAST_STEPS))?;
         let mut flows = self.robot(robot).flows.lock();
         flows.holder.get_or_insert_with(|| Arc::clone(&place));
