@@ -68,7 +68,7 @@ fn uses_of(text: &str) -> Vec<String> {
                 '}' => depth -= 1,
                 ',' if depth <= 0 => {
                     let room = name.split("::").next().unwrap_or_default().trim();
-                    names.push(room.to_owned());
+                    names.extend((!room.is_empty()).then(|| room.to_owned()));
                     name.clear();
                 }
                 letter if depth <= 0 => name.push(letter),
