@@ -183,8 +183,8 @@ impl Simulation {
             medium: script.medium,
             baud: 19_200,
             latency: Time(1500),
-            range: (script.seed % 2 == 0).then_some(1.5),
-            line_of_sight: script.seed % 3 == 0,
+            range: (script.seed.is_multiple_of(2)).then_some(1.5),
+            line_of_sight: script.seed.is_multiple_of(3),
         };
         let errors = vec![Radio { bit_error_rate: 0.01, packet_loss: 0.2 }; 3];
         let figure = Arc::new(Figure::cylinder(0.1, 0.25, Surface::default()));
@@ -303,7 +303,7 @@ impl Simulation {
             for ray in 0..6 {
                 let direction = Pose::new(0.0, 0.0, f64::from(ray)).heading.direction();
                 let level = self.world.cast(motion.id(), origin, direction, 3.0, at);
-                let tilted = direction.extend(0.1 * f64::from(ray - 3)).normalize();
+                let tilted = direction.extend(0.1 * f64::from(ray - 3)).normalize_or_zero();
                 seen.push(format!(
                     "{level:?} {:?}",
                     self.world.sight(motion.id(), origin.extend(0.1), tilted, 3.0, at)

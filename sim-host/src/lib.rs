@@ -1,4 +1,4 @@
-//! The host of robot programs: files, programs, executors, slot loop, what each RoBIOS call does, recording.
+//! The host of robot programs: files, programs, the scheduler and its flows, what each RoBIOS call does, recording.
 
 pub mod cli;
 pub mod executive;

@@ -1,4 +1,4 @@
-//! The bell that wakes the supervisor: rung by robots, by the slot loop and from signal handlers.
+//! The bell that wakes the supervisor: rung by robots, by the scheduler step and from signal handlers.
 
 use std::io;
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};

@@ -1,7 +1,7 @@
 //! The radio, as far as both generations have it: switching it, sending, waiting for a message.
 //!
 //! A robot sends and receives by its own station; what the stations have sent goes to the others at the slot's end, see
-//! [`crate::executive::radio`]. Sources: RoBIOS 6 library, radio communication; RoBIOS-7 library, radio communication.
+//! [`sim_core::simulation::Environment`]. Sources: RoBIOS 6 library, radio communication; RoBIOS-7 library, radio communication.
 
 use robios_sys::robios6::{BROADCAST, RadioIOParameters};
 use sim_core::RobotId;
