@@ -170,6 +170,8 @@ fn a_psd_sees_what_was_there_at_the_end_of_its_cycle() {
     assert_eq!(psd::get(&mut bench.robot, &bench.world, front | left), PSD_OUT_OF_RANGE, "two at once");
     psd::release(&mut bench.robot);
     assert_eq!(psd::get(&mut bench.robot, &bench.world, front), PSD_OUT_OF_RANGE);
+    let wrong = [front, 0, 8].map(|handle| psd::start(&mut bench.robot, handle, true));
+    assert_eq!(wrong, [-1; 3], "no handle is open any more");
 }
 
 #[test]
