@@ -395,6 +395,10 @@ impl World {
         wall: Option<Hit>,
     ) -> Option<RayHit> {
         let mut nearest = wall.map(|hit| RayHit { distance: hit.distance, thing: Thing::Wall(hit.wall) });
+        if self.is_for_one() && by == RobotId(1) {
+            // Nobody sees itself.
+            return nearest;
+        }
         let reach = nearest.map_or(range, |hit| hit.distance);
         let mut look_at = |robot: RobotId| {
             if robot == by {
