@@ -178,18 +178,18 @@ fn a_thousand_side_by_side_are_each_as_alone() {
         for half in 0..2 {
             let alone = &alone;
             scope.spawn(move || {
-                let mut many: Vec<_> = (0..500).map(|place| (simulation(place % 10, 50), 0_u64)).collect();
+                let mut many: Vec<_> = (0..500).map(|place| (simulation(place % 10, 50), 0_u64, place % 10)).collect();
                 // The order of steps comes from a linear congruential generator.
                 let mut state: u64 = half;
                 while !many.is_empty() {
                     state = state.wrapping_mul(6_364_136_223_846_793_005_u64).wrapping_add(1_442_695_040_888_963_407);
                     let place = (state >> 33) as usize % many.len();
-                    let (simulation, step) = &mut many[place];
+                    let (simulation, step, _) = &mut many[place];
                     steps(simulation, *step, *step + 1);
                     *step += 1;
                     if *step == FEW {
-                        let (simulation, _) = many.swap_remove(place);
-                        assert!(alone.contains(&seen(&simulation)));
+                        let (simulation, _, seed) = many.swap_remove(place);
+                        assert_eq!(seen(&simulation), alone[seed as usize]);
                     }
                 }
             });
@@ -232,6 +232,10 @@ fn time_in_which_nothing_happens_is_skipped() {
     // A million seconds in 20 million slots, of which one is run.
     simulation.advance_with(Time::from_millis(1_000_000_000), count).expect("no error is shown");
     assert_eq!((simulation.now(), starts), (Time::from_millis(1_000_000_000), 1));
+    let mut fresh = Simulation::new(&scene, &Options::default()).expect("a robot");
+    fresh.set_interest(KindSet::ALL);
+    assert_eq!(fresh.advance_with(Time::from_millis(1_000), |_| Err("full")), Err("full"));
+    assert_eq!(fresh.now(), Time::from_millis(50), "it stands at the end of the slot that could not be shown");
     let full = simulation.advance_with(Time::from_millis(1_000_000_100), |_| Err("nothing is recorded"));
     assert_eq!(full, Ok(()));
 }

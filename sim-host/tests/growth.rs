@@ -74,6 +74,7 @@ fn many_runs_leave_nothing_behind() {
         return;
     }
     let runs = std::env::var("EYESIM_RUNS").ok().and_then(|text| text.parse().ok()).unwrap_or(300);
+    assert!(runs > 100, "memory after 100 runs is compared with that after more");
     let at_start = held();
     let folder = scene(&[DRIVE, TASKS]);
     let mut digest = None;

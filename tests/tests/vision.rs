@@ -89,7 +89,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 
 #[test]
 fn the_line_is_followed_once_around() {
-    // As it is drawn in sim-core/examples/textures.rs.
+    // As it is drawn in sim-format/examples/textures.rs.
     let line: Vec<[f64; 2]> = (0..500)
         .map(|step| {
             let (sin, cos) = (2.0 * PI * f64::from(step) / 500.0).sin_cos();

@@ -13,7 +13,7 @@ const CHAIN_LEN: usize = 32;
 /// Where a robot records what happens to it: a few stores an event, no allocation once its buffers have grown.
 ///
 /// Events are kept in their canonical form (postcard of time and event), which is what the digest covers and what the
-/// sinks decode. Only the robot's own thread writes while a slot runs; between slots the slot loop adds poses and contacts
+/// sinks decode. Only the robot itself writes while a slot runs; at the slot's end poses and contacts are added
 /// and gives the journal to [`super::Recorder::collect`].
 #[derive(Clone, Debug)]
 pub struct Journal {

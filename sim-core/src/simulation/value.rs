@@ -150,8 +150,8 @@ impl Simulation {
             }
             self.end_slot();
             let ended = self.environment.recorder().end_slot(slot_end, &mut show);
-            self.skip_to(time);
             ended?;
+            self.skip_to(time);
         }
         Ok(())
     }

@@ -45,7 +45,7 @@ pub struct Scheduler {
 /// How far a run has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// It stands between two slots and can go on.
+    /// It stands between two slots; whether anything is left to run says [`Scheduler::boundary`].
     Paused,
     /// It has ended: it is to be [finished](Scheduler::finish).
     Over,
@@ -262,7 +262,10 @@ impl Scheduler {
             self.broken.push((id, broken));
             run.conductor.lock().end_with(End::Broken);
         }
-        run.bury(id, deadline);
+        // A thread that ends may fault after its program has: in a destructor of a thread-local.
+        if !run.conductor.lock().has_departed(id) {
+            run.bury(id, deadline);
+        }
     }
 
     /// Stops those of the programs that have run for `timeout` seconds, unless a debugger holds them.

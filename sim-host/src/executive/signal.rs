@@ -339,7 +339,7 @@ pub fn default_action(signal: i32) {
 /// Stops the thread of `block` where it is, as a fault of [`OVERDUE_SIGNAL`].
 pub fn stop_overdue(block: &ThreadBlock) {
     let tid = block.tid.load(Ordering::Relaxed);
-    // SAFETY: tgkill takes no pointer; the thread belongs to this process and is parked, never ended, by its handler.
+    // SAFETY: tgkill takes no pointer; for a thread that has ended meanwhile it answers that there is none.
     unsafe { libc::syscall(libc::SYS_tgkill, libc::getpid(), tid, OVERDUE_SIGNAL) };
 }
 

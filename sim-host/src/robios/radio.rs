@@ -93,6 +93,8 @@ pub fn check(robot: &mut Robot, call: impl Into<Call>) -> i32 {
 
 /// Waits for a message, which `give` hands to the program.
 pub fn receive(robot: &mut Robot, call: impl Into<Call>, failure: i32, give: impl FnOnce(&Message)) -> Poll<i32> {
+    let now = robot.now;
+    robot.settle_radio(now);
     if robot.radio_member().is_none() {
         return Poll::Ready(is_off(robot, call, failure));
     }
