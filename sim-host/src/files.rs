@@ -1,4 +1,4 @@
-//! The file system as the readers of sim-core see it.
+//! The file system as the readers of scenes see it.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -23,6 +23,8 @@ pub struct DiskFiles {
     home: Option<String>,
     /// Files whose real names are no text, or have back slashes in them.
     real: BTreeMap<String, PathBuf>,
+    /// Files that are texts of the caller's.
+    texts: BTreeMap<String, String>,
 }
 
 impl DiskFiles {
@@ -31,12 +33,18 @@ impl DiskFiles {
     pub fn of_environment() -> Self {
         let named = std::env::var_os(HOME_VARIABLE).filter(|home| !home.is_empty()).map(PathBuf::from);
         let home = named.or_else(above_binary).or_else(checkout);
-        Self { home: home.map(|home| slashed(&home)), real: BTreeMap::new() }
+        Self { home: home.map(|home| slashed(&home)), ..Self::default() }
     }
 
     /// Files with the installation in `home`.
     pub fn with_home(home: &Path) -> Self {
-        Self { home: Some(slashed(home)), real: BTreeMap::new() }
+        Self { home: Some(slashed(home)), ..Self::default() }
+    }
+
+    /// The same files, but that of this name is `text`.
+    pub fn with_text(mut self, name: &Path, text: &str) -> Self {
+        self.texts.insert(slashed(name), text.to_owned());
+        self
     }
 
     /// The name under which a reader finds the file `path`, whatever characters or bytes its real name consists of.
@@ -51,6 +59,9 @@ impl DiskFiles {
 
 impl Files for DiskFiles {
     fn read(&self, path: &str) -> Result<Vec<u8>, FileError> {
+        if let Some(text) = self.texts.get(path) {
+            return Ok(text.clone().into_bytes());
+        }
         let path = self.real.get(path).map_or(Path::new(path), PathBuf::as_path);
         let metadata = fs::metadata(path).map_err(file_error)?;
         if !metadata.is_file() {

@@ -3,11 +3,11 @@
 pub mod cli;
 pub mod executive;
 pub mod files;
+pub mod launch;
 pub mod plot;
 pub mod program;
 pub mod record;
 pub mod robios;
 pub mod scenery;
-pub mod setup;
+
 pub mod window;
-pub mod workshop;

@@ -1,25 +1,13 @@
 //! Robots and movable objects that come into a running simulation, and leave it.
 
-use std::path::Path;
-use std::sync::Arc;
+use std::num::NonZeroUsize;
 
 use serde_json::Value;
-use sim_core::record::{Action, KindSet, Outcome, Recorder};
-use sim_core::spec::SceneSpec;
+use sim_core::record::{Action, Outcome};
 use sim_core::time::Time;
-use sim_format::{Loaded, load_scene};
-use sim_host::executive::interrupt::Interrupt;
-use sim_host::executive::program::Exec;
-use sim_host::executive::scheduler::{Ended, Limits, Parts, Scheduler};
-use sim_host::executive::thread::ThreadExecutor;
-use sim_host::files::DiskFiles;
-use sim_host::program::{Builder, Cache, Kits, SearchPath, Tools};
-use sim_host::record::trace::TraceHeader;
-use sim_host::record::{Sinks, Trace};
-use sim_host::robios::cost::Costs;
-use sim_host::scenery::LazyScenery;
-use sim_host::setup::{Programs, RobotOptions};
-use sim_host::workshop::Workshop;
+use sim_host::executive::scheduler::Ended;
+use sim_host::launch::{Observers, Options, Scene};
+use sim_host::record::Trace;
 
 const ROBI: &str = "diameter 200\nspeed 600\nturn 300\npsd PSD_FRONT -200 60 0 30 0\ncamera 0 0 80 0 0 80 60\n\
                     wheel 54 3600 1100 90\n\
@@ -86,7 +74,7 @@ impl Ran {
     }
 }
 
-fn room(robots: &str, programs: &[(&str, &str)]) -> (tempfile::TempDir, SceneSpec) {
+fn room(robots: &str, programs: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let room = "floor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n";
     let sim = format!("world room.wld\n{robots}");
@@ -95,58 +83,29 @@ fn room(robots: &str, programs: &[(&str, &str)]) -> (tempfile::TempDir, SceneSpe
     for (name, text) in files {
         std::fs::write(folder.path().join(name), text).expect("a file");
     }
-    let Loaded { scene, diagnostics, .. } =
-        load_scene(&folder.path().join("scene.sim").display().to_string(), &DiskFiles::default());
-    assert!(diagnostics.is_empty(), "{diagnostics:?}");
-    (folder, scene)
+    folder
 }
 
 /// Runs the scene for 10 s at most with these actions, their times in ms.
-fn run((folder, scene): &(tempfile::TempDir, SceneSpec), lanes: usize, actions: &[(i64, Action)]) -> Ran {
-    let folder: &Path = folder.path();
-    let search = SearchPath { sim_folder: Some(folder.to_owned()), ..SearchPath::default() };
-    let cache = Cache::open(&Path::new(env!("CARGO_TARGET_TMPDIR")).join("cast-cache")).expect("a cache");
-    let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
-    let programs = Programs::build(scene, &search, &builder).unwrap_or_else(|error| panic!("{error:#}"));
-    let loaded = programs.load(scene, Exec::Thread, None).unwrap_or_else(|error| panic!("{error:#}"));
-    let slot = Time::from_millis(50);
-    let scene = Arc::new(scene.clone());
-    let scenery = LazyScenery::new(Arc::clone(&scene), DiskFiles::default(), Vec::new(), Vec::new());
-    let options = RobotOptions {
-        seed: 0,
-        slot,
-        keys: &[],
-        may_execute: false,
-        is_verbose: false,
-        scenery: Arc::new(scenery),
-        frames: None,
-    };
-    let mut workshop = Workshop::new(Arc::clone(&scene), &programs, Exec::Thread, &options);
-    let (world, robots) = workshop.build_world().unwrap_or_else(|error| panic!("{error:#}"));
-    let limits = Limits { lanes, until: Time::from_millis(10_000), timeout: 10.0, is_verbose: false };
-    let header = TraceHeader { seed: 0, slot_us: slot.0, robots: Vec::new(), run: Vec::new(), inputs: Vec::new() };
+fn run(folder: &tempfile::TempDir, workers: usize, actions: &[(i64, Action)]) -> Ran {
+    let folder = folder.path();
+    let until = Some(Time::from_millis(10_000));
+    let options = Options { workers: NonZeroUsize::new(workers), until, ..Options::default() };
+    let scene = Scene::open(folder.join("scene.sim"), options).expect("a scene");
+    assert!(scene.diagnostics().is_empty(), "{:?}", scene.diagnostics());
+    let ready = scene.load().unwrap_or_else(|error| panic!("{error}"));
     let trace_file = folder.join("trace.jsonl");
-    let trace = Trace::create(&trace_file, &header).expect("a trace");
-    let parts = Parts {
-        world,
-        executor: Box::new(ThreadExecutor::new(robots.len(), programs.iter().count(), lanes)),
-        robots,
-        programs: loaded,
-        workshop: Some(workshop),
-        costs: Costs::default(),
-        recorder: Recorder::new(0, slot, KindSet::ALL),
-        sinks: Sinks::one(trace),
-        interrupt: Interrupt::default(),
-    };
-    let mut scheduler = Scheduler::start(parts, &limits).expect("a run");
+    let trace = Trace::create(&trace_file, &ready.trace_header()).expect("a trace");
+    let running = ready.start(Observers { sinks: vec![Box::new(trace)], ..Observers::default() });
+    let mut running = running.unwrap_or_else(|error| panic!("{error}"));
     let mut answers = Vec::new();
     for (ms, action) in actions {
         let at = Time::from_millis(*ms);
-        scheduler.advance_to(at);
-        answers.push(scheduler.act(at, action).err().map(|refusal| refusal.to_string()));
+        running.scheduler.advance_to(at);
+        answers.push(running.scheduler.act(at, action).err().map(|refusal| refusal.to_string()));
     }
-    scheduler.advance_to(Time::NEVER);
-    let ended = scheduler.finish();
+    running.scheduler.advance_to(Time::NEVER);
+    let ended = running.finish().ended;
     let text = std::fs::read_to_string(trace_file).expect("a trace");
     let lines = text.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
     Ran { ended, lines, answers }
@@ -177,8 +136,8 @@ fn a_robot_that_comes_drives_from_there_on() {
     let mut events = ran.of(2).map(|line| (line["event"].as_str().unwrap_or_default(), line["t_s"].as_f64()));
     assert_eq!(events.next(), Some(("program_started", Some(2.05))));
     assert_eq!(events.next(), Some(("pose", Some(2.05))), "where it came");
-    for lanes in [2, 3] {
-        assert_eq!(run(&scene, lanes, &actions).digest(), ran.digest());
+    for workers in [2, 3] {
+        assert_eq!(run(&scene, workers, &actions).digest(), ran.digest());
     }
 }
 

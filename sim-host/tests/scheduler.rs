@@ -9,9 +9,9 @@ use parking_lot::Mutex;
 use sim_core::RobotId;
 use sim_core::record::{Action, Digest, Event, Kind, KindSet, Outcome, Record};
 use sim_core::time::Time;
-use sim_host::cli::run::{Built, Company, RunArgs};
 use sim_host::executive::conductor::{Boundary, End};
 use sim_host::executive::scheduler::{Ended, Progress, Scheduler};
+use sim_host::launch::{Observers, Options, Ready, Scene};
 use sim_host::record::{RecordError, Sink};
 
 const WAIT: &str = r#"
@@ -25,8 +25,8 @@ int main(void) {
 }
 "#;
 
-/// A scene of two robots that drive for a second and wait for a key.
-fn scene() -> (tempfile::TempDir, RunArgs) {
+/// A run of two robots that drive for a second and wait for a key.
+fn ready() -> Ready {
     let folder = tempfile::tempdir().expect("a folder");
     let sim = "world room.wld\nrobi bot.robi wait.c 500 500 0\nrobi bot.robi wait.c 500 1500 0\n";
     let robi = "diameter 200\nspeed 600\nturn 300\nwheel 54 3600 1100 90\n\
@@ -35,18 +35,14 @@ fn scene() -> (tempfile::TempDir, RunArgs) {
     for (name, text) in [("room.wld", room), ("bot.robi", robi), ("scene.sim", sim), ("wait.c", WAIT)] {
         std::fs::write(folder.path().join(name), text).expect("a file");
     }
-    let mut args = RunArgs::of_scene(&folder.path().join("scene.sim")).expect("a scene");
-    (args.quiet, args.is_silent) = (true, true);
-    (folder, args)
+    let scene = Scene::open(folder.path().join("scene.sim"), Options::default());
+    scene.and_then(Scene::load).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A run of [`scene`] that `owner` advances.
+/// The run that `owner` advances.
 fn run_by(owner: impl FnOnce(&mut Scheduler), sinks: Vec<Box<dyn Sink>>) -> Ended {
-    let (_folder, args) = scene();
-    let ready = Built::new(&args, |_| Ok(())).and_then(|built| built.load(&args));
-    let ready = ready.unwrap_or_else(|error| panic!("{error:#}"));
-    let company = Company { sinks, is_quiet: true, ..Company::default() };
-    let mut running = ready.start(&args, company).unwrap_or_else(|error| panic!("{error:#}"));
+    let running = ready().start(Observers { sinks, ..Observers::default() });
+    let mut running = running.unwrap_or_else(|error| panic!("{error}"));
     owner(&mut running.scheduler);
     running.finish().ended
 }
@@ -236,11 +232,9 @@ fn a_run_that_is_dropped_lets_its_programs_leave() {
     }
     for end in [Time::ZERO, Time::from_millis(500)] {
         let callers = Arc::new(Mutex::new(Callers::default()));
-        let (_folder, args) = scene();
-        let ready = Built::new(&args, |_| Ok(())).and_then(|built| built.load(&args));
-        let company = Company { sinks: vec![Box::new(Arc::clone(&callers))], is_quiet: true, ..Company::default() };
-        let running = ready.and_then(|ready| ready.start(&args, company));
-        let mut running = running.unwrap_or_else(|error| panic!("{error:#}"));
+        let sinks: Vec<Box<dyn Sink>> = vec![Box::new(Arc::clone(&callers))];
+        let running = ready().start(Observers { sinks, ..Observers::default() });
+        let mut running = running.unwrap_or_else(|error| panic!("{error}"));
         running.scheduler.advance_to(end);
         drop(running);
         // The last flow that leaves takes the run with it, and that its sinks.

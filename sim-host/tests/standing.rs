@@ -1,24 +1,17 @@
 //! Scenes with robots that have no program, and with programs that the scene gives arguments.
 
+use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::Command;
-use std::sync::Arc;
 
-use sim_core::record::{Outcome, Recorder};
+use sim_core::pose::Pose;
+use sim_core::record::Outcome;
 use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
-use sim_format::{Loaded, load_scene};
 use sim_host::executive::conductor::End;
-use sim_host::executive::interrupt::Interrupt;
-use sim_host::executive::program::Exec;
-use sim_host::executive::scheduler::{Ended, Limits, Parts, Progress, Scheduler};
-use sim_host::executive::thread::ThreadExecutor;
-use sim_host::files::DiskFiles;
-use sim_host::program::{Builder, Cache, Kits, SearchPath, Tools};
-use sim_host::record::trace::TraceHeader;
-use sim_host::record::{Sink as _, Sinks, Trace};
-use sim_host::robios::cost::Costs;
-use sim_host::setup::{Programs, RobotOptions, build_world};
+use sim_host::executive::scheduler::{Ended, Progress};
+use sim_host::launch::{Observers, Options, Scene};
+use sim_host::record::Trace;
 
 const ROBI: &str = "diameter 200\nspeed 600\nturn 300\npsd PSD_FRONT -200 60 0 30 0\nwheel 54 3600 1100 90\n\
                     drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
@@ -49,7 +42,7 @@ int main(int argc, char **argv) {
 "#;
 
 /// A folder with the scene: three robots on a line, 600 mm from each other, in a room of 4 m.
-fn scene(programs: [&str; 3]) -> (tempfile::TempDir, SceneSpec) {
+fn scene(programs: [&str; 3]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let mut sim = String::from("world room.wld\n");
     for (index, program) in programs.iter().enumerate() {
@@ -60,42 +53,22 @@ fn scene(programs: [&str; 3]) -> (tempfile::TempDir, SceneSpec) {
     for (name, text) in files {
         std::fs::write(folder.path().join(name), text).expect("a file");
     }
-    let Loaded { scene, diagnostics, .. } =
-        load_scene(&folder.path().join("scene.sim").display().to_string(), &DiskFiles::default());
-    assert!(diagnostics.is_empty(), "{diagnostics:?}");
-    (folder, scene)
+    folder
 }
 
-/// Runs the scene; the trace goes to `trace.jsonl` in its folder.
-fn run(folder: &Path, scene: &SceneSpec, lanes: usize) -> Ended {
-    let search = SearchPath { sim_folder: Some(folder.to_owned()), ..SearchPath::default() };
-    let cache = Cache::open(&Path::new(env!("CARGO_TARGET_TMPDIR")).join("standing-cache")).expect("a cache");
-    let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
-    let programs = Programs::build(scene, &search, &builder).unwrap_or_else(|error| panic!("{error:#}"));
-    let loaded = programs.load(scene, Exec::Thread, None).unwrap_or_else(|error| panic!("{error:#}"));
-    let slot = Time::from_millis(50);
-    let options = RobotOptions {
-        seed: 0,
-        slot,
-        keys: &[],
-        may_execute: false,
-        is_verbose: false,
-        scenery: Arc::default(),
-        frames: None,
-    };
-    let (world, robots) = build_world(scene, &programs, &options).unwrap_or_else(|error| panic!("{error:#}"));
-    let limits = Limits { lanes, until: Time::from_millis(60_000), timeout: 10.0, is_verbose: false };
-    let header = TraceHeader { seed: 0, slot_us: slot.0, robots: Vec::new(), run: Vec::new(), inputs: Vec::new() };
-    let trace = Trace::create(&folder.join("trace.jsonl"), &header).expect("a trace");
-    let executor = Box::new(ThreadExecutor::new(robots.len(), programs.iter().count(), lanes));
-    let sinks = Sinks::one(trace);
-    let recorder = Recorder::new(0, slot, sinks.interest());
-    let costs = Costs::default();
-    let interrupt = Interrupt::default();
-    let parts = Parts { world, robots, programs: loaded, workshop: None, executor, costs, recorder, sinks, interrupt };
-    let mut scheduler = Scheduler::start(parts, &limits).expect("a run");
-    assert_eq!(scheduler.advance_to(Time::NEVER), Progress::Paused);
-    scheduler.finish()
+/// Runs the scene as `change` makes it; the trace goes to `trace.jsonl` in its folder.
+fn run(folder: &Path, workers: usize, change: impl FnOnce(&mut SceneSpec)) -> Ended {
+    let until = Some(Time::from_millis(60_000));
+    let options = Options { workers: NonZeroUsize::new(workers), until, ..Options::default() };
+    let mut scene = Scene::open(folder.join("scene.sim"), options).expect("a scene");
+    assert!(scene.diagnostics().is_empty(), "{:?}", scene.diagnostics());
+    change(scene.spec_mut());
+    let ready = scene.load().unwrap_or_else(|error| panic!("{error}"));
+    let trace = Trace::create(&folder.join("trace.jsonl"), &ready.trace_header()).expect("a trace");
+    let running = ready.start(Observers { sinks: vec![Box::new(trace)], ..Observers::default() });
+    let mut running = running.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(running.scheduler.advance_to(Time::NEVER), Progress::Paused);
+    running.finish().ended
 }
 
 /// The trace's lines of robot `robot`: event and time.
@@ -121,11 +94,10 @@ fn a_robot_without_a_program_is_seen_and_hit_where_it_stands() {
     if !has_compiler() {
         return;
     }
-    let (folder, mut scene) = scene(["ram.c", "ram.c", "ram.c"]);
-    scene.robots[1].program = None;
+    let folder = scene(["ram.c", "ram.c", "ram.c"]);
     let mut digests = Vec::new();
-    for lanes in [1, 2, 8] {
-        let ended = run(folder.path(), &scene, lanes);
+    for workers in [1, 2, 8] {
+        let ended = run(folder.path(), workers, |scene| scene.robots[1].program = None);
         assert!(matches!(ended.end, End::Finished), "{:?}", ended.end);
         let [ram, stands, other] = &ended.robots[..] else { panic!("three robots") };
         // From 60 mm ahead of the centre to the body of radius 100 mm: 600 - 60 - 100.
@@ -133,7 +105,7 @@ fn a_robot_without_a_program_is_seen_and_hit_where_it_stands() {
         assert_eq!((ram.outcome, ram.contacts), (Outcome::Finished, 1));
         assert!((ram.pose.position.x - 1.4).abs() < 2e-6, "it stops where the bodies meet: {:?}", ram.pose);
         assert_eq!((stands.outcome, stands.exit_code, &stands.reason), (Outcome::NoProgram, None, &None));
-        assert_eq!((stands.pose, stands.path), (scene.robots[1].start, 0.0));
+        assert_eq!((stands.pose, stands.path), (Pose::new(1.6, 2.0, 0.0), 0.0));
         assert!((other.pose.position.x - 2.9).abs() < 1e-6, "its way is free: {:?}", other.pose);
         digests.push(ended.digest);
     }
@@ -149,9 +121,8 @@ fn a_robot_without_a_program_is_seen_and_hit_where_it_stands() {
 
 #[test]
 fn nothing_runs_where_no_robot_has_a_program() {
-    let (folder, mut scene) = scene(["ram.c", "ram.c", "ram.c"]);
-    scene.robots.iter_mut().for_each(|robot| robot.program = None);
-    let ended = run(folder.path(), &scene, 2);
+    let folder = scene(["ram.c", "ram.c", "ram.c"]);
+    let ended = run(folder.path(), 2, |scene| scene.robots.iter_mut().for_each(|robot| robot.program = None));
     assert!(matches!(ended.end, End::Finished), "{:?}", ended.end);
     assert_eq!(ended.time, Time::ZERO, "no slot is run");
     assert!(ended.robots.iter().all(|robot| robot.outcome == Outcome::NoProgram));
@@ -165,10 +136,11 @@ fn the_arguments_of_the_scene_reach_main() {
     if !has_compiler() {
         return;
     }
-    let (folder, mut scene) = scene(["echo.c", "echo.c", "echo.c"]);
-    scene.robots[0].arguments = vec!["-k".into(), "0 5".into()];
-    scene.robots[2].arguments = vec![String::new()];
-    let ended = run(folder.path(), &scene, 2);
+    let folder = scene(["echo.c", "echo.c", "echo.c"]);
+    let ended = run(folder.path(), 2, |scene| {
+        scene.robots[0].arguments = vec!["-k".into(), "0 5".into()];
+        scene.robots[2].arguments = vec![String::new()];
+    });
     let shown: Vec<String> = ended.robots.iter().map(|robot| robot.panel.lines().remove(0)).collect();
     assert_eq!(shown, ["3 echo -k 0 5", "1 echo", "2 echo"]);
     assert!(ended.robots.iter().all(|robot| robot.exit_code == Some(0)), "argv ends with a null pointer");
@@ -177,10 +149,11 @@ fn the_arguments_of_the_scene_reach_main() {
 #[test]
 fn the_arguments_of_the_scene_reach_a_rust_program() {
     let square = Path::new(env!("CARGO_MANIFEST_DIR")).join("../example-programs/square").display().to_string();
-    let (folder, mut scene) = scene([&square, &square, &square]);
-    scene.robots[0].arguments = vec!["0.1".into()];
-    scene.robots[2].arguments = vec!["wide".into()];
-    let ended = run(folder.path(), &scene, 2);
+    let folder = scene([&square, &square, &square]);
+    let ended = run(folder.path(), 2, |scene| {
+        scene.robots[0].arguments = vec!["0.1".into()];
+        scene.robots[2].arguments = vec!["wide".into()];
+    });
     let [own, default, wrong] = &ended.robots[..] else { panic!("three robots") };
     assert!((own.path - 0.4).abs() < 1e-6, "four sides of 0.1 m: {}", own.path);
     assert!((default.path - 1.6).abs() < 1e-6, "four sides of 0.4 m: {}", default.path);

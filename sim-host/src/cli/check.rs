@@ -6,17 +6,16 @@ use std::process::ExitCode;
 
 use clap::Args;
 use sim_core::build::MeshSource;
-use sim_core::spec::{CostTable, CostsRef, RobotSpec, SceneSpec, Span};
+use sim_core::spec::{CostsRef, SceneSpec, Span};
 use sim_format::{Code, Diagnostic, Files, InputFile, Loaded, MeshReader, Severity};
 
 use super::cc::parse_api;
-use super::diagnostic::{self, Colour, Format, Screen, plural};
+use super::diagnostic::{self, Colour, Format, Screen};
 use crate::files::{DiskFiles, slashed};
-use crate::program::find::{ProgramSource, SearchPath, find_program};
-use crate::program::generation::choose;
-use crate::program::{Generation, Wanted};
-use crate::robios::cost;
-use crate::setup::wanted_of;
+use crate::launch::check::{
+    FindProgram, count, finder, is_rejected, missing_programs, plural, search_path, unknown_functions,
+};
+use crate::program::Generation;
 
 /// Exit code when there are errors, or warnings under `--strict`.
 const EXIT_MISTAKES: u8 = 2;
@@ -42,10 +41,6 @@ pub struct CheckArgs {
     pub strict: bool,
 }
 
-/// Tells whether a robot's program can be found and for which generation it is written; if not, which of both it is and a
-/// message.
-pub type FindProgram<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Result<(), (Code, String)> + 'a;
-
 /// Runs the command: 0, or 2 where there are errors (under `--strict`: or warnings).
 ///
 /// # Errors
@@ -53,7 +48,7 @@ pub type FindProgram<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Result<(), (Code, S
 pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     let mut files = DiskFiles::of_environment();
     let (names, empty) = expand(&args.files, &mut files);
-    let find = finder(&files, args.api)?;
+    let find = finder(search_path(&files)?, args.api);
     let mut checked = check(&names, &files, &*find);
     checked.diagnostics.extend(empty);
     let screen = Screen::of_stdout(args.color);
@@ -66,30 +61,6 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     }
     diagnostic::print(&text)?;
     Ok(if checked.is_rejected(args.strict) { ExitCode::from(EXIT_MISTAKES) } else { ExitCode::SUCCESS })
-}
-
-/// Looks for programs where `eyesim run` does; `api` is the generation that the command line gives them.
-///
-/// # Errors
-/// If the working folder is unknown.
-pub fn finder(files: &DiskFiles, api: Option<Generation>) -> anyhow::Result<Box<FindProgram<'static>>> {
-    let working_folder = std::env::current_dir()?;
-    let installation = files.home().map(PathBuf::from);
-    Ok(Box::new(move |scene, robot| {
-        let search = SearchPath {
-            sim_folder: Some(PathBuf::from(&scene.folder)),
-            working_folder: working_folder.clone(),
-            folders: Vec::new(),
-            installation: installation.clone(),
-        };
-        let Some(program) = &robot.program else { return Ok(()) };
-        let found = find_program(&program.text, &search);
-        let found = found.map_err(|error| (Code::ProgramMissing, error.to_string()))?;
-        let ProgramSource::Sources { files, .. } = found.source else { return Ok(()) };
-        let said = wanted_of(robot);
-        let wanted = Wanted { api: api.or(said.api), ..said };
-        choose(&files, wanted).map(drop).map_err(|error| (Code::ProgramGeneration, error.to_string()))
-    }))
 }
 
 /// What a check has found in all files together.
@@ -113,13 +84,8 @@ impl Checked {
         if self.diagnostics.is_empty() {
             return format!("{files} checked: no mistakes");
         }
-        format!("{files} checked: {}", diagnostic::count(&self.diagnostics))
+        format!("{files} checked: {}", count(&self.diagnostics))
     }
-}
-
-/// True when `diagnostics` are such that a scene is not run: errors, or when `strict` anything.
-pub fn is_rejected(diagnostics: &[Diagnostic], strict: bool) -> bool {
-    sim_format::has_errors(diagnostics) || strict && !diagnostics.is_empty()
 }
 
 /// Checks the files `names` with all that they name.
@@ -201,39 +167,6 @@ fn with_looks(mut loaded: Loaded, files: &dyn Files, others: impl FnOnce(&mut Me
     let new: Vec<InputFile> = inputs.into_iter().filter(|it| !loaded.inputs.contains(it)).collect();
     loaded.inputs.extend(new);
     loaded
-}
-
-/// The entries of a cost table that no function of RoBIOS has.
-pub fn unknown_functions(table: &CostTable) -> impl Iterator<Item = Diagnostic> {
-    cost::mistakes(table).map(|(entry, _)| Diagnostic {
-        severity: Severity::Error,
-        code: Code::CostFunction,
-        file: table.file.clone(),
-        span: entry.span,
-        message: format!("there is no function `{}`", entry.function),
-        expected: "a function of RoBIOS, or the beginning of names and `*`".to_owned(),
-        suggestion: cost::most_similar(&entry.generation, &entry.function).map(|name| format!("write `{name}`")),
-    })
-}
-
-/// What is said about the programs that the files of a scene name and that are not found, each once, in the order of the robots.
-pub fn missing_programs(scene: &SceneSpec, severity: Severity, find_program: &FindProgram<'_>) -> Vec<Diagnostic> {
-    let mut tried: BTreeSet<&str> = BTreeSet::new();
-    let mut missing = Vec::new();
-    for robot in &scene.robots {
-        // Many robots may run the same program. One that the command line names has no place in a file.
-        let of_file = robot.program.as_ref().filter(|program| program.span.line > 0);
-        let Some(program) = of_file.filter(|program| tried.insert(&program.text)) else { continue };
-        if let Err((code, message)) = find_program(scene, robot) {
-            let expected = match code {
-                Code::ProgramGeneration => "functions of one generation",
-                _ => "a library, a C or C++ file or the folder of a program",
-            };
-            let (file, span, expected) = (scene.file.clone(), program.span, expected.to_owned());
-            missing.push(Diagnostic { severity, code, file, span, message, expected, suggestion: None });
-        }
-    }
-    missing
 }
 
 /// A diagnostic on the file or folder `name` as a whole.
@@ -329,12 +262,12 @@ mod tests {
     const BROKEN: &str = "floor 4000\n0 0 100\n0 0 1OO 0\nush 100 100 0\npop\nposition 1 2\n\
                           0 0 5 5 10 200 255 0 300\n10 10 10 10\npush 0 0 inf\nfloor_texture\nfloor 4000 -1\n";
 
-    fn find_nothing(_: &SceneSpec, robot: &RobotSpec) -> Result<(), (Code, String)> {
+    fn find_nothing(_: &SceneSpec, robot: &sim_core::spec::RobotSpec) -> Result<(), (Code, String)> {
         let message = format!("`{}` is not found", robot.program.as_ref().map_or("", |program| &program.text));
         Err((Code::ProgramMissing, message))
     }
 
-    fn find_all(_: &SceneSpec, _: &RobotSpec) -> Result<(), (Code, String)> {
+    fn find_all(_: &SceneSpec, _: &sim_core::spec::RobotSpec) -> Result<(), (Code, String)> {
         Ok(())
     }
 

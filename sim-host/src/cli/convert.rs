@@ -43,7 +43,7 @@ pub fn run(args: &ConvertArgs) -> anyhow::Result<ExitCode> {
         eprint!("{}", diagnostic::render(&converted.diagnostics, &converted.inputs, Format::Auto, screen)?);
     }
     if has_errors(&converted.diagnostics) {
-        eprintln!("nothing is written: {}", diagnostic::count(&converted.diagnostics));
+        eprintln!("nothing is written: {}", crate::launch::check::count(&converted.diagnostics));
         return Ok(ExitCode::from(EXIT_USAGE));
     }
     check_outputs(&converted, args.force)?;

@@ -10,12 +10,12 @@ use sim_core::RobotId;
 use sim_core::time::Time;
 use sim_format::load_scene_with;
 
-use super::options::{ProgramOption, index_of};
 use super::run::{self, RunArgs, parse_seconds};
 use crate::executive::interrupt;
+use crate::executive::load::Debug;
 use crate::executive::process::Debugger;
 use crate::files::DiskFiles;
-use crate::setup::Debug;
+use crate::launch::settings::{ProgramOption, give_programs, index_of};
 
 /// Processor time within a slot that nobody reaches, in seconds.
 const NO_TIMEOUT: f64 = 1e9;
@@ -93,7 +93,7 @@ pub fn run(args: &DebugArgs) -> anyhow::Result<ExitCode> {
 fn choose(args: &DebugArgs) -> anyhow::Result<(RobotId, String)> {
     let mut files = DiskFiles::of_environment();
     let mut scene = load_scene_with(&files.name(&args.sim), args.seed, &files).scene;
-    super::options::give_programs(&mut scene, &args.programs)?;
+    give_programs(&mut scene, &args.programs)?;
     let index = match args.robot {
         Some(robot) => index_of(&scene, robot).context("--robot")?,
         None => scene.robots.iter().position(|robot| robot.program.is_some()).unwrap_or(0),

@@ -1,6 +1,6 @@
 //! What the readers have to say, on a terminal, in one line each, or as JSON.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{ErrorKind, IsTerminal, Write};
 
@@ -141,20 +141,6 @@ pub fn print(text: &str) -> std::io::Result<()> {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         result => result,
     }
-}
-
-/// How many errors and warnings there are in how many files: `3 errors, 12 warnings in 2 files`.
-pub fn count(diagnostics: &[Diagnostic]) -> String {
-    let of = |severity| diagnostics.iter().filter(|diagnostic| diagnostic.severity == severity).count();
-    let counts = [(of(Severity::Error), "error"), (of(Severity::Warning), "warning")];
-    let parts: Vec<_> = counts.iter().filter(|(n, _)| *n > 0).map(|(n, noun)| plural(*n, noun)).collect();
-    let files: BTreeSet<&str> = diagnostics.iter().map(|diagnostic| diagnostic.file.as_str()).collect();
-    format!("{} in {}", parts.join(", "), plural(files.len(), "file"))
-}
-
-/// `1 file`, `2 files`.
-pub fn plural(count: usize, noun: &str) -> String {
-    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
 /// One line for editors.
@@ -332,7 +318,7 @@ mod tests {
         assert_eq!(shown.matches("warning[wld-wall-arity]").count(), 19);
         assert_eq!(shown.matches("error[number-range]").count(), 1, "errors come before warnings");
         assert!(shown.ends_with("... and 80 more in a.wld: `--format short` lists all\n\n"), "{shown}");
-        assert_eq!(count(&of_world(&text)), "1 error, 99 warnings in 1 file");
+        assert_eq!(crate::launch::check::count(&of_world(&text)), "1 error, 99 warnings in 1 file");
     }
 
     #[test]

@@ -17,7 +17,6 @@ pub mod diagnostic;
 pub mod excerpt;
 pub mod explain;
 pub mod new;
-pub mod options;
 pub mod output;
 pub mod plot;
 pub mod progress;

@@ -37,3 +37,8 @@ pub fn check_outputs<'a>(outputs: &[(&str, &Path)], inputs: impl Iterator<Item =
     }
     Ok(())
 }
+
+/// Those of the options that the user has given.
+pub fn given<'a>(options: &[(&'a str, &'a Option<PathBuf>)]) -> Vec<(&'a str, &'a Path)> {
+    options.iter().filter_map(|(option, path)| Some((*option, path.as_deref()?))).collect()
+}

@@ -17,27 +17,25 @@ use sim_core::record::{Action, Digest, KindSet, Record};
 use sim_core::spec::{ObjectSpec, RobotSpec};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
-use sim_format::load_scene_with;
 use sim_view::page::Page;
 use sim_view::protocol::{Recording, Workshop};
 use sim_view::window::{Access, Download};
 
 use super::EXIT_PROGRAM;
-use super::options::{Options, give_noise};
 use super::output::check_outputs;
-use super::run::{Built, Company, RunArgs, print};
+use super::run::{self, ConsoleRun, RunArgs, print};
 use super::view::{open_browser, open_window};
 use crate::executive::conductor::End;
 use crate::executive::interrupt;
 use crate::executive::scheduler::{Progress, Scheduler};
 use crate::executive::script::Script;
-use crate::files::DiskFiles;
+use crate::executive::spawn::Types;
+use crate::launch::{Error, Observers, Scene};
 use crate::record::report::{Input, write_whole};
 use crate::record::{RecordError, Recorded, Sink, TraceReader};
-use crate::scenery::{LazyScenery, Newcomer};
+use crate::scenery::Newcomer;
 use crate::window::recording::recording;
 use crate::window::scene::{ObjectSubject, RobotSubject, Subject};
-use crate::workshop::Types;
 
 /// Arguments of `eyesim replay`.
 #[derive(Args)]
@@ -105,21 +103,16 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
 /// The recorded run as a page plays it; what its scene looks like is read from the scene's files.
 fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> {
     let args = args_of(recorded, trace)?;
-    let mut files = DiskFiles::of_environment();
-    let mut loaded = load_scene_with(&files.name(&args.sim), args.seed, &files);
-    if let Some(noise) = &args.noise {
-        give_noise(&mut loaded, noise, &mut files)?;
-    }
+    let mut scene = Scene::open(&args.sim, args.options())?;
     ensure!(
-        !loaded.has_errors(),
+        !scene.is_rejected(),
         "the scene `{0}` of the trace cannot be read any more: `eyesim check {0}` says why",
         args.sim.display()
     );
-    let options = Options::new(&args, &mut loaded.scene)?;
+    let slot = scene.settings()?.slot;
     let remarks = remarks(recorded, &present_inputs(recorded));
     remarks.iter().for_each(|remark| eprintln!("{remark}"));
-    let spec = Arc::new(loaded.scene);
-    let scenery = LazyScenery::new(Arc::clone(&spec), files, loaded.diagnostics, loaded.inputs);
+    let (spec, scenery) = scene.into_scenery();
     let mut robots: Vec<RobotSubject> = spec.robots.iter().map(subject_of_robot).collect();
     let mut objects: Vec<ObjectSubject> =
         (1..).map(ObjectId).zip(build::movable(&spec)).map(subject_of_object).collect();
@@ -145,7 +138,7 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
     let subject = Subject {
         run: 1,
         seed: recorded.header.seed,
-        slot: options.slot,
+        slot,
         spec: &spec,
         scenery: &scenery.get(),
         robots,
@@ -182,13 +175,12 @@ fn present_inputs(recorded: &Recorded) -> Vec<Input> {
 fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     let recorded = Recorded::read(&args.trace)?;
     let run = RunArgs { threads: args.threads, is_silent: true, ..args_of(&recorded, &args.trace)? };
-    let built = Built::new(&run, |_| Ok(()))?;
-    let ready = match built.load(&run) {
-        Ok(ready) => ready,
-        Err(error) => {
-            eprintln!("error: {error:#}");
+    let ready = match run::build(run::open(&run)?, &run)?.load() {
+        Err(Error::Load(why)) => {
+            eprintln!("error: {why}");
             return Ok(ExitCode::from(EXIT_PROGRAM));
         }
+        ready => ready?,
     };
     for remark in remarks(&recorded, ready.inputs()) {
         eprintln!("{remark}");
@@ -197,10 +189,10 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     let comparison = Arc::new(Mutex::new(Comparison::new(&recorded)));
     let interrupt = interrupt::of_process().context("no handlers of signals")?;
     let sinks: Vec<Box<dyn Sink>> = vec![Box::new(Arc::clone(&comparison))];
-    let company = Company { sinks, is_quiet: true, interrupt, ..Company::default() };
-    let mut running = ready.start(&run, company)?;
-    run_until_parting(&mut running.scheduler, &mut script, &comparison);
-    let ran = running.finish();
+    let observers = Observers { sinks, interrupt, ..Observers::default() };
+    let mut running = ConsoleRun::start(ready, &run, observers, true)?;
+    run_until_parting(running.scheduler(), &mut script, &comparison);
+    let ran = running.finish().finished;
     for (at, why) in script.refused() {
         eprintln!("at {at} the trace has an intervention that this run refuses: {why}");
     }

@@ -1,8 +1,7 @@
 //! `eyesim run`: a sim file from its first line to the last line of its report.
 
-mod outcome;
-mod sink;
-mod stage;
+mod console;
+mod recording;
 
 use std::ffi::OsStr;
 use std::io::Write as _;
@@ -16,26 +15,20 @@ use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 
 use super::cc::parse_api;
-use super::options::{Options, ProgramOption};
 use super::table::{self, Screen};
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM, EXIT_USAGE};
 use crate::executive::conductor::End;
 use crate::executive::interrupt;
+use crate::executive::load::Debug;
 use crate::executive::program::Exec;
 use crate::executive::scheduler::Ended;
-use crate::files::slashed;
+use crate::launch::settings::ProgramOption;
+use crate::launch::{DEFAULT_UNTIL, Error, Finished, Observers, Options};
 use crate::program::Generation;
-use crate::record::Report;
-use crate::setup::Debug;
 use sim_core::record::Outcome;
 
-pub use outcome::Ran;
-pub use sink::trace_header;
-pub(super) use stage::tell;
-pub use stage::{Built, Company, Ready, Rejected, Running};
-
-/// Simulated seconds after which a run ends when the user says nothing and nobody watches.
-const DEFAULT_UNTIL: f64 = 600.0;
+pub use console::{ConsoleRun, Ran};
+pub(super) use console::{build, open, tell};
 
 /// Arguments of `eyesim run`.
 #[derive(Args, Clone)]
@@ -118,6 +111,9 @@ pub struct RunArgs {
     /// With -v only this robot
     #[arg(long, value_name = "NUMBER")]
     pub robot: Option<u32>,
+    /// Simulated time at which the run ends when neither the user nor the scene says it
+    #[arg(skip = DEFAULT_UNTIL)]
+    pub default_until: Time,
     /// The messages of the programs are shown nowhere
     #[arg(skip)]
     pub is_silent: bool,
@@ -145,28 +141,29 @@ impl RunArgs {
         Ok(Self::from_arg_matches(&Self::augment_args(clap::Command::new("run")).try_get_matches_from(words)?)?)
     }
 
-    /// Words behind `eyesim run` that ask for the same run with this seed, these slots and this limit: all that decides what
-    /// happens in it.
-    fn words(&self, seed: u64, slot: Time, until: Time) -> Vec<String> {
-        let mut words = vec![slashed(&self.sim)];
-        // One word each, so that no value is taken for an option.
-        let mut add = |option: &str, value: &dyn std::fmt::Display| words.push(format!("--{option}={value}"));
-        add("seed", &seed);
-        add("slot", &(slot.seconds() * 1000.0));
-        add("until", &until.seconds().min(MAX_SECONDS));
-        self.programs.iter().for_each(|program| add("program", program));
-        self.api.iter().for_each(|api| add("api", &api.number()));
-        self.keys.iter().for_each(|keys| add("keys", keys));
-        self.args.iter().for_each(|args| add("args", args));
-        self.costs.iter().for_each(|costs| add("costs", &slashed(costs)));
-        self.noise.iter().for_each(|noise| add("noise", noise));
-        if self.exec == Exec::Process {
-            add("exec", &"process");
+    /// What they mean to the run itself.
+    pub fn options(&self) -> Options {
+        Options {
+            seed: self.seed,
+            slot: self.slot,
+            until: self.until,
+            workers: self.threads,
+            exec: self.exec,
+            timeout: self.timeout,
+            programs: self.programs.clone(),
+            api: self.api,
+            keys: self.keys.clone(),
+            arguments: self.args.clone(),
+            costs: self.costs.clone(),
+            noise: self.noise.clone(),
+            allow_execute: self.allow_execute,
+            is_verbose: self.verbose,
+            strict: self.strict,
+            frames: self.frames.clone(),
+            keep_frames: self.record.is_some(),
+            debug: self.debug.clone(),
+            default_until: self.default_until,
         }
-        if self.allow_execute {
-            words.push("--allow-execute".to_owned());
-        }
-        words
     }
 }
 
@@ -186,10 +183,10 @@ pub enum Speed {
 pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let Some(ran) = carry_out(args, |_| Ok(()))? else { return Ok(ExitCode::from(EXIT_PROGRAM)) };
     let written = ran.write_files(args);
-    print(&table::render(&ran.report, Screen::of_stdout()))?;
-    explain(&ran.options, &ran.report, &ran.ended);
+    print(&table::render(&ran.finished.report, Screen::of_stdout()))?;
+    explain(&ran.finished);
     written?;
-    Ok(exit_code(&ran.ended))
+    Ok(exit_code(&ran.finished.ended))
 }
 
 /// Reads, builds and runs what the arguments name, if `check` finds nothing wrong with the scene; `None` if a program cannot be
@@ -198,28 +195,29 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
 /// # Errors
 /// Files or arguments that are wrong, and what `check` finds.
 pub fn carry_out(args: &RunArgs, check: impl FnOnce(&SceneSpec) -> anyhow::Result<()>) -> anyhow::Result<Option<Ran>> {
-    let built = Built::new(args, |scene| {
-        ensure!(!scene.robots.is_empty(), "`{}` has no robots: there is nothing to run", args.sim.display());
-        check(scene)
-    })?;
-    if built.programs.iter().next().is_none() {
+    ensure!(args.robot.is_none() || args.verbose, "--robot: it says whose calls are shown, and needs --verbose");
+    let scene = console::open(args)?;
+    ensure!(!scene.spec().robots.is_empty(), "`{}` has no robots: there is nothing to run", args.sim.display());
+    console::filter(args, scene.spec())?;
+    check(scene.spec())?;
+    let built = console::build(scene, args)?;
+    if !built.has_programs() {
         eprintln!("no robot has a program, so no time passes: `--program FILE` gives them one");
     }
-    match built.load(args) {
-        Ok(ready) => {
-            let mut script = stage::script(args)?;
-            let interrupt = interrupt::of_process().context("no handlers of signals")?;
-            let mut running = ready.start(args, Company { interrupt, ..Company::default() })?;
-            running.follow(&mut script);
-            let ran = running.finish();
-            script.refused().iter().for_each(|(at, why)| eprintln!("--repeat: at {at}: {why}"));
-            Ok(Some(ran))
+    let ready = match built.load() {
+        Err(Error::Load(why)) => {
+            eprintln!("error: {why}");
+            return Ok(None);
         }
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            Ok(None)
-        }
-    }
+        ready => ready?,
+    };
+    let mut script = console::script(args)?;
+    let interrupt = interrupt::of_process().context("no handlers of signals")?;
+    let mut run = ConsoleRun::start(ready, args, Observers { interrupt, ..Observers::default() }, false)?;
+    run.follow(&mut script);
+    let ran = run.finish();
+    script.refused().iter().for_each(|(at, why)| eprintln!("--repeat: at {at}: {why}"));
+    Ok(Some(ran))
 }
 
 /// Prints to standard output; a reader who has seen enough (`| head`) is no error.
@@ -234,11 +232,13 @@ pub fn print(text: &str) -> anyhow::Result<()> {
 }
 
 /// Says on standard error why the run ended where the table alone does not.
-pub fn explain(options: &Options, report: &Report, ended: &Ended) {
+pub fn explain(finished: &Finished) {
+    let Finished { settings, ended, report, .. } = finished;
     match &ended.end {
-        End::Until if options.until.is_none() => {
+        End::Until if settings.is_until_default => {
             eprintln!(
-                "stopped after {DEFAULT_UNTIL} s of simulated time, since neither the scene nor --until says anything else"
+                "stopped after {} s of simulated time, since neither the scene nor --until says anything else",
+                settings.until.seconds()
             );
         }
         End::Record(error) => eprintln!("error: {error}"),

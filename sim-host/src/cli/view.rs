@@ -18,11 +18,13 @@ use sim_view::protocol::{Build, RunState, Seed};
 use sim_view::window::{Access, Asked, Download, OpenError, Options, Window, random_token};
 
 use super::EXIT_INTERRUPTED;
-use super::run::{Built, Company, Ran, Ready, Rejected, RunArgs, Speed, explain, trace_header};
+use super::diagnostic::{self, Format, Screen};
+use super::run::{self, ConsoleRun, Ran, RunArgs, Speed, explain};
 use crate::executive::conductor::End;
 use crate::executive::interrupt::{self, Interrupt};
 use crate::executive::program::Exec;
 use crate::files::DiskFiles;
+use crate::launch::{Error, Observers, Ready, Rejected};
 use crate::record::{Sink, Tape, TraceReader};
 use crate::window::control::Control;
 use crate::window::desk::{Desk, SPEEDS, Starter};
@@ -98,7 +100,7 @@ pub fn run(args: ViewArgs) -> anyhow::Result<ExitCode> {
             Speed::Factor(factor) => Some(factor),
         };
     });
-    let stage = Arc::new(Stage {
+    let session = Arc::new(Session {
         window: Arc::clone(&window),
         control: Arc::clone(&control),
         interrupt: interrupt::of_process().context("no handlers of signals")?,
@@ -108,15 +110,16 @@ pub fn run(args: ViewArgs) -> anyhow::Result<ExitCode> {
         files: Mutex::new(Files::of(&ready)),
     });
     let watch = args.watch.then(Instant::now);
-    let desk = Desk::open(window, control, Prompter { stage: Arc::clone(&stage), watch })?;
-    let code = stage.perform(ready);
+    let desk = Desk::open(window, control, Prompter { session: Arc::clone(&session), watch })?;
+    let code = session.perform(ready);
     drop(desk);
     code
 }
 
 /// Reads, builds and loads what the arguments name.
 fn prepare(args: &RunArgs) -> anyhow::Result<Ready> {
-    Built::new(args, |_| Ok(()))?.load(args)
+    let args = RunArgs { default_until: Time::NEVER, ..args.clone() };
+    Ok(run::build(run::open(&args)?, &args)?.load()?)
 }
 
 /// Opens the window that the arguments ask for.
@@ -179,7 +182,7 @@ pub fn open_browser(url: &str) -> bool {
 }
 
 /// What all runs of a window share.
-struct Stage {
+struct Session {
     window: Arc<Window>,
     control: Arc<Control>,
     /// Ends the present run, and no other follows.
@@ -192,7 +195,7 @@ struct Stage {
     files: Mutex<Files>,
 }
 
-impl Stage {
+impl Session {
     /// Runs `ready`, and all that follow it, until the user interrupts.
     fn perform(&self, mut ready: Ready) -> anyhow::Result<ExitCode> {
         for number in 1.. {
@@ -201,26 +204,25 @@ impl Stage {
             self.control.ask(|wishes| {
                 (wishes.is_over, wishes.is_ending, wishes.steps) = (false, false, 0);
             });
-            let tape = self.offer(&ready, &args, &show)?;
+            let tape = self.offer(&ready, &show)?;
             let sinks: Vec<Box<dyn Sink>> = vec![Box::new(feed), Box::new(tape)];
-            let interrupt = self.interrupt.clone();
-            let company = Company { sinks, until: Some(Time::NEVER), is_quiet: true, interrupt };
-            let mut running = ready.start(&args, company)?;
-            Driver::new(Arc::clone(&self.control), Arc::clone(&show)).drive(&mut running.scheduler);
+            let observers = Observers { sinks, interrupt: self.interrupt.clone(), ..Observers::default() };
+            let mut running = ConsoleRun::start(ready, &args, observers, true)?;
+            Driver::new(Arc::clone(&self.control), Arc::clone(&show)).drive(running.scheduler());
             let ran = running.finish();
             // What was asked for and not done any more is refused.
             drop(self.control.ask(|wishes| {
                 wishes.is_over = true;
                 std::mem::take(&mut wishes.actions)
             }));
-            if matches!(ran.ended.end, End::Broken) {
+            if matches!(ran.finished.ended.end, End::Broken) {
                 // What is left of the program in this process may keep locks of the C library.
                 self.args.lock().exec = Exec::Process;
             }
             ran.write_files(&args)?;
             let is_restart = self.next.lock().is_some();
             if !is_restart {
-                explain(&ran.options, &ran.report, &ran.ended);
+                explain(&ran.finished);
             }
             match self.wait_for_next(&ran, &show) {
                 Some((next, args)) => {
@@ -240,8 +242,8 @@ impl Stage {
         let show = Show::new(ShowParts {
             window: Arc::clone(&self.window),
             run: number,
-            seed: ready.options().seed,
-            slot: ready.options().slot,
+            seed: ready.settings().seed,
+            slot: ready.settings().slot,
             spec: Arc::clone(ready.scene()),
             scenery: Arc::clone(ready.scenery()),
             feed: Arc::clone(&feed),
@@ -250,10 +252,8 @@ impl Stage {
     }
 
     /// Offers pages what there is of the run for download, which is kept on the tape that this returns.
-    fn offer(&self, ready: &Ready, args: &RunArgs, show: &Arc<Mutex<Show>>) -> anyhow::Result<Arc<Mutex<Tape>>> {
-        let until = ready.options().until.unwrap_or(Time::NEVER);
-        let header = trace_header(args, ready.options(), ready.scene(), until, ready.inputs());
-        let tape = Arc::new(Mutex::new(Tape::new(header).context("no room for temporary files")?));
+    fn offer(&self, ready: &Ready, show: &Arc<Mutex<Show>>) -> anyhow::Result<Arc<Mutex<Tape>>> {
+        let tape = Arc::new(Mutex::new(Tape::new(ready.trace_header()).context("no room for temporary files")?));
         let of_trace = Arc::clone(&tape);
         let trace = move || Tape::trace(&of_trace).map_err(|error| error.to_string());
         self.window.offer("trace.jsonl", Download::new("application/jsonl", trace.clone()));
@@ -309,10 +309,10 @@ impl Stage {
     }
 
     fn show_end(&self, ran: &Ran, show: &mut Show, speed: Option<f64>) {
-        let state = RunState::Ended { why: why(ran), digest: ran.ended.digest.to_string() };
-        let (run, ends) = (&*ran.ended.run, &ran.ended.robots[..]);
+        let state = RunState::Ended { why: why(ran), digest: ran.finished.ended.digest.to_string() };
+        let (run, ends) = (&*ran.finished.ended.run, &ran.finished.ended.robots[..]);
         let world = run.world();
-        show.present(Moment { run, world: &world, now: ran.ended.time, state, speed, rate: 0.0, ends });
+        show.present(Moment { run, world: &world, now: ran.finished.ended.time, state, speed, rate: 0.0, ends });
     }
 
     /// Builds a run with these arguments in place of the present one; `asked` is answered when that is done.
@@ -320,31 +320,31 @@ impl Stage {
         if self.is_building.swap(true, Ordering::AcqRel) {
             return asked.into_iter().for_each(|asked| asked.refuse("a run is being built"));
         }
-        let stage = Arc::clone(self);
+        let session = Arc::clone(self);
         self.window.build(Build::Running);
         let build = move || {
             match prepare(&args) {
                 Ok(ready) => {
                     {
                         // Both at once: who takes the next run must not end it.
-                        let mut next = stage.next.lock();
+                        let mut next = session.next.lock();
                         *next = Some((ready, args));
-                        stage.control.ask(|wishes| wishes.is_ending = true);
+                        session.control.ask(|wishes| wishes.is_ending = true);
                     }
-                    stage.window.build(Build::Done);
+                    session.window.build(Build::Done);
                     asked.into_iter().for_each(Asked::accept);
                 }
                 Err(error) => {
                     eprintln!("error: {error:#}");
-                    let output = match error.downcast_ref::<Rejected>() {
-                        Some(rejected) => format!("{rejected}\n{}", rejected.text),
-                        None => format!("{error:#}"),
+                    let output = match error.downcast_ref::<Error>() {
+                        Some(Error::Rejected(rejected)) => in_full(rejected),
+                        _ => format!("{error:#}"),
                     };
                     asked.into_iter().for_each(|asked| asked.refuse("the run cannot be built"));
-                    stage.window.build(Build::Failed { output });
+                    session.window.build(Build::Failed { output });
                 }
             }
-            stage.is_building.store(false, Ordering::Release);
+            session.is_building.store(false, Ordering::Release);
         };
         if let Err(error) = std::thread::Builder::new().name("build".to_owned()).spawn(build) {
             self.is_building.store(false, Ordering::Release);
@@ -353,11 +353,18 @@ impl Stage {
     }
 }
 
+/// Why a scene is not run, with all that is wrong in it, for a page.
+fn in_full(rejected: &Rejected) -> String {
+    let Rejected { diagnostics, inputs } = rejected;
+    let text = diagnostic::render(diagnostics, inputs, Format::Auto, Screen::of_page());
+    format!("{rejected}\n{}", text.unwrap_or_default())
+}
+
 /// Why a run has ended, in words.
 fn why(ran: &Ran) -> String {
-    match &ran.ended.end {
+    match &ran.finished.ended.end {
         End::Finished => "all programs have ended".to_owned(),
-        End::Until => format!("its {} are over", ran.ended.time),
+        End::Until => format!("its {} are over", ran.finished.ended.time),
         End::Stuck => "every program waits for what cannot come".to_owned(),
         End::Interrupted => "interrupted".to_owned(),
         End::Broken | End::HeapLost => "a program broke".to_owned(),
@@ -367,14 +374,14 @@ fn why(ran: &Ran) -> String {
 
 /// Starts runs anew, as pages ask for it or a file is saved.
 struct Prompter {
-    stage: Arc<Stage>,
+    session: Arc<Session>,
     /// When files were looked at last, with --watch.
     watch: Option<Instant>,
 }
 
 impl Starter for Prompter {
     fn restart(&mut self, seed: Seed, asked: Asked) {
-        let mut args = self.stage.args.lock().clone();
+        let mut args = self.session.args.lock().clone();
         match seed {
             Seed::Same => {}
             Seed::New => args.seed = Some(new_seed()),
@@ -385,7 +392,7 @@ impl Starter for Prompter {
                 }
             },
         }
-        self.stage.build(args, Some(asked));
+        self.session.build(args, Some(asked));
     }
 
     fn tick(&mut self) {
@@ -393,9 +400,9 @@ impl Starter for Prompter {
             return;
         }
         self.watch = Some(Instant::now());
-        if !self.stage.is_building.load(Ordering::Acquire) && self.stage.files.lock().have_changed() {
-            let args = self.stage.args.lock().clone();
-            self.stage.build(args, None);
+        if !self.session.is_building.load(Ordering::Acquire) && self.session.files.lock().have_changed() {
+            let args = self.session.args.lock().clone();
+            self.session.build(args, None);
         }
     }
 }

@@ -14,7 +14,7 @@ use sim_core::{ObjectId, RobotId, build};
 
 use super::intervene::{Effect, Refusal, object_of, pose_of, present_robots, robot_of};
 use super::run::{Member, Run};
-use crate::workshop::{NewRobot, Workshop};
+use super::spawn::NewRobot;
 
 /// Who comes or leaves: checked.
 pub enum Change {
@@ -41,13 +41,12 @@ pub fn check(action: &Action, at: Time, run: &Run, world: &World) -> Result<Chan
             if let Some(number) = program_of.filter(|number| !is_known(number)) {
                 return Err(Refusal::NoRobot(number));
             }
-            let mut workshop = run.workshop();
-            let workshop = grown(workshop.as_mut())?;
-            let robi = workshop.types().robot(kind).map_err(Refusal::Other)?;
+            let mut spawner = run.spawner();
+            let robi = spawner.types().robot(kind).map_err(Refusal::Other)?;
             if let Some(thing) = world.overlapped(start.position, 0.5 * robi.diameter) {
                 return Err(Refusal::Other(in_the_way(thing)));
             }
-            let new = workshop.robot(robi, program_of.map(RobotId), start, at);
+            let new = spawner.robot(robi, program_of.map(RobotId), start, at);
             let new = new.map_err(|error| Refusal::Other(format!("{error:#}")))?;
             if let Some((program, _)) = &new.program {
                 let started = run.start_program(new.spec.id, program);
@@ -64,19 +63,14 @@ pub fn check(action: &Action, at: Time, run: &Run, world: &World) -> Result<Chan
         }
         Action::AddObject { kind, x_m, y_m, phi_rad } => {
             let pose = pose_of([*x_m, *y_m, *phi_rad])?;
-            let mut workshop = run.workshop();
-            let workshop = grown(workshop.as_mut())?;
-            let kind = workshop.types().object(kind).map_err(Refusal::Other)?;
-            let new = workshop.object(kind, pose).map_err(|error| Refusal::Other(error.to_string()))?;
+            let spawner = run.spawner();
+            let kind = spawner.types().object(kind).map_err(Refusal::Other)?;
+            let new = spawner.object(kind, pose).map_err(|error| Refusal::Other(error.to_string()))?;
             Change::AddObject(Box::new(new))
         }
         Action::RemoveObject { object } => Change::RemoveObject(object_of(*object, world)?),
         _ => return Err(Refusal::Other("nobody comes or leaves by this action".to_owned())),
     })
-}
-
-fn grown(workshop: Option<&mut Workshop>) -> Result<&mut Workshop, Refusal> {
-    workshop.ok_or_else(|| Refusal::Other("nothing can be added to this run".to_owned()))
 }
 
 fn in_the_way(thing: Thing) -> String {
@@ -90,7 +84,7 @@ fn in_the_way(thing: Thing) -> String {
 
 /// Lets it happen at the start of the slot at `at`, the world's present one.
 pub fn carry_out(change: Change, at: Time, run: &Run, world: &mut World) -> Effect {
-    let mut workshop = run.workshop();
+    let mut spawner = run.spawner();
     match change {
         Change::AddRobot(new) => {
             let NewRobot { spec, mut robot, heard, program } = *new;
@@ -101,9 +95,7 @@ pub fn carry_out(change: Change, at: Time, run: &Run, world: &mut World) -> Effe
             robot.record_arrival(world);
             let effect = Effect { came: Some((id, program.is_some())), ..Effect::default() };
             run.admit(Member::new(robot, program));
-            if let Some(workshop) = workshop.as_mut() {
-                workshop.keep_robot(spec, prepared);
-            }
+            spawner.keep_robot(spec, prepared);
             effect
         }
         Change::RemoveRobot(id) => {
@@ -122,9 +114,7 @@ pub fn carry_out(change: Change, at: Time, run: &Run, world: &mut World) -> Effe
             let Ok(id) = world.add_object(build::properties(&spec), spec.pose, Some(figure)) else {
                 unreachable!("the place was checked")
             };
-            if let Some(workshop) = workshop.as_mut() {
-                workshop.keep_object(id, *spec);
-            }
+            spawner.keep_object(id, *spec);
             Effect { object: Some(id), ..Effect::default() }
         }
         Change::RemoveObject(id) => {

@@ -18,13 +18,13 @@ use super::fault::Broken;
 use super::interrupt::Interrupt;
 use super::program::{RobotProgram, Site};
 use super::scheduler::{Limits, Parts};
+use super::spawn::Spawner;
 use super::standing::{self, Senders};
 use crate::robios::caller::{Call, Caller};
 use crate::robios::cost::Costs;
 use crate::robios::radio;
 use crate::robios::robot::{Ending, Robot};
 use crate::robios::task::MAIN;
-use crate::workshop::Workshop;
 
 /// Everything that the robots' flows share.
 pub struct Run {
@@ -32,8 +32,8 @@ pub struct Run {
     pub(crate) environment: RwLock<Environment>,
     /// All robots that ever were in the run, in the order of their ids.
     members: boxcar::Vec<Member>,
-    /// What more of them are made of, where the run can grow.
-    workshop: Mutex<Option<Workshop>>,
+    /// Makes those who come later.
+    spawner: Mutex<Spawner>,
     pub(super) conductor: Mutex<Conductor>,
     executor: Box<dyn Executor>,
     /// Robots whose processes broke, and how: nobody else is harmed.
@@ -88,7 +88,7 @@ impl Run {
             slot_end: AtomicI64::new(parts.world.slot_end().0),
             environment: RwLock::new(Environment::new(parts.world, parts.recorder)),
             members: members.map(|(robot, program)| Member::new(robot, program)).collect(),
-            workshop: Mutex::new(parts.workshop),
+            spawner: Mutex::new(parts.spawner),
             conductor: Mutex::new(Conductor::new(&plan, parts.sinks)),
             executor: parts.executor,
             lost: Mutex::default(),
@@ -137,9 +137,9 @@ impl Run {
         self.members[id.index()].is_removed.store(true, Ordering::Release);
     }
 
-    /// Who is in the run, and what more of them are made of; none where nobody can come.
-    pub fn workshop(&self) -> MutexGuard<'_, Option<Workshop>> {
-        self.workshop.lock()
+    /// What makes robots and objects that come later, and knows all that ever were in the run.
+    pub fn spawner(&self) -> MutexGuard<'_, Spawner> {
+        self.spawner.lock()
     }
 
     /// The state of robot `id`.

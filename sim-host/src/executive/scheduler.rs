@@ -17,13 +17,13 @@ use super::interrupt::Interrupt;
 use super::intervene::Refusal;
 use super::program::RobotProgram;
 use super::run::{LEAVE, Run};
+use super::spawn::Spawner;
 use super::standing::{Finish, Senders, Standing};
 use super::{damage, standing, watchdog};
 use crate::record::Sinks;
 use crate::robios::cost::Costs;
 use crate::robios::panel::Panel;
 use crate::robios::robot::{Ending, Robot};
-use crate::workshop::Workshop;
 
 /// A run in progress, which its owner advances. Between two calls no robot runs: the owner may look at the world and the robots, and
 /// [act](Scheduler::act).
@@ -59,8 +59,8 @@ pub struct Parts {
     pub robots: Vec<Robot>,
     /// Their programs, in the same order; none for a robot that only stands there.
     pub programs: Vec<Option<RobotProgram>>,
-    /// What robots and objects that come later are made of; none where nobody can come.
-    pub workshop: Option<Workshop>,
+    /// Makes robots and objects that come later.
+    pub spawner: Spawner,
     /// How flows are run.
     pub executor: Box<dyn Executor>,
     /// What calls cost.

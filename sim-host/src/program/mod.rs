@@ -19,6 +19,7 @@ pub mod language;
 pub mod load;
 pub mod prepare;
 pub mod python;
+pub mod scene;
 mod share;
 pub mod symbols;
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! process when the next slot begins, in chunks that readers can recover from a file that is cut off.
 
 mod proto;
-mod scene;
+pub(crate) mod scene;
 mod schema;
 
 use std::collections::BTreeMap;
@@ -281,7 +281,7 @@ impl Mcap {
     }
 
     fn write_scan(&mut self, at: Time, robot: RobotId, scan: &KeptScan) -> Result<(), RecordError> {
-        let place = crate::window::point(&scan.world_from_scanner);
+        let place = scene::point(&scan.world_from_scanner);
         let [start_angle, end_angle] = scan.bearings;
         let message = json!({
             "timestamp": timestamp(at),

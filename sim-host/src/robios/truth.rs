@@ -4,6 +4,7 @@
 
 use sim_core::pose::Pose;
 use sim_core::simulation::{self, Placeable, Placement};
+use sim_core::spec::{ObjectSpec, SceneSpec};
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 
@@ -34,6 +35,20 @@ pub enum Counted {
 }
 
 impl Census {
+    /// That of the start of `scene`.
+    pub fn of(scene: &SceneSpec) -> Self {
+        let mut movable = 0;
+        let counted = |object: &ObjectSpec| {
+            if object.kind.is_fixed {
+                return Counted::Fixed(object.pose);
+            }
+            movable += 1;
+            Counted::Movable(ObjectId(movable))
+        };
+        let objects = scene.objects.iter().map(counted).collect();
+        Self { robots: scene.robots.len(), objects, ..Self::default() }
+    }
+
     /// The robot of a number; 0 is `own`.
     fn robot(&self, number: i32, own: RobotId) -> Option<RobotId> {
         match usize::try_from(number).ok()? {

@@ -8,7 +8,7 @@ use sim_core::sensor::{Posture, RangeModel};
 use sim_core::spec::{LIDAR, RobiSpec};
 use sim_view::protocol::{self, Sensor, SensorKind};
 
-use super::point;
+use crate::record::mcap::scene::point;
 use crate::robios::camera;
 use sim_core::device::range::Ranges;
 use sim_core::device::servo::Servos;

@@ -19,21 +19,12 @@ mod surface;
 
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
-use glam::DQuat;
-use sim_core::pose::{Pose, Pose3};
+use sim_core::pose::Pose;
 use sim_view::protocol;
 
 /// A file of PNG as the address of an image.
 fn png_url(file: &[u8]) -> String {
     format!("data:image/png;base64,{}", BASE64_STANDARD.encode(file))
-}
-
-/// A pose in space as pages get it.
-pub(crate) fn point(pose: &Pose3) -> protocol::Point {
-    protocol::Point {
-        position_m: pose.position.to_array(),
-        rotation: DQuat::from_mat3(&pose.rotation).normalize().to_array(),
-    }
 }
 
 /// A pose in the plane as pages get it.

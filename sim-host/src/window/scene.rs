@@ -11,8 +11,9 @@ use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
 use sim_view::protocol::{self, Body, Lcd, Part};
 
+use super::device;
 use super::surface::Surfaces;
-use super::{device, point};
+use crate::record::mcap::scene::point;
 use crate::robios::lcd;
 
 /// A run, as far as it does not change with every slot.

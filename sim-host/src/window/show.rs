@@ -8,7 +8,7 @@ use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 use sim_format::Standing;
-use sim_view::protocol::{Detail, RunState, Scene, Snapshot};
+use sim_view::protocol::{self, Detail, RunState, Scene, Snapshot};
 use sim_view::window::{Look, Window};
 
 use super::detail::Details;
@@ -154,11 +154,10 @@ impl Show {
         if self.cast.as_ref().is_some_and(|(shown, _)| *shown == cast) {
             return;
         }
-        let workshop = run.workshop();
-        let Some(workshop) = &*workshop else { return };
+        let spawner = run.spawner();
         let at = world.slot_start();
         let robot = |id: &RobotId| {
-            let spec = &workshop.robots()[id.index()];
+            let spec = &spawner.robots()[id.index()];
             RobotSubject {
                 id: *id,
                 robi: Arc::clone(&spec.robi),
@@ -168,7 +167,7 @@ impl Show {
             }
         };
         let object = |id: &ObjectId| {
-            let kind = Arc::clone(&workshop.objects()[id.index()].kind);
+            let kind = Arc::clone(&spawner.objects()[id.index()].kind);
             ObjectSubject { id: *id, kind, position: world.object_pose(*id, at).position }
         };
         let subject = Subject {
@@ -179,7 +178,7 @@ impl Show {
             scenery: &self.scenery.get(),
             robots: cast.robots.iter().map(robot).collect(),
             objects: cast.objects.iter().map(object).collect(),
-            workshop: workshop.types().names(),
+            workshop: protocol::Workshop { robots: spawner.types().robots(), objects: spawner.types().objects() },
         };
         let scene = subject.scene();
         self.window.show_scene(scene.clone());
@@ -215,15 +214,14 @@ impl Cast {
 }
 
 fn standings(run: &Run, world: &World) -> Standings {
-    let workshop = run.workshop();
-    let Some(workshop) = &*workshop else { return Standings::default() };
+    let spawner = run.spawner();
     let (Cast { robots, objects }, at) = (Cast::of(world), world.slot_start());
     let robot = |id: &RobotId| {
-        let (kind, pose) = (workshop.robots()[id.index()].robi.name.clone(), world.robot_pose(*id, at));
+        let (kind, pose) = (spawner.robots()[id.index()].robi.name.clone(), world.robot_pose(*id, at));
         Standing { number: id.0, kind, pose }
     };
     let object = |id: &ObjectId| {
-        let (kind, pose) = (workshop.objects()[id.index()].kind.name.clone(), world.object_pose(*id, at));
+        let (kind, pose) = (spawner.objects()[id.index()].kind.name.clone(), world.object_pose(*id, at));
         Standing { number: id.0, kind, pose }
     };
     Standings { robots: robots.iter().map(robot).collect(), objects: objects.iter().map(object).collect() }

@@ -4,10 +4,9 @@ use std::path::Path;
 use std::process::Command;
 
 use sim_core::time::Time;
-use sim_host::cli::run::{Built, Company, RunArgs};
 use sim_host::executive::interrupt::Interrupt;
 use sim_host::executive::scheduler::Ended;
-use sim_host::executive::script::Script;
+use sim_host::launch::{Error, Observers, Options, Scene};
 use tempfile::TempDir;
 
 /// Drives in a circle, measures and prints for ten seconds.
@@ -51,19 +50,17 @@ pub fn scene(programs: &[&str]) -> TempDir {
 ///
 /// # Errors
 /// Why it cannot.
-pub fn try_run(folder: &Path, interrupt: Interrupt) -> anyhow::Result<Ended> {
-    let mut args = RunArgs::of_scene(&folder.join("scene.sim"))?;
-    (args.quiet, args.is_silent) = (true, true);
-    let ready = Built::new(&args, |_| Ok(()))?.load(&args)?;
-    let company = Company { is_quiet: true, interrupt, until: Some(Time::NEVER), ..Company::default() };
-    let mut running = ready.start(&args, company)?;
-    running.follow(&mut Script::default());
+pub fn try_run(folder: &Path, interrupt: Interrupt) -> Result<Ended, Error> {
+    let options = Options { default_until: Time::NEVER, ..Options::default() };
+    let ready = Scene::open(folder.join("scene.sim"), options)?.load()?;
+    let mut running = ready.start(Observers { interrupt, ..Observers::default() })?;
+    running.scheduler.advance_to(Time::NEVER);
     Ok(running.finish().ended)
 }
 
 /// The same of a scene that can be run.
 pub fn run(folder: &Path) -> Ended {
-    try_run(folder, Interrupt::default()).unwrap_or_else(|error| panic!("{error:#}"))
+    try_run(folder, Interrupt::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// False, and said, where there is no C compiler.

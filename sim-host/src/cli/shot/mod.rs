@@ -17,9 +17,9 @@ use sim_core::time::Time;
 use self::display::Caption;
 use self::view::{Content, Eye, Shot};
 use super::EXIT_PROGRAM;
-use super::options::index_of;
 use super::output::check_outputs;
 use super::run::{self, Ran, RunArgs, carry_out, parse_seconds};
+use crate::launch::settings::index_of;
 use crate::record::frame::Pixels;
 use crate::record::report::write_whole;
 use crate::robios::camera::NoImage;
@@ -120,20 +120,23 @@ pub fn run(mut args: ShotArgs) -> anyhow::Result<ExitCode> {
         Subject::Display(robot) => of_display(&ran, *robot, &args)?,
         Subject::View(eye) => of_view(&ran, eye, &args)?,
     };
-    let inputs = ran.scenery.inputs();
+    let inputs = ran.finished.scenery.inputs();
     let inputs = inputs.iter().map(|input| input.path.as_str());
-    check_outputs(&[("-o", &output)], inputs.chain(ran.report.inputs.iter().map(|input| input.path.as_str())))?;
+    check_outputs(
+        &[("-o", &output)],
+        inputs.chain(ran.finished.report.inputs.iter().map(|input| input.path.as_str())),
+    )?;
     write_whole(&output, &file).with_context(|| format!("-o `{}`", output.display()))?;
 
     // Who waits for a key is in the picture, not to blame.
-    ran.report.robots.iter_mut().for_each(|robot| {
+    ran.finished.report.robots.iter_mut().for_each(|robot| {
         if robot.outcome == Outcome::Waiting {
             robot.outcome = Outcome::Running;
         }
     });
-    run::explain(&ran.options, &ran.report, &ran.ended);
+    run::explain(&ran.finished);
     run::print(&format!("{}: {what}\n", output.display()))?;
-    let is_failed = ran.report.robots.iter().any(|robot| robot.outcome.is_failure());
+    let is_failed = ran.finished.report.robots.iter().any(|robot| robot.outcome.is_failure());
     Ok(if is_failed { ExitCode::from(EXIT_PROGRAM) } else { ExitCode::SUCCESS })
 }
 
@@ -160,10 +163,10 @@ fn subject(args: &mut ShotArgs) -> anyhow::Result<Subject> {
 
 /// The file of a display's picture, and what it shows.
 fn of_display(ran: &Ran, robot: u32, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, String)> {
-    let index = index_of(&ran.scene, robot).context("--lcd")?;
-    let panel = &ran.ended.robots[index].panel;
-    let time = format!("{:.3} s", ran.report.sim_time_s);
-    let caption = Caption { name: format!("{robot} {}", ran.report.robots[index].name), time };
+    let index = index_of(&ran.finished.scene, robot).context("--lcd")?;
+    let panel = &ran.finished.ended.robots[index].panel;
+    let time = format!("{:.3} s", ran.finished.report.sim_time_s);
+    let caption = Caption { name: format!("{robot} {}", ran.finished.report.robots[index].name), time };
     let picture = display::picture(panel, args.scale, Some(&caption).filter(|_| !args.bare));
     let size = picture.size().map(|side| side as u32);
     let [width, height] = panel.picture().size();
@@ -178,11 +181,11 @@ fn of_view(ran: &Ran, eye: &Eye, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, St
         ShotArgs { labels: true, .. } => Content::Labels,
         _ => Content::Colour { samples: args.samples },
     };
-    let is_new = ran.scenery.built().is_none();
+    let is_new = ran.finished.scenery.built().is_none();
     let shot = Shot { eye, at: args.at, size: args.size, content };
     let picture = shot.take(ran)?;
-    if let Some(built) = ran.scenery.built().filter(|_| is_new) {
-        run::tell(&built.diagnostics, &ran.scenery.inputs(), args.run.strict)?;
+    if let Some(built) = ran.finished.scenery.built().filter(|_| is_new) {
+        run::tell(&built.diagnostics, &ran.finished.scenery.inputs(), args.run.strict)?;
     }
     let taken = picture.time.seconds();
     match args.at.map(|at| (at, picture.time.cmp(&at))) {

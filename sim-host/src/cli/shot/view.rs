@@ -9,8 +9,8 @@ use sim_core::pose::Pose3;
 use sim_core::spec::{DEFAULT_LENS, MAX_FIELD_OF_VIEW_DEG};
 use sim_core::time::Time;
 
-use crate::cli::options::index_of;
 use crate::cli::run::Ran;
+use crate::launch::settings::index_of;
 use crate::record::frame::Pixels;
 use crate::robios::camera;
 
@@ -88,19 +88,20 @@ impl Shot<'_> {
     /// # Errors
     /// When the robot or its camera does not exist, or no camera can look from there.
     pub fn take(&self, ran: &Ran) -> anyhow::Result<Taken> {
-        let run = &ran.ended.run;
+        let run = &ran.finished.ended.run;
         let world = run.world();
         // Nothing moves after the end; of what was before, the world remembers this much.
-        let time = self.at.unwrap_or(ran.ended.time).min(ran.ended.time).max(world.slot_start() - HISTORY);
+        let time =
+            self.at.unwrap_or(ran.finished.ended.time).min(ran.finished.ended.time).max(world.slot_start() - HISTORY);
         let (view, by) = match self.eye {
             Eye::Robot(number) => {
-                let id = RobotId::from_index(index_of(&ran.scene, *number).context("--robot")?);
+                let id = RobotId::from_index(index_of(&ran.finished.scene, *number).context("--robot")?);
                 let view = camera::view(&mut run.robot(id), time, self.size);
                 (view.with_context(|| format!("--robot {number}"))?, Some(id))
             }
             Eye::Point((pose, lens)) => (View::new(*pose, *lens, self.size.unwrap_or(SIZE))?, None),
         };
-        let scenery = ran.scenery.get();
+        let scenery = ran.finished.scenery.get();
         let still = scenery.still(&world, time);
         let mut renderer = Camera::default();
         let size = view.size();
@@ -116,7 +117,7 @@ impl Shot<'_> {
             Content::Depth => Pixels::Depth(&camera::mm_of_depth(&renderer.depth(&still, &view, by))).png(size),
             Content::Labels => {
                 let labels = renderer.labels(&still, &view, by);
-                let census = crate::setup::census(&ran.scene);
+                let census = crate::robios::truth::Census::of(&ran.finished.scene);
                 Pixels::Labels(&camera::numbers_of_labels(&labels, &census)).png(size)
             }
         };

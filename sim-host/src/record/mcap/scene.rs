@@ -2,8 +2,9 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use glam::DQuat;
 use serde_json::{Value, json};
-use sim_core::pose::Pose;
+use sim_core::pose::{Pose, Pose3};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
 use sim_view::protocol::{Body, Floor, Mesh, Place, Point, Scene};
@@ -22,6 +23,14 @@ pub(super) fn robot_frame(RobotId(robot): RobotId) -> String {
 /// The frame of a movable object.
 pub(super) fn object_frame(ObjectId(object): ObjectId) -> String {
     format!("object/{object}")
+}
+
+/// A pose in space as pages and recordings get it.
+pub(crate) fn point(pose: &Pose3) -> Point {
+    Point {
+        position_m: pose.position.to_array(),
+        rotation: DQuat::from_mat3(&pose.rotation).normalize().to_array(),
+    }
 }
 
 /// Whose entity it is.

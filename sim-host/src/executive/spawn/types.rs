@@ -5,7 +5,6 @@ use std::sync::Arc;
 use sim_core::build;
 use sim_core::spec::{ObjectType, RobiSpec, SceneSpec};
 use sim_format::builtin;
-use sim_view::protocol;
 
 /// What can be added to a run: the types of its scene, then those that are built in.
 pub struct Types {
@@ -27,9 +26,14 @@ impl Types {
         Self { robots, objects: named(kinds.chain(built_in)) }
     }
 
-    /// Their names, as pages offer them.
-    pub fn names(&self) -> protocol::Workshop {
-        protocol::Workshop { robots: names(&self.robots), objects: names(&self.objects) }
+    /// Names of the types of robots.
+    pub fn robots(&self) -> Vec<String> {
+        names(&self.robots)
+    }
+
+    /// Names of the types of movable objects.
+    pub fn objects(&self) -> Vec<String> {
+        names(&self.objects)
     }
 
     /// The type of robots of this name.

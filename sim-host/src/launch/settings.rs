@@ -1,79 +1,75 @@
-//! What the command line of a run changes in its scene, and says of its keys, costs and lines.
+//! What the options of a run change in its scene, and say of its keys and costs.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use anyhow::{Context, anyhow, bail, ensure};
-use sim_core::RobotId;
+use sim_core::simulation::DEFAULT_SLOT;
 use sim_core::spec::{CostsRef, NoiseRef, Preset, RobotSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_format::{InputFile, Loaded, PRESETS, load_noise, preset, unknown_sensors};
 
-use super::run::RunArgs;
+use super::Options;
 use crate::files::{DiskFiles, slashed};
 use crate::program::Generation;
+use crate::program::scene::program_of_command_line;
 use crate::program::words::split_words;
-use crate::record::log::{Filter, Pattern};
 use crate::robios::cost::Costs;
 use crate::robios::key::{Press, parse_script};
-use crate::setup::program_of_command_line;
 
-/// Length of a slot where nobody says.
-const DEFAULT_SLOT: Time = Time::from_millis(50);
-
-/// What the scene and the arguments say about its run; the arguments go before.
-pub struct Options {
-    /// Seed of all random numbers.
+/// What a scene and the options of its run say together; the options go before.
+pub struct Settings {
+    /// Seed of all randomness.
     pub seed: u64,
     /// Length of a slot.
     pub slot: Time,
-    /// When the run ends; `None` where nobody says.
-    pub until: Option<Time>,
+    /// When the run ends.
+    pub until: Time,
+    /// Neither the scene nor the options say when it ends.
+    pub is_until_default: bool,
     /// Keys that are pressed.
     pub keys: Vec<Press>,
     /// What calls cost.
     pub costs: Costs,
     /// The file that says so.
     pub costs_input: Option<InputFile>,
-    /// Which lines are shown while the run goes on.
-    pub filter: Filter,
 }
 
-impl Options {
-    /// What `args` mean; the robots of `scene` get the programs and arguments that they give.
+impl Settings {
+    /// Those of a run of `scene`, whose robots get the programs and arguments that `options` give.
     ///
     /// # Errors
     /// A robot that does not exist, keys, words or costs that cannot be read, a program that nobody needs.
-    pub fn new(args: &RunArgs, scene: &mut SceneSpec) -> anyhow::Result<Self> {
+    pub fn new(options: &Options, scene: &mut SceneSpec) -> anyhow::Result<Self> {
         let mut keys = Vec::new();
-        for script in &args.keys {
+        for script in &options.keys {
             keys.extend(parse_script(script).context("--keys")?);
         }
         for press in &keys {
             press.robot.map_or(Ok(0), |robot| index_of(scene, robot.0)).context("--keys")?;
         }
-        give_programs(scene, &args.programs)?;
-        scene.robots.iter_mut().for_each(|robot| robot.api = args.api.map(Generation::number).or(robot.api));
-        give_arguments(scene, &args.args)?;
-        let (costs, costs_input) = match &args.costs {
+        give_programs(scene, &options.programs)?;
+        scene.robots.iter_mut().for_each(|robot| robot.api = options.api.map(Generation::number).or(robot.api));
+        give_arguments(scene, &options.arguments)?;
+        let (costs, costs_input) = match &options.costs {
             Some(path) => read_costs(path)?,
             None => (costs_of(scene)?, None),
         };
         let run = &scene.run;
-        let seed = args.seed.or(run.seed).unwrap_or_default();
-        let slot = args.slot.or(run.slot).unwrap_or(DEFAULT_SLOT);
-        let until = args.until.or(run.until);
-        let robot = args.robot.map(|robot| index_of(scene, robot).context("--robot")).transpose()?;
-        let filter = Filter {
-            is_verbose: args.verbose,
-            only: args.only.as_deref().map(Pattern::parse_list).unwrap_or_default(),
-            robots: robot.into_iter().map(RobotId::from_index).collect(),
-        };
-        Ok(Self { seed, slot, until, keys, costs, costs_input, filter })
+        let until = options.until.or(run.until);
+        Ok(Self {
+            seed: options.seed.or(run.seed).unwrap_or_default(),
+            slot: options.slot.or(run.slot).unwrap_or(DEFAULT_SLOT),
+            until: until.unwrap_or(options.default_until),
+            is_until_default: until.is_none(),
+            keys,
+            costs,
+            costs_input,
+        })
     }
 }
 
-/// A program that the command line gives.
+/// A program for robots of a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramOption {
     who: Who,
@@ -81,7 +77,7 @@ pub struct ProgramOption {
     program: String,
 }
 
-/// Who gets a program of the command line.
+/// Who gets it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Who {
     /// All robots that have no program.
@@ -319,6 +315,7 @@ fn costs_of(scene: &SceneSpec) -> anyhow::Result<Costs> {
 mod tests {
     use std::sync::Arc;
 
+    use sim_core::RobotId;
     use sim_core::pose::Pose;
     use sim_core::spec::{PathRef, Span};
     use sim_format::read_robi;

@@ -1,23 +1,26 @@
-//! What the robots and movable objects of a run are made of: at its start, and those that come later.
+//! Makes the robots and movable objects of a run: those of its start, and those that come later.
 
 mod types;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
 use sim_core::build;
 use sim_core::noise::{Profile, Radio};
 use sim_core::pose::Pose;
+use sim_core::simulation::{FactoryError, Placeable, RobotFactory};
 use sim_core::spec::{ObjectSpec, ObjectType, RobiSpec, RobotSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 
-use crate::executive::process::Child;
-use crate::executive::program::{Exec, RobotProgram};
+use super::load;
+use super::process::Child;
+use super::program::{Exec, RobotProgram};
 use crate::program::load::Loader;
 use crate::program::prepare::Prepared;
+use crate::program::scene::Programs;
 use crate::record::frame::Frames;
 use crate::robios::Robios;
 use crate::robios::irtv::Remote;
@@ -26,8 +29,6 @@ use crate::robios::robot::Robot;
 use crate::robios::storage::Storage;
 use crate::robios::truth::Census;
 use crate::scenery::{LazyScenery, Newcomer};
-use crate::setup::{self, Programs, RobotOptions};
-use sim_core::simulation::{Placeable, RobotFactory};
 pub use types::Types;
 
 /// Most robots that may come into a run after its start, those that have left again included: each keeps its number, its record
@@ -37,17 +38,38 @@ pub const MOST_ROBOTS: usize = 1_000;
 /// The same of movable objects.
 pub const MOST_OBJECTS: usize = 10_000;
 
-/// Who is in a run, and what more of them are made of.
-pub struct Workshop {
+/// What a run's robots are made with, besides the scene.
+pub struct RobotOptions {
+    /// Seed of the run.
+    pub seed: u64,
+    /// Length of a slot.
+    pub slot: Time,
+    /// Key presses of all robots.
+    pub keys: Vec<Press>,
+    /// True when programs may run commands of this machine (`OSExecute`).
+    pub may_execute: bool,
+    /// True when every call is to be recorded.
+    pub is_verbose: bool,
+    /// What cameras see.
+    pub scenery: Arc<LazyScenery>,
+    /// Where the images go that programs take, if the user wants them.
+    pub frames: Option<Arc<Frames>>,
+    /// Where the programs run.
+    pub exec: Exec,
+}
+
+/// Makes the robots and movable objects of a run, and knows all that ever were in it.
+pub struct Spawner {
     scene: Arc<SceneSpec>,
-    /// Everybody who ever was in the run, in the order of their ids.
+    options: RobotOptions,
+    factory: RobotFactory,
+    /// All robots that ever were in the run, in the order of their ids.
     robots: Vec<RobotSpec>,
     objects: Vec<ObjectSpec>,
     /// Their programs, in the same order as the robots.
     programs: Vec<Option<Arc<Prepared>>>,
     types: Types,
-    maker: Maker,
-    exec: Exec,
+    census: Arc<Census>,
     /// What loads the programs of those who come later; none before the first of them.
     loader: Option<Loader>,
 }
@@ -64,18 +86,19 @@ pub struct NewRobot {
     pub program: Option<(RobotProgram, Arc<Prepared>)>,
 }
 
-impl Workshop {
-    /// That of a run of `scene` with these programs, which run as `exec` says.
-    pub fn new(scene: Arc<SceneSpec>, programs: &Programs, exec: Exec, options: &RobotOptions<'_>) -> Self {
-        let movable: Vec<ObjectSpec> = build::movable(&scene).cloned().collect();
+impl Spawner {
+    /// That of a run of `scene` with these programs.
+    pub fn new(scene: Arc<SceneSpec>, programs: &Programs, options: RobotOptions) -> Self {
+        debug_assert!(scene.robots.iter().enumerate().all(|(index, robot)| robot.id.index() == index));
         Self {
+            factory: RobotFactory::new(&scene, options.seed, options.slot, options.is_verbose),
             robots: scene.robots.clone(),
-            objects: movable,
+            objects: build::movable(&scene).cloned().collect(),
             programs: programs.of_robots.clone(),
             types: Types::of(&scene),
-            maker: Maker::new(&scene, options),
+            census: Arc::new(Census::of(&scene)),
             scene,
-            exec,
+            options,
             loader: None,
         }
     }
@@ -104,9 +127,14 @@ impl Workshop {
     ///
     /// # Errors
     /// A robot type with which nothing can be computed.
-    pub fn build_world(&mut self) -> anyhow::Result<(World, Vec<Robot>)> {
-        let Self { scene, programs, maker, .. } = self;
-        maker.world(scene, programs)
+    pub fn start(&mut self) -> Result<(World, Vec<Robot>), FactoryError> {
+        let scene = Arc::clone(&self.scene);
+        let programs = self.programs.clone();
+        let made =
+            scene.robots.iter().zip(&programs).map(|(spec, program)| self.make(spec, program.as_ref(), Time::ZERO));
+        let (mut robots, heard): (Vec<Robot>, Vec<Radio>) = made.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+        let world = self.factory.world(&scene, robots.iter_mut().map(|robot| &mut robot.state), heard);
+        Ok((world, robots))
     }
 
     /// The robot that has the next id, of type `robi`, at `start` from `since` on; its program is that of the robot `program_of`.
@@ -140,7 +168,7 @@ impl Workshop {
             dialect: model.and_then(|robot| robot.dialect),
             span: Default::default(),
         };
-        let (robot, heard) = self.maker.robot(&spec, prepared.as_ref(), since)?;
+        let (robot, heard) = self.make(&spec, prepared.as_ref(), since)?;
         let program = prepared.map(|prepared| Ok::<_, anyhow::Error>((self.load(&spec, &prepared)?, prepared)));
         Ok(NewRobot { spec, robot, heard, program: program.transpose()? })
     }
@@ -152,7 +180,7 @@ impl Workshop {
             Some(loader) => loader,
             None => self.loader.insert(Loader::new().context("no folder to load programs from")?),
         };
-        setup::load_program(spec, prepared, self.exec, loader)
+        load::load_program(spec, prepared, self.options.exec, loader)
     }
 
     /// The movable object that has the next id, of type `kind`, at `pose`.
@@ -175,81 +203,38 @@ impl Workshop {
 
     /// A robot has come into the run.
     pub fn keep_robot(&mut self, spec: RobotSpec, program: Option<Arc<Prepared>>) {
-        self.maker.census.newcomers.push(Placeable::Robot(spec.id));
-        self.maker.scenery.add(Newcomer::Robot(spec.id, Arc::clone(&spec.robi)));
+        self.census.newcomers.push(Placeable::Robot(spec.id));
+        self.options.scenery.add(Newcomer::Robot(spec.id, Arc::clone(&spec.robi)));
         self.robots.push(spec);
         self.programs.push(program);
     }
 
     /// A movable object has come into the run.
     pub fn keep_object(&mut self, id: ObjectId, spec: ObjectSpec) {
-        self.maker.census.newcomers.push(Placeable::Object(id));
-        self.maker.scenery.add(Newcomer::Object(id, Arc::clone(&spec.kind)));
+        self.census.newcomers.push(Placeable::Object(id));
+        self.options.scenery.add(Newcomer::Object(id, Arc::clone(&spec.kind)));
         self.objects.push(spec);
-    }
-}
-
-/// Makes the robots of a run.
-pub(crate) struct Maker {
-    folder: PathBuf,
-    robots: RobotFactory,
-    keys: Vec<Press>,
-    may_execute: bool,
-    scenery: Arc<LazyScenery>,
-    frames: Option<Arc<Frames>>,
-    census: Arc<Census>,
-}
-
-impl Maker {
-    pub fn new(scene: &SceneSpec, options: &RobotOptions<'_>) -> Self {
-        Self {
-            folder: Path::new(&scene.folder).to_owned(),
-            robots: RobotFactory::new(scene, options.seed, options.slot, options.is_verbose),
-            keys: options.keys.to_vec(),
-            may_execute: options.may_execute,
-            scenery: Arc::clone(&options.scenery),
-            frames: options.frames.clone(),
-            census: Arc::new(setup::census(scene)),
-        }
-    }
-
-    /// The world at time 0 and its robots.
-    pub fn world(
-        &mut self,
-        scene: &SceneSpec,
-        programs: &[Option<Arc<Prepared>>],
-    ) -> anyhow::Result<(World, Vec<Robot>)> {
-        debug_assert!(scene.robots.iter().enumerate().all(|(index, robot)| robot.id.index() == index));
-        let mut robots = Vec::with_capacity(scene.robots.len());
-        let mut heard = Vec::with_capacity(scene.robots.len());
-        for (spec, program) in scene.robots.iter().zip(programs) {
-            let (robot, radio) = self.robot(spec, program.as_ref(), Time::ZERO)?;
-            robots.push(robot);
-            heard.push(radio);
-        }
-        let world = self.robots.world(scene, robots.iter_mut().map(|robot| &mut robot.state), heard);
-        Ok((world, robots))
     }
 
     /// A robot that comes at `since`, and what happens to its messages.
-    fn robot(
+    fn make(
         &mut self,
         spec: &RobotSpec,
         program: Option<&Arc<Prepared>>,
         since: Time,
-    ) -> anyhow::Result<(Robot, Radio)> {
-        let (state, heard) = self.robots.robot(spec, since)?;
+    ) -> Result<(Robot, Radio), FactoryError> {
+        let (state, heard) = self.factory.robot(spec, since)?;
         let is_meant = |press: &&Press| press.robot.is_none_or(|robot| robot == spec.id) && press.at >= since;
-        let presses = self.keys.iter().filter(is_meant);
+        let presses = self.options.keys.iter().filter(is_meant);
         let generation = program.and_then(|program| program.generation());
         let new_robios = if generation == Some(7) { Robios::of_robios7 } else { Robios::new };
         let (remote, keys): (Vec<&Press>, Vec<_>) = presses.partition(|press| press.touch.remote_key().is_some());
         let keys = Keys::scripted(keys.iter().map(|press| (press.at, press.touch)));
         let mut robios = new_robios(&spec.robi, keys).among(Arc::clone(&self.census));
         robios.remote = Remote::scripted(remote.iter().filter_map(|press| Some((press.at, press.touch.remote_key()?))));
-        robios.storage = Storage::new(&self.folder);
-        robios.os.may_execute = self.may_execute;
-        robios.camera = robios.camera.in_run(Arc::clone(&self.scenery), self.frames.clone());
+        robios.storage = Storage::new(Path::new(&self.scene.folder));
+        robios.os.may_execute = self.options.may_execute;
+        robios.camera = robios.camera.in_run(Arc::clone(&self.options.scenery), self.options.frames.clone());
         if state.noise().camera != Profile::default().camera {
             robios.camera.set_errors(state.noise(), state.seed(), state.id);
         }

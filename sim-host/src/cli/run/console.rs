@@ -1,0 +1,231 @@
+//! A run of the command line, step by step: read, built, started and taken to its end, with what its user sees of it.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use anyhow::{Context, bail};
+use parking_lot::Mutex;
+use sim_core::build;
+use sim_core::pose::Pose;
+use sim_core::spec::SceneSpec;
+use sim_format::{Diagnostic, InputFile};
+
+use super::{RunArgs, Speed};
+use crate::cli::diagnostic::{self, Colour, Format};
+use crate::cli::output::{self, given};
+use crate::cli::progress::{Building, Counts, Progress};
+use crate::executive::pace::Pace;
+use crate::executive::run::Run;
+use crate::executive::scheduler::{self, Scheduler};
+use crate::executive::script::Script;
+use crate::files::slashed;
+use crate::launch::settings::index_of;
+use crate::launch::{Built, Error, Finished, Observers, Ready, Rejected, Running, Scene, check};
+use crate::plot;
+use crate::record::log::{Filter, Pattern};
+use crate::record::report::Input;
+use crate::record::{Log, RecordError, Recorded, Sink, Trace, Trails};
+use sim_core::RobotId;
+
+/// Reads the scene that the arguments name, and shows what is wrong with it.
+///
+/// # Errors
+/// Files or arguments that are wrong; [`Rejected`] for what diagnostics say.
+pub fn open(args: &RunArgs) -> anyhow::Result<Scene> {
+    let scene = Scene::open(&args.sim, args.options())?;
+    tell(scene.diagnostics(), scene.inputs(), args.strict)?;
+    Ok(scene)
+}
+
+/// Builds its programs, says on a terminal what takes so long, and checks what the run will write.
+///
+/// # Errors
+/// Files or arguments that are wrong; [`Rejected`] for what diagnostics say.
+pub fn build(scene: Scene, args: &RunArgs) -> anyhow::Result<Built> {
+    let mut builder = scene.builder()?;
+    if !args.quiet {
+        builder = builder.watched_by(Box::new(Building::on_stderr()));
+    }
+    let built = scene.build(&builder).map_err(|error| {
+        if let Error::Rejected(Rejected { diagnostics, inputs }) = &error {
+            _ = show(diagnostics, inputs);
+        }
+        error
+    })?;
+    check_outputs(args, built.inputs())?;
+    built.remarks().iter().for_each(|remark| eprintln!("{remark}"));
+    Ok(built)
+}
+
+/// Shows what is wrong with a scene, and refuses to run it if it is an error or, when `strict`, anything.
+pub(in crate::cli) fn tell(diagnostics: &[Diagnostic], inputs: &[InputFile], strict: bool) -> anyhow::Result<()> {
+    if !diagnostics.is_empty() {
+        show(diagnostics, inputs)?;
+    }
+    if check::is_rejected(diagnostics, strict) {
+        bail!(Error::Rejected(Rejected { diagnostics: diagnostics.to_vec(), inputs: inputs.to_vec() }));
+    }
+    Ok(())
+}
+
+/// Shows diagnostics on standard error.
+fn show(diagnostics: &[Diagnostic], inputs: &[InputFile]) -> anyhow::Result<()> {
+    let screen = diagnostic::Screen::of_stderr(Colour::Auto);
+    eprint!("{}", diagnostic::render(diagnostics, inputs, Format::Auto, screen)?);
+    Ok(())
+}
+
+/// Checks before the run that what it writes destroys none of its inputs and has a folder to lie in.
+fn check_outputs(args: &RunArgs, inputs: &[Input]) -> anyhow::Result<()> {
+    let outputs =
+        [("--report", &args.report), ("--trace", &args.trace), ("--record", &args.record), ("--plot", &args.plot)];
+    let repeated = args.repeat.as_deref().map(slashed);
+    let inputs = inputs.iter().map(|input| input.path.as_str()).chain(repeated.as_deref());
+    output::check_outputs(&given(&outputs), inputs)?;
+    args.plot.as_deref().map(plot::Kind::of).transpose().context("--plot")?;
+    Ok(())
+}
+
+/// A run with what its user sees of it.
+pub struct ConsoleRun {
+    running: Running,
+    progress: Progress,
+    trails: Option<Arc<Mutex<Trails>>>,
+}
+
+impl ConsoleRun {
+    /// How long the run goes on between two looks at its progress.
+    const STRETCH: Duration = Duration::from_millis(50);
+
+    /// Starts `ready` with the files that the arguments ask for; nothing of its progress is shown when `is_quiet`.
+    ///
+    /// # Errors
+    /// Files that cannot be written, and a system without room for the robots.
+    pub fn start(ready: Ready, args: &RunArgs, observers: Observers, is_quiet: bool) -> anyhow::Result<Self> {
+        let is_hidden = args.verbose || args.quiet || is_quiet;
+        let progress = if is_hidden { Progress::hidden() } else { Progress::new(ready.settings().until) };
+        let mut sinks: Vec<Box<dyn Sink>> = Vec::new();
+        if !args.is_silent {
+            sinks.push(Box::new(Log::new(filter(args, ready.scene())?, progress.stdout(), progress.stderr())));
+        }
+        let trails = args.plot.is_some().then(|| Arc::new(Mutex::new(trails(ready.scene()))));
+        sinks.extend(trails.iter().map(|trails| Box::new(Arc::clone(trails)) as Box<dyn Sink>));
+        if let Some(path) = &args.trace {
+            sinks.push(Box::new(Trace::create(path, &ready.trace_header())?));
+        }
+        if let Some(path) = &args.record {
+            sinks.push(Box::new(super::recording::create(path, &ready)?));
+        }
+        sinks.extend(observers.sinks);
+        let mut err = progress.stderr();
+        let tell = move |diagnostics: &[Diagnostic], inputs: &[InputFile]| {
+            let screen = diagnostic::Screen::of_stderr(Colour::Auto);
+            let text = diagnostic::render(diagnostics, inputs, Format::Auto, screen);
+            let written = text.map_err(std::io::Error::other).and_then(|text| err.write_all(text.as_bytes()));
+            written.map_err(|source| RecordError::Print { stream: "standard error", source })
+        };
+        let running = ready.start(Observers { sinks, diagnostics: Some(Box::new(tell)), ..observers })?;
+        Ok(Self { running, progress, trails })
+    }
+
+    /// What advances the run.
+    pub fn scheduler(&mut self) -> &mut Scheduler {
+        &mut self.running.scheduler
+    }
+
+    /// Takes the run to its end as `script` has it.
+    pub fn follow(&mut self, script: &mut Script) {
+        let scheduler = &mut self.running.scheduler;
+        while script.advance(scheduler, Self::STRETCH) == scheduler::Progress::Paused {
+            let run = scheduler.run();
+            self.progress.update(run.slot_start(), || counts(run));
+        }
+    }
+
+    /// Ends it, to the last line of its report.
+    pub fn finish(self) -> Ran {
+        let Self { running, mut progress, trails } = self;
+        let finished = running.finish();
+        progress.clear();
+        Ran { finished, trails }
+    }
+}
+
+/// A run that is over, and what its plot shows.
+pub struct Ran {
+    /// The run.
+    pub finished: Finished,
+    trails: Option<Arc<Mutex<Trails>>>,
+}
+
+impl Ran {
+    /// Writes the report and the plot that the arguments ask for.
+    ///
+    /// # Errors
+    /// The first file that cannot be written; it keeps no other from being written.
+    pub fn write_files(&self, args: &RunArgs) -> anyhow::Result<()> {
+        let Self { finished, trails } = self;
+        if finished.scenery.built().is_some() {
+            // Images that cameras have seen meanwhile are inputs, too.
+            let outputs = [("--report", &args.report), ("--plot", &args.plot)];
+            output::check_outputs(&given(&outputs), finished.report.inputs.iter().map(|input| input.path.as_str()))?;
+        }
+        let plot = |(path, trails): (&std::path::PathBuf, &Arc<Mutex<Trails>>)| {
+            Ok(plot::write(&finished.drawing(&trails.lock()), path, None)?)
+        };
+        let written = [
+            args.report.as_ref().map(|path| Ok(finished.report.write(path)?)),
+            args.plot.as_ref().zip(trails.as_ref()).map(plot),
+        ];
+        written.into_iter().flatten().collect()
+    }
+}
+
+/// The pace and the recorded actions that the arguments ask for.
+///
+/// # Errors
+/// A trace that cannot be read.
+pub(super) fn script(args: &RunArgs) -> anyhow::Result<Script> {
+    let pace = match args.speed {
+        Speed::Max => None,
+        Speed::Factor(factor) => Some(Pace::new(factor)),
+    };
+    let actions = args.repeat.as_ref().map(|trace| Recorded::read(trace).context("--repeat")).transpose()?;
+    Ok(Script::new(actions.into_iter().flat_map(|recorded| recorded.interventions)).paced(pace))
+}
+
+/// Which lines are shown while the run goes on.
+///
+/// # Errors
+/// A robot that the scene has not got.
+pub(super) fn filter(args: &RunArgs, scene: &SceneSpec) -> anyhow::Result<Filter> {
+    let robot = args.robot.map(|robot| index_of(scene, robot).context("--robot")).transpose()?;
+    Ok(Filter {
+        is_verbose: args.verbose,
+        only: args.only.as_deref().map(Pattern::parse_list).unwrap_or_default(),
+        robots: robot.into_iter().map(RobotId::from_index).collect(),
+    })
+}
+
+/// What keeps the paths of the robots and movable objects of a run of `scene`.
+fn trails(scene: &SceneSpec) -> Trails {
+    let starts: Vec<Pose> = scene.robots.iter().map(|robot| robot.start).collect();
+    let objects: Vec<Pose> = build::movable(scene).map(|object| object.pose).collect();
+    Trails::new(&starts, &objects)
+}
+
+/// How the robots stand while the run goes on.
+fn counts(run: &Run) -> Counts {
+    let mut counts = Counts::default();
+    for id in run.ids_with_program() {
+        let robot = run.robot(id);
+        if robot.ending.is_some() {
+            counts.ended += 1;
+        } else if robot.tasks.are_waiting() {
+            counts.waiting += 1;
+        } else {
+            counts.running += 1;
+        }
+    }
+    counts
+}

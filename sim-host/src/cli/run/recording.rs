@@ -1,0 +1,50 @@
+//! A recording in MCAP of a run, from its beginning.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use sim_core::ObjectId;
+use sim_core::build;
+use sim_core::spec::ObjectSpec;
+use sim_view::protocol;
+
+use crate::launch::Ready;
+use crate::record::Mcap;
+use crate::record::mcap::Beginning;
+use crate::window::scene::{ObjectSubject, RobotSubject, Subject};
+
+/// The recording at `path` of a run that keeps its frames.
+pub(super) fn create(path: &Path, ready: &Ready) -> anyhow::Result<Mcap> {
+    let (scene, settings) = (ready.scene(), ready.settings());
+    let robot = |robot: &sim_core::spec::RobotSpec| RobotSubject {
+        id: robot.id,
+        robi: Arc::clone(&robot.robi),
+        program: robot.program_name().to_owned(),
+        position: robot.start.position,
+        has_colours: false,
+    };
+    let object = |(id, object): (u32, &ObjectSpec)| ObjectSubject {
+        id: ObjectId(id),
+        kind: Arc::clone(&object.kind),
+        position: object.pose.position,
+    };
+    let shown = Subject {
+        run: 1,
+        seed: settings.seed,
+        slot: settings.slot,
+        spec: scene,
+        scenery: &ready.scenery().get(),
+        robots: scene.robots.iter().map(robot).collect(),
+        objects: (1..).zip(build::movable(scene)).map(object).collect(),
+        workshop: protocol::Workshop::default(),
+    };
+    let beginning = Beginning {
+        seed: settings.seed,
+        slot: settings.slot,
+        scene: shown.scene(),
+        robots: scene.robots.iter().map(|robot| robot.start).collect(),
+        objects: build::movable(scene).map(|object| object.pose).collect(),
+        frames: ready.frames().cloned().unwrap_or_default(),
+    };
+    Ok(Mcap::create(path, beginning)?)
+}

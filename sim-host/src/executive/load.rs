@@ -1,0 +1,150 @@
+//! Loads the programs of a scene: as private copies in this process, or in processes of their own.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use anyhow::{Context, anyhow};
+use sim_core::RobotId;
+use sim_core::spec::{RobotSpec, SceneSpec};
+
+use super::damage;
+use super::process::serve::{Refusal, RemoteProgram};
+use super::process::{Child, Debugger};
+use super::program::{Exec, RobotProgram};
+use crate::program::load::{LoadError, Loader, OpenError, check_mappings};
+use crate::program::prepare::{Code, Prepared};
+use crate::program::scene::Programs;
+
+/// Memory mappings of a robot's flow: its stack, the guard below it, its alternate stack and the kernel's neighbours.
+const MAPPINGS_PER_FLOW: usize = 4;
+
+/// Loads its program for each robot that has one, with the arguments that its `main` gets: as a private copy in this process, or
+/// in a process of its own.
+///
+/// # Errors
+/// The first program that cannot be loaded, or all of them if the kernel has no room.
+pub fn load_programs(
+    scene: &SceneSpec,
+    programs: &Programs,
+    exec: Exec,
+    debug: Option<&Debug>,
+) -> anyhow::Result<Vec<Option<RobotProgram>>> {
+    check_room(programs.iter(), exec)?;
+    let mut loader = Loader::new().context("no folder to load programs from")?;
+    Child::make_room(programs.iter().filter(|program| exec_of(program, exec) == Exec::Process).count());
+    // All processes start before the first one is waited for.
+    let mut loading = Vec::with_capacity(scene.robots.len());
+    for (robot, program) in scene.robots.iter().zip(&programs.of_robots) {
+        let debugger = debug.filter(|debug| debug.robot == robot.id).map(|debug| &debug.debugger);
+        let begun = program.as_ref().map(|program| Loading::begin(robot, program, exec, &mut loader, debugger));
+        loading.push(begun.transpose().map_err(|error| of_robot(robot, &error))?);
+    }
+    let finish = |(robot, loading): (&RobotSpec, Option<Loading>)| {
+        loading.map(|loading| loading.finish(robot).map_err(|error| of_robot(robot, &error))).transpose()
+    };
+    scene.robots.iter().zip(loading).map(finish).collect()
+}
+
+/// Loads its program for one more robot, as [`load_programs`] does for those of the scene.
+///
+/// # Errors
+/// Why it cannot be loaded.
+pub fn load_program(
+    robot: &RobotSpec,
+    program: &Arc<Prepared>,
+    exec: Exec,
+    loader: &mut Loader,
+) -> anyhow::Result<RobotProgram> {
+    check_room([program], exec)?;
+    let loading = Loading::begin(robot, program, exec, loader, None);
+    loading.and_then(|loading| loading.finish(robot)).map_err(|error| of_robot(robot, &error))
+}
+
+/// Checks that this process can run these programs after what earlier ones have done to it, and that the kernel lets it map their
+/// copies and stacks.
+fn check_room<'a>(programs: impl IntoIterator<Item = &'a Arc<Prepared>>, exec: Exec) -> anyhow::Result<()> {
+    let mut in_host = programs.into_iter().filter(|program| exec_of(program, exec) == Exec::Thread).peekable();
+    if in_host.peek().is_some() {
+        damage::check()?;
+    }
+    Ok(check_mappings(in_host.filter_map(|program| Some((&**program.image()?, 1))), MAPPINGS_PER_FLOW)?)
+}
+
+fn of_robot(robot: &RobotSpec, error: &LoadError) -> anyhow::Error {
+    anyhow!("{} (`{}`): {error}", robot.id, robot.program_name())
+}
+
+/// A robot whose program runs under a debugger.
+#[derive(Clone, Debug)]
+pub struct Debug {
+    /// The robot.
+    pub robot: RobotId,
+    /// What the debugger is told.
+    pub debugger: Debugger,
+}
+
+/// Where a program runs when the user wants `exec`: a Python program has a process of its own in any case.
+fn exec_of(program: &Prepared, exec: Exec) -> Exec {
+    match program.code {
+        Code::Library(_) => exec,
+        Code::Python(_) => Exec::Process,
+    }
+}
+
+/// A program on its way.
+enum Loading {
+    Done(RobotProgram),
+    /// The process, its program, and the file from which it loads it.
+    InProcess(Box<Child>, Arc<Prepared>, PathBuf),
+}
+
+impl Loading {
+    fn begin(
+        robot: &RobotSpec,
+        program: &Arc<Prepared>,
+        exec: Exec,
+        loader: &mut Loader,
+        debugger: Option<&Debugger>,
+    ) -> Result<Self, LoadError> {
+        if debugger.is_none() && exec_of(program, exec) == Exec::Thread {
+            return loader.load(program, &robot.arguments).map(RobotProgram::Thread).map(Self::Done);
+        }
+        let path = program.source.path().to_owned();
+        let (child, library) = match (&program.code, debugger) {
+            (Code::Python(_), Some(_)) => {
+                let what = "gdb debugs programs in C, C++ and Rust, and this one is in Python".to_owned();
+                return Err(LoadError::Misfit { path, what });
+            }
+            (Code::Python(python), None) => (Child::start(python.command(&path)), path.clone()),
+            // gdb reads the library's file again while it debugs: that of the cache stays.
+            (Code::Library(image), Some(debugger)) => {
+                (Child::start_debugged(debugger, image.path()), image.path().to_owned())
+            }
+            (Code::Library(_), None) => {
+                let library = loader.library(program, &robot.arguments)?;
+                (Child::command(&format!("{} {}", robot.id, program.name), &library).and_then(Child::start), library)
+            }
+        };
+        let child = child.map_err(|error| LoadError::Process { path, what: format!("{error} ({PROCESS_HINT})") })?;
+        Ok(Self::InProcess(Box::new(child), Arc::clone(program), library))
+    }
+
+    fn finish(self, robot: &RobotSpec) -> Result<RobotProgram, LoadError> {
+        let (child, program, library) = match self {
+            Self::Done(program) => return Ok(program),
+            Self::InProcess(child, program, library) => (child, program, library),
+        };
+        let path = program.source.path().to_owned();
+        RemoteProgram::new(*child, program, &robot.arguments).map(RobotProgram::Process).map_err(
+            |refusal| match refusal {
+                Refusal::Linker(what) => OpenError::Linker(what).of(&path, &library),
+                Refusal::Misfit(what) => OpenError::Misfit(what).of(&path, &library),
+                Refusal::Broken(what) => LoadError::Process { path, what },
+            },
+        )
+    }
+}
+
+/// What limits the number of processes.
+const PROCESS_HINT: &str =
+    "each robot takes a process of two threads, and in eyesim a thread and a file: see `ulimit -u` and `ulimit -n`";

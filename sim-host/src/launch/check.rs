@@ -1,0 +1,94 @@
+//! What is wrong with a scene beyond what its files say: programs that cannot be found, functions that RoBIOS has not got.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use sim_core::spec::{CostTable, RobotSpec, SceneSpec};
+use sim_format::{Code, Diagnostic, Files as _, Severity};
+
+use crate::files::DiskFiles;
+use crate::program::find::{ProgramSource, SearchPath, find_program};
+use crate::program::generation::choose;
+use crate::program::scene::wanted_of;
+use crate::program::{Generation, Wanted};
+use crate::robios::cost;
+
+/// Tells whether a robot's program can be found and for which generation it is written; if not, which of both it is and a
+/// message.
+pub type FindProgram<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Result<(), (Code, String)> + 'a;
+
+/// Where programs of a scene are looked for, besides its folder: the working folder and the installation.
+///
+/// # Errors
+/// If the working folder is unknown.
+pub fn search_path(files: &DiskFiles) -> std::io::Result<SearchPath> {
+    let working_folder = std::env::current_dir()?;
+    Ok(SearchPath { working_folder, installation: files.home().map(PathBuf::from), ..SearchPath::default() })
+}
+
+/// Looks for programs where `eyesim run` does: in the scene's folder and along `search`; `api` is the generation that they are given
+/// in place of the scene's.
+pub fn finder(search: SearchPath, api: Option<Generation>) -> Box<FindProgram<'static>> {
+    Box::new(move |scene, robot| {
+        let search = SearchPath { sim_folder: Some(PathBuf::from(&scene.folder)), ..search.clone() };
+        let Some(program) = &robot.program else { return Ok(()) };
+        let found = find_program(&program.text, &search);
+        let found = found.map_err(|error| (Code::ProgramMissing, error.to_string()))?;
+        let ProgramSource::Sources { files, .. } = found.source else { return Ok(()) };
+        let said = wanted_of(robot);
+        let wanted = Wanted { api: api.or(said.api), ..said };
+        choose(&files, wanted).map(drop).map_err(|error| (Code::ProgramGeneration, error.to_string()))
+    })
+}
+
+/// True when `diagnostics` are such that a scene is not run: errors, or when `strict` anything.
+pub fn is_rejected(diagnostics: &[Diagnostic], strict: bool) -> bool {
+    sim_format::has_errors(diagnostics) || strict && !diagnostics.is_empty()
+}
+
+/// How many errors and warnings there are in how many files: `3 errors, 12 warnings in 2 files`.
+pub fn count(diagnostics: &[Diagnostic]) -> String {
+    let of = |severity| diagnostics.iter().filter(|diagnostic| diagnostic.severity == severity).count();
+    let counts = [(of(Severity::Error), "error"), (of(Severity::Warning), "warning")];
+    let parts: Vec<_> = counts.iter().filter(|(n, _)| *n > 0).map(|(n, noun)| plural(*n, noun)).collect();
+    let files: BTreeSet<&str> = diagnostics.iter().map(|diagnostic| diagnostic.file.as_str()).collect();
+    format!("{} in {}", parts.join(", "), plural(files.len(), "file"))
+}
+
+/// `1 file`, `2 files`.
+pub fn plural(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
+/// The entries of a cost table that no function of RoBIOS has.
+pub fn unknown_functions(table: &CostTable) -> impl Iterator<Item = Diagnostic> {
+    cost::mistakes(table).map(|(entry, _)| Diagnostic {
+        severity: Severity::Error,
+        code: Code::CostFunction,
+        file: table.file.clone(),
+        span: entry.span,
+        message: format!("there is no function `{}`", entry.function),
+        expected: "a function of RoBIOS, or the beginning of names and `*`".to_owned(),
+        suggestion: cost::most_similar(&entry.generation, &entry.function).map(|name| format!("write `{name}`")),
+    })
+}
+
+/// What is said about the programs that the files of a scene name and that are not found, each once, in the order of the robots.
+pub fn missing_programs(scene: &SceneSpec, severity: Severity, find_program: &FindProgram<'_>) -> Vec<Diagnostic> {
+    let mut tried: BTreeSet<&str> = BTreeSet::new();
+    let mut missing = Vec::new();
+    for robot in &scene.robots {
+        // Many robots may run the same program. One that the command line names has no place in a file.
+        let of_file = robot.program.as_ref().filter(|program| program.span.line > 0);
+        let Some(program) = of_file.filter(|program| tried.insert(&program.text)) else { continue };
+        if let Err((code, message)) = find_program(scene, robot) {
+            let expected = match code {
+                Code::ProgramGeneration => "functions of one generation",
+                _ => "a library, a C or C++ file or the folder of a program",
+            };
+            let (file, span, expected) = (scene.file.clone(), program.span, expected.to_owned());
+            missing.push(Diagnostic { severity, code, file, span, message, expected, suggestion: None });
+        }
+    }
+    missing
+}

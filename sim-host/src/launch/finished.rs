@@ -1,0 +1,114 @@
+//! A run that is over: how it ended, as values.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+use sim_core::ObjectId;
+use sim_core::pose::Pose;
+use sim_core::spec::{ObjectSpec, RobotSpec, SceneSpec};
+use sim_core::time::Time;
+use sim_core::world::Presence;
+
+use super::settings::Settings;
+use crate::executive::scheduler::{Ended, RobotEnd};
+use crate::plot::{self, Drawing, RunObject, RunPicture, RunRobot};
+use crate::record::report::{Input, ObjectReport, REPORT_SCHEMA, RobotReport};
+use crate::record::trail::Way;
+use crate::record::{Report, Trails};
+use crate::scenery::LazyScenery;
+
+/// A run that is over.
+pub struct Finished {
+    /// What scene and options said of it.
+    pub settings: Settings,
+    /// What was run.
+    pub scene: Arc<SceneSpec>,
+    /// What its cameras see.
+    pub scenery: Arc<LazyScenery>,
+    /// How it ended, with its world and its robots at rest.
+    pub ended: Ended,
+    /// The same for people and programs.
+    pub report: Report,
+}
+
+impl Finished {
+    /// The world from above with the paths that `trails`, a sink of the run, has kept.
+    pub fn drawing(&self, trails: &Trails) -> Drawing {
+        let spawner = self.ended.run.spawner();
+        let robot = |((spec, end), trail): ((&RobotSpec, &RobotEnd), &Way)| RunRobot {
+            id: spec.id.0,
+            robi: Arc::clone(&spec.robi),
+            start: spec.start,
+            end: end.pose,
+            trails: trail.lines(),
+        };
+        let robots: Vec<RunRobot> =
+            spawner.robots().iter().zip(&self.ended.robots).zip(trails.trails()).map(robot).collect();
+        let object = |object: &ObjectSpec, end: Pose, trails: Vec<Vec<DVec2>>| RunObject {
+            kind: Arc::clone(&object.kind),
+            start: object.pose,
+            end,
+            trails,
+        };
+        let fixed = self.scene.objects.iter().filter(|spec| spec.kind.is_fixed);
+        let fixed = fixed.map(|spec| object(spec, spec.pose, Vec::new()));
+        let moved = spawner.objects().iter().zip(self.ended.objects.iter().zip(trails.objects()));
+        let moved = moved.map(|(spec, (end, trail))| object(spec, *end, trail.lines()));
+        let objects: Vec<RunObject> = fixed.chain(moved).collect();
+        plot::draw_run(&RunPicture {
+            title: &self.scene.file,
+            world: &self.scene.world,
+            markers: &self.scene.markers,
+            robots: &robots,
+            objects: &objects,
+            contacts: trails.contacts(),
+        })
+    }
+}
+
+/// What became of the run, with these inputs.
+pub(super) fn report(settings: &Settings, ended: &Ended, inputs: Vec<Input>) -> Report {
+    let spawner = ended.run.spawner();
+    let world = ended.run.world();
+    let added = |presence: Presence| (presence.since >= Time::ZERO).then(|| presence.since.seconds());
+    let removed = |presence: Presence| (presence.until < Time::NEVER).then(|| presence.until.seconds());
+    let robot = |(spec, end): (&RobotSpec, &RobotEnd)| RobotReport {
+        id: spec.id.0,
+        name: spec.robi.name.clone(),
+        program: spec.program_name().to_owned(),
+        outcome: end.outcome,
+        reason: end.reason.clone(),
+        exit_code: end.exit_code,
+        virtual_time_s: end.virtual_time.seconds(),
+        pose: end.pose.into(),
+        odometry: Some(end.odometry.into()),
+        path_m: end.path,
+        contacts: u64::from(end.contacts),
+        footfalls: end.steps.map(|[footfalls, _]| footfalls),
+        touches: end.steps.map(|[_, touches]| touches),
+        lcd: end.panel.lines(),
+        added_s: added(world.robot_presence(spec.id)),
+        removed_s: removed(world.robot_presence(spec.id)),
+    };
+    let object = |(id, (spec, end)): (u32, (&ObjectSpec, &Pose))| ObjectReport {
+        id,
+        name: spec.kind.name.clone(),
+        start: spec.pose.into(),
+        pose: (*end).into(),
+        added_s: added(world.object_presence(ObjectId(id))),
+        removed_s: removed(world.object_presence(ObjectId(id))),
+    };
+    Report {
+        schema: REPORT_SCHEMA,
+        eyesim_version: env!("CARGO_PKG_VERSION").into(),
+        argv: std::env::args().collect(),
+        inputs,
+        seed: settings.seed,
+        slot_us: settings.slot.0,
+        sim_time_s: ended.time.seconds(),
+        real_time_s: ended.real_time.as_secs_f64(),
+        digest: ended.digest,
+        robots: spawner.robots().iter().zip(&ended.robots).map(robot).collect(),
+        objects: (1..).zip(spawner.objects().iter().zip(&ended.objects)).map(object).collect(),
+    }
+}

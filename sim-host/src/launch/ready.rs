@@ -1,0 +1,228 @@
+//! A run that can start, and one that has started.
+
+use std::num::NonZeroUsize;
+use std::path::Path;
+use std::sync::Arc;
+
+use sim_core::record::{Digest, KindSet, Record, Recorder};
+use sim_core::spec::{RobotSpec, SceneSpec};
+use sim_core::time::Time;
+use sim_core::world::World;
+use sim_format::{Diagnostic, InputFile};
+
+use super::finished::{self, Finished};
+use super::settings::Settings;
+use super::{Error, Options, check};
+use crate::executive::interrupt::Interrupt;
+use crate::executive::program::{Exec, RobotProgram};
+use crate::executive::scheduler::{Limits, Parts, Scheduler};
+use crate::executive::spawn::Spawner;
+use crate::executive::thread::ThreadExecutor;
+use crate::files::slashed;
+use crate::record::frame::{FrameFailures, Frames};
+use crate::record::report::Input;
+use crate::record::trace::{TraceHeader, TraceRobot};
+use crate::record::{RecordError, Sink, Sinks};
+use crate::robios::robot::Robot;
+use crate::scenery::LazyScenery;
+
+/// A run that can start: its programs are loaded.
+pub struct Ready {
+    pub(super) options: Options,
+    pub(super) settings: Settings,
+    pub(super) scene: Arc<SceneSpec>,
+    pub(super) scenery: Arc<LazyScenery>,
+    pub(super) inputs: Vec<Input>,
+    pub(super) frames: Option<Arc<Frames>>,
+    pub(super) spawner: Spawner,
+    pub(super) world: World,
+    pub(super) robots: Vec<Robot>,
+    pub(super) programs: Vec<Option<RobotProgram>>,
+}
+
+/// What tells meshes and images of which cameras see that they have mistakes, and the files of which these speak.
+pub type TellDiagnostics = dyn FnMut(&[Diagnostic], &[InputFile]) -> Result<(), RecordError> + Send;
+
+/// Who follows a run beside its owner, and who ends it.
+#[derive(Default)]
+pub struct Observers {
+    /// Get what is recorded, in this order.
+    pub sinks: Vec<Box<dyn Sink>>,
+    /// Is told what is wrong in the meshes and images that are read when the first camera is used.
+    pub diagnostics: Option<Box<TellDiagnostics>>,
+    /// Ends the run from any thread.
+    pub interrupt: Interrupt,
+}
+
+impl Ready {
+    /// What is to be run.
+    pub fn scene(&self) -> &Arc<SceneSpec> {
+        &self.scene
+    }
+
+    /// What the scene and the options say of the run.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// What its cameras see.
+    pub fn scenery(&self) -> &Arc<LazyScenery> {
+        &self.scenery
+    }
+
+    /// The images that its programs will take, if anybody wants them.
+    pub fn frames(&self) -> Option<&Arc<Frames>> {
+        self.frames.as_ref()
+    }
+
+    /// Every file that decides what is run.
+    pub fn inputs(&self) -> &[Input] {
+        &self.inputs
+    }
+
+    /// The first line of its trace, which says how it is run again.
+    pub fn trace_header(&self) -> TraceHeader {
+        let robot = |robot: &RobotSpec| TraceRobot {
+            id: robot.id.0,
+            name: robot.robi.name.clone(),
+            program: robot.program_name().to_owned(),
+        };
+        TraceHeader {
+            seed: self.settings.seed,
+            slot_us: self.settings.slot.0,
+            robots: self.scene.robots.iter().map(robot).collect(),
+            run: words(&self.scene.file, &self.options, &self.settings),
+            inputs: self.inputs.clone(),
+        }
+    }
+
+    /// Starts it: it stands before its first slot.
+    ///
+    /// # Errors
+    /// [`Error::Start`] when the system has no room for the robots.
+    pub fn start(self, observers: Observers) -> Result<Running, Error> {
+        let Self { options, settings, scene, scenery, inputs, frames, spawner, world, robots, programs } = self;
+        let Observers { sinks, diagnostics, interrupt } = observers;
+        let watch = SceneryWatch {
+            scenery: Arc::clone(&scenery),
+            is_strict: options.strict,
+            tell: diagnostics.unwrap_or_else(|| Box::new(|_, _| Ok(()))),
+            is_told: false,
+        };
+        let failures = frames.map(|frames| Box::new(FrameFailures(frames)) as Box<dyn Sink>);
+        let sinks: Sinks<'_> = [Box::new(watch) as Box<dyn Sink>].into_iter().chain(sinks).chain(failures).collect();
+        let limits = Limits {
+            lanes: options.workers.map_or_else(processors, NonZeroUsize::get),
+            until: settings.until,
+            timeout: options.timeout,
+            is_verbose: options.is_verbose,
+        };
+        let flows = programs.iter().flatten().count();
+        let parts = Parts {
+            world,
+            executor: Box::new(ThreadExecutor::new(robots.len(), flows, limits.lanes)),
+            robots,
+            programs,
+            spawner,
+            costs: settings.costs.clone(),
+            recorder: Recorder::new(settings.seed, settings.slot, sinks.interest()),
+            sinks,
+            interrupt,
+        };
+        Ok(Running { scheduler: Scheduler::start(parts, &limits)?, settings, scene, scenery, inputs })
+    }
+
+    /// Runs it to its end.
+    ///
+    /// # Errors
+    /// As [`Ready::start`].
+    pub fn run(self) -> Result<Finished, Error> {
+        let mut running = self.start(Observers::default())?;
+        running.scheduler.advance_to(Time::NEVER);
+        Ok(running.finish())
+    }
+}
+
+/// Words behind `eyesim run` that ask for the same run: all that decides what happens in it.
+fn words(scene: &str, options: &Options, settings: &Settings) -> Vec<String> {
+    /// Most seconds that the command line takes.
+    const MAX_SECONDS: f64 = 1e9;
+    let mut words = vec![scene.to_owned()];
+    // One word each, so that no value is taken for an option.
+    let mut add = |option: &str, value: &dyn std::fmt::Display| words.push(format!("--{option}={value}"));
+    add("seed", &settings.seed);
+    add("slot", &(settings.slot.seconds() * 1000.0));
+    add("until", &settings.until.seconds().min(MAX_SECONDS));
+    options.programs.iter().for_each(|program| add("program", program));
+    options.api.iter().for_each(|api| add("api", &api.number()));
+    options.keys.iter().for_each(|keys| add("keys", keys));
+    options.arguments.iter().for_each(|arguments| add("args", arguments));
+    options.costs.iter().for_each(|costs| add("costs", &slashed(costs)));
+    options.noise.iter().for_each(|noise| add("noise", noise));
+    if options.exec == Exec::Process {
+        add("exec", &"process");
+    }
+    if options.allow_execute {
+        words.push("--allow-execute".to_owned());
+    }
+    words
+}
+
+/// A run that has started. Its owner advances [`Running::scheduler`], and looks at world and robots between two slots.
+pub struct Running {
+    /// What advances it.
+    pub scheduler: Scheduler,
+    settings: Settings,
+    scene: Arc<SceneSpec>,
+    scenery: Arc<LazyScenery>,
+    inputs: Vec<Input>,
+}
+
+impl Running {
+    /// Ends it, to the last line of its record.
+    pub fn finish(self) -> Finished {
+        let Self { scheduler, settings, scene, scenery, mut inputs } = self;
+        let ended = scheduler.finish();
+        if let Some(built) = scenery.built() {
+            let files = built.inputs.iter().map(|file| Input::new(Path::new(&file.path), &file.bytes));
+            let new: Vec<Input> = files.filter(|file| inputs.iter().all(|known| known.path != file.path)).collect();
+            inputs.extend(new);
+        }
+        let report = finished::report(&settings, &ended, inputs);
+        Finished { settings, scene, scenery, ended, report }
+    }
+}
+
+fn processors() -> usize {
+    std::thread::available_parallelism().map_or(1, NonZeroUsize::get)
+}
+
+/// Tells, in the slot in which the first camera is used, what is wrong in the meshes and images that are read then, and ends the run
+/// if that is more than it may be.
+struct SceneryWatch {
+    scenery: Arc<LazyScenery>,
+    is_strict: bool,
+    tell: Box<TellDiagnostics>,
+    is_told: bool,
+}
+
+impl Sink for SceneryWatch {
+    fn interest(&self) -> KindSet {
+        KindSet::NONE
+    }
+
+    fn record(&mut self, _: &Record<'_>) -> Result<(), RecordError> {
+        Ok(())
+    }
+
+    fn end_slot(&mut self, _: Time, _: Option<Digest>) -> Result<(), RecordError> {
+        let Some(built) = self.scenery.built().filter(|_| !self.is_told) else { return Ok(()) };
+        self.is_told = true;
+        if built.diagnostics.is_empty() {
+            return Ok(());
+        }
+        (self.tell)(&built.diagnostics, &self.scenery.inputs())?;
+        let is_rejected = check::is_rejected(&built.diagnostics, self.is_strict);
+        if is_rejected { Err(RecordError::Strict(check::count(&built.diagnostics))) } else { Ok(()) }
+    }
+}

@@ -1,0 +1,184 @@
+//! A scene with what its files say, before its programs are built.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::{Context as _, bail, ensure};
+use sim_core::spec::{CostsRef, SceneSpec};
+use sim_format::{Diagnostic, InputFile, Loaded, Severity, decode, is_scene, load_scene_with};
+
+use super::built::Built;
+use super::ready::Ready;
+use super::settings::{Settings, give_noise};
+use super::{Error, Options, Rejected, check};
+use crate::files::DiskFiles;
+use crate::program::find::SearchPath;
+use crate::program::scene::Programs;
+use crate::program::{Builder, Cache, Kits, Tools};
+use crate::record::report::Input;
+use crate::scenery::LazyScenery;
+
+/// A scene that has been read, with the options of its run.
+pub struct Scene {
+    options: Options,
+    files: DiskFiles,
+    loaded: Loaded,
+}
+
+impl Scene {
+    /// Reads the scene at `path`, a sim file or one in TOML, with all that it names. What is wrong in its files is told by
+    /// [`Scene::diagnostics`].
+    ///
+    /// # Errors
+    /// [`Error::Asked`] for a path that is no scene, and for options that name a noise profile that is none.
+    pub fn open(path: impl AsRef<Path>, options: Options) -> Result<Self, Error> {
+        let path = path.as_ref();
+        expect_scene(path).map_err(Error::asked)?;
+        Self::read(path, DiskFiles::of_environment(), options)
+    }
+
+    /// The same of the scene `text`, as if it were the file `path`, which need not be there: its name says of which form it is, and its
+    /// folder where the files are that it names.
+    ///
+    /// # Errors
+    /// [`Error::Asked`] for options that name a noise profile that is none.
+    pub fn of_text(path: impl AsRef<Path>, text: &str, options: Options) -> Result<Self, Error> {
+        let path = path.as_ref();
+        Self::read(path, DiskFiles::of_environment().with_text(path, text), options)
+    }
+
+    fn read(path: &Path, mut files: DiskFiles, options: Options) -> Result<Self, Error> {
+        let mut loaded = load_scene_with(&files.name(path), options.seed, &files);
+        if let Some(noise) = &options.noise {
+            give_noise(&mut loaded, noise, &mut files).context("--noise").map_err(Error::asked)?;
+        }
+        if let Some(CostsRef::Table(table)) = loaded.scene.run.costs.as_ref().filter(|_| options.costs.is_none()) {
+            loaded.diagnostics.extend(check::unknown_functions(table));
+        }
+        Ok(Self { options, files, loaded })
+    }
+
+    /// What the scene is.
+    pub fn spec(&self) -> &SceneSpec {
+        &self.loaded.scene
+    }
+
+    /// The same, to be changed before it is built; a trace of its run does not know of it, and cannot be repeated by its words alone.
+    pub fn spec_mut(&mut self) -> &mut SceneSpec {
+        &mut self.loaded.scene
+    }
+
+    /// What is wrong in its files.
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        &self.loaded.diagnostics
+    }
+
+    /// Its files.
+    pub fn inputs(&self) -> &[InputFile] {
+        &self.loaded.inputs
+    }
+
+    /// What its run is told.
+    pub fn options(&self) -> &Options {
+        &self.options
+    }
+
+    /// True when a run is refused because of [`Scene::diagnostics`].
+    pub fn is_rejected(&self) -> bool {
+        check::is_rejected(&self.loaded.diagnostics, self.options.strict)
+    }
+
+    /// What builds its programs as the environment of this process says: compilers, flags, the folder of what has been built.
+    ///
+    /// # Errors
+    /// [`Error::Asked`] when there is no such folder.
+    pub fn builder(&self) -> Result<Builder, Error> {
+        let cache = Cache::of_user().context("no folder for built programs").map_err(Error::asked)?;
+        let mut tools = Tools::of_environment();
+        if self.options.debug.is_some() {
+            // Every line is there to stop at, and every variable to look at; what the user says of it goes behind.
+            tools.cflags = Some(format!("-O0 {}", tools.cflags.unwrap_or_default()));
+        }
+        Ok(Builder::new(cache, Kits::of_robios(), tools))
+    }
+
+    /// Finds, builds and loads its programs.
+    ///
+    /// # Errors
+    /// As [`Scene::build`] and [`Built::load`].
+    pub fn load(self) -> Result<Ready, Error> {
+        let builder = self.builder()?;
+        self.build(&builder)?.load()
+    }
+
+    /// Finds its programs and builds them with `builder`, each once.
+    ///
+    /// # Errors
+    /// [`Error::Rejected`] for mistakes in its files, a program that is not found among them; [`Error::Asked`] for an option that fits
+    /// nothing in it, and for programs that cannot be built.
+    pub fn build(mut self, builder: &Builder) -> Result<Built, Error> {
+        let reject = |diagnostics, inputs| Error::Rejected(Rejected { diagnostics, inputs });
+        if self.is_rejected() {
+            return Err(reject(self.loaded.diagnostics, self.loaded.inputs));
+        }
+        let settings = self.settings().map_err(Error::asked)?;
+        let search = check::search_path(&self.files).context("no working folder").map_err(Error::asked)?;
+        let Self { options, files, loaded: Loaded { scene, diagnostics, inputs } } = self;
+        let missing = check::missing_programs(&scene, Severity::Error, &*check::finder(search.clone(), options.api));
+        if !missing.is_empty() {
+            return Err(reject(missing, inputs));
+        }
+        let search = SearchPath { sim_folder: Some(PathBuf::from(&scene.folder)), ..search };
+        let programs = Programs::build(&scene, &search, builder).map_err(Error::asked)?;
+        let read = read_files(&inputs, settings.costs_input.as_ref(), &programs);
+        let scene = Arc::new(scene);
+        let scenery = Arc::new(LazyScenery::new(Arc::clone(&scene), files, diagnostics, inputs));
+        Ok(Built { options, settings, scene, scenery, inputs: read, programs })
+    }
+
+    /// What options and scene say of its run; its robots get the programs and arguments of the options.
+    ///
+    /// # Errors
+    /// An option that fits nothing in the scene.
+    pub(crate) fn settings(&mut self) -> anyhow::Result<Settings> {
+        Settings::new(&self.options, &mut self.loaded.scene)
+    }
+
+    /// What it is and what its cameras see.
+    pub(crate) fn into_scenery(self) -> (Arc<SceneSpec>, LazyScenery) {
+        let Loaded { scene, diagnostics, inputs } = self.loaded;
+        let scene = Arc::new(scene);
+        (Arc::clone(&scene), LazyScenery::new(scene, self.files, diagnostics, inputs))
+    }
+}
+
+/// Refuses what is named in place of a scene, such as the program itself, before it is read as one.
+fn expect_scene(path: &Path) -> anyhow::Result<()> {
+    let name = path.display();
+    if path.is_dir() {
+        bail!("`{name}` is a folder: name the scene in it (NAME.sim or NAME.scene.toml)");
+    }
+    let extension = path.extension().unwrap_or_default();
+    if extension.eq_ignore_ascii_case("toml") {
+        // A file that cannot be read is told of by the reader.
+        let is_scene = std::fs::read(path).map_or(true, |bytes| is_scene(&path.to_string_lossy(), &decode(&bytes).0));
+        ensure!(is_scene, "`{name}` is no scene: it has none of `scene`, `world` and `robot` at its top level");
+    } else if !extension.is_empty() && !extension.eq_ignore_ascii_case("sim") {
+        bail!(
+            "`{name}` is no scene: expected NAME.sim or NAME.scene.toml, which names a world and, for each robot, a type \
+             and a program"
+        );
+    }
+    Ok(())
+}
+
+/// Every file that decides what is run, each once, in the order in which they are read.
+fn read_files(scene: &[InputFile], costs: Option<&InputFile>, programs: &Programs) -> Vec<Input> {
+    let mut inputs: Vec<Input> =
+        scene.iter().chain(costs).map(|file| Input::new(Path::new(&file.path), &file.bytes)).collect();
+    let paths: BTreeSet<PathBuf> = programs.iter().flat_map(|program| program.inputs()).collect();
+    // A source that has vanished since it was compiled cannot be hashed any more.
+    inputs.extend(paths.iter().filter_map(|path| Some(Input::new(path, &std::fs::read(path).ok()?))));
+    inputs
+}

@@ -1,0 +1,105 @@
+//! The programs of a scene: found and built, each once.
+
+use std::sync::Arc;
+
+use anyhow::anyhow;
+use sim_core::spec::{PathRef, RobotSpec, SceneSpec, Span};
+
+use super::build::Builder;
+use super::find::{Found, SearchPath, find_program};
+use super::generation::{Generation, Wanted};
+use super::prepare::{Prepared, prepare};
+
+/// What the scene says of the generation that a robot's program is written for.
+pub fn wanted_of(robot: &RobotSpec) -> Wanted {
+    let generation = |number: Option<u32>| number.and_then(Generation::of_number);
+    Wanted { api: generation(robot.api), dialect: generation(robot.dialect) }
+}
+
+/// The programs of a scene, built.
+pub struct Programs {
+    /// In the order of the robots; robots with one program share it, a robot that only stands there has none.
+    pub of_robots: Vec<Option<Arc<Prepared>>>,
+    /// What the user should know: how they were found, what the compiler said, what is outside the guarantee.
+    pub remarks: Vec<String>,
+}
+
+impl Programs {
+    /// Finds and builds the programs of all robots, each once; `builder` tells its observer what it compiles.
+    ///
+    /// # Errors
+    /// All programs that cannot be found or built, in one message with the lines of the sim file.
+    pub fn build(scene: &SceneSpec, search: &SearchPath, builder: &Builder) -> anyhow::Result<Self> {
+        // A program that is named on the command line is looked for from where the user stands.
+        let search_from_here = SearchPath { sim_folder: None, ..search.clone() };
+        let mut found: Vec<Option<Found>> = Vec::with_capacity(scene.robots.len());
+        let mut mistakes = Vec::new();
+        for robot in &scene.robots {
+            let find = |program: &PathRef| {
+                let search = if is_of_command_line(program) { &search_from_here } else { search };
+                find_program(&program.text, search)
+            };
+            found.push(robot.program.as_ref().and_then(|program| match find(program) {
+                Ok(found) => Some(found.wanted(wanted_of(robot))),
+                Err(error) => {
+                    push_new(&mut mistakes, format!("{}: {error}", place_of(scene, program)));
+                    None
+                }
+            }));
+        }
+        fail_with(&mistakes)?;
+
+        let mut prepared = prepare(builder, &found.iter().flatten().cloned().collect::<Vec<_>>()).into_iter();
+        let mut of_robots = Vec::with_capacity(found.len());
+        let mut remarks = Vec::new();
+        for (robot, found) in scene.robots.iter().zip(&found) {
+            let Some((found, prepared)) = found.as_ref().and_then(|found| Some((found, prepared.next()?))) else {
+                of_robots.push(None);
+                continue;
+            };
+            found.notes.iter().for_each(|note| push_new(&mut remarks, note.clone()));
+            match prepared {
+                Ok(program) => {
+                    let generation = program.generation_remark().filter(|_| program.compiled);
+                    generation.into_iter().for_each(|remark| push_new(&mut remarks, remark));
+                    let output = Some(program.output.trim_end()).filter(|output| !output.is_empty());
+                    output.iter().for_each(|output| push_new(&mut remarks, (*output).to_owned()));
+                    program.warnings.iter().for_each(|warning| push_new(&mut remarks, warning.clone()));
+                    of_robots.push(Some(program));
+                }
+                Err(error) => push_new(&mut mistakes, format!("program `{}`: {error}", robot.program_name())),
+            }
+        }
+        fail_with(&mistakes)?;
+        Ok(Self { of_robots, remarks })
+    }
+
+    /// The programs, each once for each robot that runs it.
+    pub fn iter(&self) -> impl Iterator<Item = &Arc<Prepared>> {
+        self.of_robots.iter().flatten()
+    }
+}
+
+/// Names a program of a scene from the command line, where a file has no place.
+pub fn program_of_command_line(name: &str) -> PathRef {
+    PathRef { text: name.to_owned(), span: Span::default() }
+}
+
+fn is_of_command_line(program: &PathRef) -> bool {
+    program.span.line == 0
+}
+
+/// Where `program` is named: `line.sim:3`, or the command line's option.
+fn place_of(scene: &SceneSpec, program: &PathRef) -> String {
+    if is_of_command_line(program) { "--program".to_owned() } else { format!("{}:{}", scene.file, program.span.line) }
+}
+
+fn push_new(list: &mut Vec<String>, text: String) {
+    if !list.contains(&text) {
+        list.push(text);
+    }
+}
+
+fn fail_with(mistakes: &[String]) -> anyhow::Result<()> {
+    if mistakes.is_empty() { Ok(()) } else { Err(anyhow!("{}", mistakes.join("\n"))) }
+}
