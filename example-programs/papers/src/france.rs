@@ -13,6 +13,8 @@ use anyhow::Context as _;
 
 use crate::page::{Claim, Figure, Page, Picture, Table, Weight};
 use crate::run::{Job, Run, Scene};
+use sim_core::time::Time;
+use sim_host::launch::Options;
 use sim_core::drive::legged::natural_angles;
 pub use walk::{Kind, Met, Moment, Place, SCENE, Sample, Thing, Truth, Walk};
 
@@ -75,6 +77,8 @@ impl Walks {
     /// A walk that does not run to its end.
     pub fn run(job: &Job) -> anyhow::Result<Self> {
         let truth = Truth::read()?;
+        // Short, since the true posture is told at their ends; nothing else depends on them.
+        let slot = Some(Time::from_millis(2));
         let mut runs = Vec::new();
         let mut cases = Vec::new();
         for place in Place::ALL {
@@ -82,21 +86,20 @@ impl Walks {
                 for noise in Noise::ALL {
                     let suffix = if noise == Noise::Paper { "-noise" } else { "" };
                     let (place_name, kind_name) = (place.name(), kind.name());
-                    // Short slots, since the true posture is told at their ends; nothing else depends on them.
-                    let mut words =
-                        vec!["--slot=2".to_owned(), format!("--args=1:{place_name} {kind_name} {SPEED_MM_S}")];
-                    if noise == Noise::Without {
-                        words.push("--noise=none".to_owned());
-                    }
+                    let options = Options {
+                        slot,
+                        arguments: vec![format!("1:{place_name} {kind_name} {SPEED_MM_S}")],
+                        noise: (noise == Noise::Without).then(|| "none".to_owned()),
+                        ..job.options()
+                    };
                     let name = format!("{place_name}-{kind_name}{suffix}");
-                    runs.push(Run { name, scene: Scene::File(SCENE.into()), seed: job.seed(), words });
+                    runs.push(Run { name, scene: Scene::File(SCENE.into()), options });
                     cases.push((place, kind));
                 }
             }
         }
         let scene = Scene::Text(FREE.replace("SPEED", &SPEED_MM_S.to_string()));
-        let words = vec!["--slot=2".to_owned()];
-        runs.push(Run { name: "free".to_owned(), scene, seed: job.seed(), words });
+        runs.push(Run { name: "free".to_owned(), scene, options: Options { slot, ..job.options() } });
         cases.push((Place::Body, Kind::Ultrasonic));
         let mut walks = job.run(&runs, |run, trace| {
             let place = runs.iter().position(|other| other.name == run.name).context("a run of these")?;

@@ -7,10 +7,10 @@ use anyhow::{Context as _, bail};
 use clap::{Parser, ValueEnum};
 use papers::doc::Doc;
 use papers::page::Page;
-use papers::run::{self, Job};
+use papers::run::Job;
 use papers::{alduro, france, wu};
 
-/// As in `eyesim`, which this program also is: see [`run::is_eyesim`].
+/// The heap is not libc's: a robot program that faults may have left that one locked or broken.
 #[global_allocator]
 static HEAP: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
@@ -67,10 +67,6 @@ impl Choice {
 }
 
 fn main() -> ExitCode {
-    if run::is_eyesim() {
-        sim_host::executive::save_memory();
-        return sim_host::cli::main();
-    }
     reproduce(&Args::parse()).unwrap_or_else(|error| {
         eprintln!("error: {error:#}");
         ExitCode::from(EXIT_ERROR)

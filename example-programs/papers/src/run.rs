@@ -1,33 +1,22 @@
-//! Runs scenes with `eyesim`, two at a time.
-//!
-//! `eyesim` is this very program, started under that name, so that the scenes are run by what was built with the pages. Each run
-//! is a process of its own: a scene, a seed, and the trace that it leaves behind.
+//! Runs scenes, two at a time, and keeps what their pages are made of.
 
-use std::ffi::OsString;
 use std::fs;
-use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::Arc;
 use std::thread;
 use std::time::Instant;
 
 use anyhow::{Context as _, bail};
+use parking_lot::Mutex;
+use sim_core::time::Time;
+use sim_host::launch::{self, Observers, Options};
+use sim_host::record::Sink;
 
 use crate::trace::Trace;
 
 /// Runs at one time: a machine for which the papers' pages are made has two processors.
 const AT_ONCE: usize = 2;
-/// The name under which this program is `eyesim`, and, followed by a robot's name, a robot's process of it.
-const EYESIM: &str = "eyesim";
-
-/// Whether this process was started as `eyesim` and shall do what that does.
-pub fn is_eyesim() -> bool {
-    let name = std::env::args_os().next().unwrap_or_default();
-    let name = Path::new(&name).file_name().unwrap_or_default().to_string_lossy();
-    name == EYESIM || name.starts_with(&format!("{EYESIM}: "))
-}
 
 /// A scene to run.
 #[derive(Clone, Debug)]
@@ -36,10 +25,8 @@ pub struct Run {
     pub name: String,
     /// What is run.
     pub scene: Scene,
-    /// The seed of all random numbers.
-    pub seed: u64,
-    /// Further words behind `eyesim run`: `--noise=real`.
-    pub words: Vec<String>,
+    /// What the run is told beside its scene: its seed, its noise.
+    pub options: Options,
 }
 
 /// Where a scene comes from.
@@ -51,32 +38,22 @@ pub enum Scene {
     Text(String),
 }
 
-/// The work on one paper: where its files go, and what runs its scenes.
+/// The work on one paper: where its files go, and the seed of its scenes.
 #[derive(Debug)]
 pub struct Job {
     paper: String,
     folder: PathBuf,
-    eyesim: PathBuf,
     seed: u64,
 }
 
 impl Job {
-    /// A job whose files go to `folder`, which is made, and whose scenes are run by this very program.
-    ///
-    /// # Errors
-    /// A folder that cannot be made; a process that does not know its own program.
-    pub fn new(paper: &str, folder: &Path, seed: u64) -> anyhow::Result<Self> {
-        let eyesim = std::env::current_exe().context("this program does not know where it lies")?;
-        Self::with_eyesim(&eyesim, paper, folder, seed)
-    }
-
-    /// A job whose scenes are run by the program `eyesim`.
+    /// A job whose files go to `folder`, which is made.
     ///
     /// # Errors
     /// A folder that cannot be made.
-    pub fn with_eyesim(eyesim: &Path, paper: &str, folder: &Path, seed: u64) -> anyhow::Result<Self> {
+    pub fn new(paper: &str, folder: &Path, seed: u64) -> anyhow::Result<Self> {
         fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
-        Ok(Self { paper: paper.to_owned(), folder: folder.to_owned(), eyesim: eyesim.to_owned(), seed })
+        Ok(Self { paper: paper.to_owned(), folder: folder.to_owned(), seed })
     }
 
     /// The folder of the paper's page and files.
@@ -87,6 +64,11 @@ impl Job {
     /// The seed that the user chose.
     pub fn seed(&self) -> u64 {
         self.seed
+    }
+
+    /// What its runs are told: the seed.
+    pub fn options(&self) -> Options {
+        Options { seed: Some(self.seed), ..Options::default() }
     }
 
     /// Says on standard error what is going on.
@@ -139,7 +121,7 @@ impl Job {
         Ok(read)
     }
 
-    /// Runs one scene to its end.
+    /// Runs one scene to its end; its trace is also kept as a file.
     fn run_one(&self, run: &Run, folder: &Path) -> anyhow::Result<Trace> {
         let scene = match &run.scene {
             Scene::File(path) => root().join(path),
@@ -149,21 +131,18 @@ impl Job {
                 path
             }
         };
-        let trace = folder.join(format!("{}.jsonl", run.name));
-        let option = |name: &str, value: &Path| -> OsString {
-            let mut word = OsString::from(name);
-            word.push(value);
-            word
-        };
-        let mut command = Command::new(&self.eyesim);
-        command.arg0(EYESIM).args(["run", "--quiet"]).arg(format!("--seed={}", run.seed));
-        command.arg(option("--trace=", &trace)).args(&run.words).arg(&scene).stdin(Stdio::null());
-        let output = command.output().with_context(|| format!("cannot run `{}`", self.eyesim.display()))?;
-        if !output.status.success() {
-            let said = [output.stderr, output.stdout].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
-            bail!("eyesim ended with {} on `{}`:\n{}", output.status, scene.display(), said.join("\n").trim_end());
+        let ready = launch::Scene::open(&scene, run.options.clone())?.load()?;
+        let file = sim_host::record::Trace::create(&folder.join(format!("{}.jsonl", run.name)), &ready.trace_header())?;
+        let trace = Arc::new(Mutex::new(Trace::default()));
+        let sinks: Vec<Box<dyn Sink>> = vec![Box::new(file), Box::new(Arc::clone(&trace))];
+        let mut running = ready.start(Observers { sinks, ..Observers::default() })?;
+        running.scheduler.advance_to(Time::NEVER);
+        let finished = running.finish();
+        if let Some(robot) = finished.report.robots.iter().find(|robot| robot.outcome.is_failure()) {
+            let reason = robot.reason.as_deref().unwrap_or("no reason given");
+            bail!("the program of robot {} failed in `{}`: {reason}", robot.id, scene.display());
         }
-        Ok(Trace::read(&trace)?)
+        Ok(std::mem::take(&mut *trace.lock()))
     }
 }
 

@@ -1,9 +1,8 @@
-//! What a run has left behind: the events of its trace of which pages are made, typed.
+//! What a run records of which pages are made: a sink that keeps its events, typed.
 
-use std::path::Path;
-
-use serde::Deserialize;
-use sim_host::record::read::{Line, TraceError, TraceReader};
+use sim_core::record::{self, Digest, Kind, KindSet, Record, WORLD};
+use sim_core::time::Time;
+use sim_host::record::{RecordError, Sink};
 
 /// A finished run.
 #[derive(Clone, Debug, Default)]
@@ -12,7 +11,7 @@ pub struct Trace {
     pub entries: Vec<Entry>,
     /// Simulated time at its end, s.
     pub end: f64,
-    /// Its digest; empty if the trace was cut off.
+    /// Its digest.
     pub digest: String,
 }
 
@@ -28,92 +27,80 @@ pub struct Entry {
 }
 
 /// The events of which pages are made; fields and units as in `docs/trace.md`.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(tag = "event", rename_all = "snake_case")]
+#[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs, reason = "they are described in docs/trace.md")]
 pub enum Event {
-    ProgramEnded {
-        outcome: String,
-        exit_code: Option<i32>,
-    },
-    Pose {
-        x_m: f64,
-        y_m: f64,
-        phi_rad: f64,
-        turns: i64,
-    },
-    Posture {
-        lift_m: f64,
-        joints_rad: Vec<f64>,
-    },
-    Footfall {
-        leg: String,
-        x_m: f64,
-        y_m: f64,
-        z_m: f64,
-    },
-    Placed {
-        x_m: f64,
-        y_m: f64,
-        phi_rad: f64,
-    },
-    Odometry {
-        x_m: f64,
-        y_m: f64,
-        phi_rad: f64,
-    },
-    Distance {
-        device: String,
-        distance_m: Option<f64>,
-        measured_s: f64,
-    },
-    /// The signal is null where it is infinite.
-    Signal {
-        device: String,
-        signal: Option<f64>,
-        measured_s: f64,
-    },
-    /// With what is left as the trace has it: `"wall"`, `{"robot": 2}`, `{"object": 1}`.
-    Contact {
-        at_s: f64,
-        with: serde_json::Value,
-        x_m: f64,
-        y_m: f64,
-    },
+    ProgramEnded,
+    Pose { x_m: f64, y_m: f64, phi_rad: f64 },
+    Posture { lift_m: f64, joints_rad: Vec<f64> },
+    Footfall { leg: String },
+    Odometry { x_m: f64, y_m: f64, phi_rad: f64 },
+    Distance { device: String, distance_m: Option<f64>, measured_s: f64 },
+    Contact,
     /// A leg or the body touches something.
     Touch,
-    Stdout {
-        text: String,
-    },
-    #[serde(other)]
-    Other,
+    Stdout { text: String },
+}
+
+/// The kinds of the events that [`Event`] has.
+const KINDS: [Kind; 9] = [
+    Kind::ProgramEnded,
+    Kind::Pose,
+    Kind::Posture,
+    Kind::Footfall,
+    Kind::Odometry,
+    Kind::Distance,
+    Kind::Contact,
+    Kind::Touch,
+    Kind::Stdout,
+];
+
+impl Event {
+    /// What is kept of an event; none of one of another kind.
+    fn of(event: &record::Event<'_>) -> Option<Self> {
+        use record::Event as Recorded;
+        Some(match *event {
+            Recorded::ProgramEnded { .. } => Self::ProgramEnded,
+            Recorded::Pose { x_m, y_m, phi_rad, .. } => Self::Pose { x_m, y_m, phi_rad },
+            Recorded::Posture { lift_m, joints_rad, .. } => {
+                Self::Posture { lift_m, joints_rad: joints_rad.iter().collect() }
+            }
+            Recorded::Footfall { leg, .. } => Self::Footfall { leg: leg.to_owned() },
+            Recorded::Odometry { x_m, y_m, phi_rad } => Self::Odometry { x_m, y_m, phi_rad },
+            Recorded::Distance { device, distance_m, measured_s } => {
+                Self::Distance { device: device.to_owned(), distance_m, measured_s }
+            }
+            Recorded::Contact { .. } => Self::Contact,
+            Recorded::Touch { .. } => Self::Touch,
+            Recorded::Stdout { text } => Self::Stdout { text: text.to_owned() },
+            _ => return None,
+        })
+    }
+}
+
+impl Sink for Trace {
+    fn interest(&self) -> KindSet {
+        KindSet::of(&KINDS)
+    }
+
+    fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
+        let robot = if record.robot == WORLD { 0 } else { record.robot.0 };
+        let at = record.time.seconds();
+        self.entries.extend(Event::of(&record.event).map(|event| Entry { at, robot, event }));
+        Ok(())
+    }
+
+    fn end_slot(&mut self, _: Time, _: Option<Digest>) -> Result<(), RecordError> {
+        Ok(())
+    }
+
+    fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
+        (self.end, self.digest) = (end.seconds(), digest.to_string());
+        Ok(())
+    }
 }
 
 impl Trace {
-    /// Reads a trace.
-    ///
-    /// # Errors
-    /// [`TraceError`] for a file that cannot be read, is no trace, or has an event without the fields that belong to it.
-    pub fn read(path: &Path) -> Result<Self, TraceError> {
-        let mut reader = TraceReader::open(path)?;
-        let mut trace = Self::default();
-        while let Some(line) = reader.next_line()? {
-            match line {
-                Line::Event(recorded) => {
-                    let (at, robot) = (recorded.at.seconds(), recorded.robot.unwrap_or(0));
-                    let event = serde_json::from_value(recorded.fields)
-                        .map_err(|error| reader.wrong(&format!("`{}`: {error}", recorded.kind)))?;
-                    if event != Event::Other {
-                        trace.entries.push(Entry { at, robot, event });
-                    }
-                }
-                Line::Slot { .. } => {}
-                Line::End { end, digest } => (trace.end, trace.digest) = (end.seconds(), digest.to_string()),
-            }
-        }
-        Ok(trace)
-    }
-
     /// The events of one robot.
     pub fn of_robot(&self, robot: u32) -> impl Iterator<Item = &Entry> {
         self.entries.iter().filter(move |entry| entry.robot == robot)
@@ -130,35 +117,29 @@ impl Trace {
 
 #[cfg(test)]
 mod tests {
+    use sim_core::RobotId;
+
     use super::*;
 
-    const HEADER: &str =
-        r#"{"event":"header","schema":1,"eyesim_version":"0.1.0","seed":7,"slot_us":50000,"robots":[]}"#;
-
-    fn read(lines: &str) -> Result<Trace, TraceError> {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("t.jsonl");
-        std::fs::write(&path, format!("{HEADER}\n{lines}\n")).expect("a file");
-        Trace::read(&path)
-    }
-
     #[test]
-    fn events_are_typed_and_others_left_out() {
-        let trace = read(
-            "{\"t_s\":0.05,\"robot\":1,\"seq\":0,\"event\":\"beep\"}\n\
-             {\"t_s\":0.06,\"robot\":1,\"seq\":1,\"event\":\"distance\",\"device\":\"PSD\",\"distance_m\":null,\"measured_s\":0.06}\n\
-             {\"t_s\":0.07,\"robot\":2,\"seq\":0,\"event\":\"stdout\",\"text\":\"hello\"}",
-        )
-        .expect("a trace");
+    fn events_are_kept_typed_and_others_left_out() {
+        let mut trace = Trace::default();
+        let distance = record::Event::Distance { device: "PSD", distance_m: None, measured_s: 0.06 };
+        for (ms, robot, event) in
+            [(50, 1, record::Event::Beep {}), (60, 1, distance), (70, 2, record::Event::Stdout { text: "hello" })]
+        {
+            let record = Record { time: Time::from_millis(ms), robot: RobotId(robot), sequence: Some(0), event };
+            trace.record(&record).expect("it takes everything");
+        }
         let distance = Event::Distance { device: "PSD".to_owned(), distance_m: None, measured_s: 0.06 };
         assert_eq!(trace.of_robot(1).collect::<Vec<_>>(), [&Entry { at: 0.06, robot: 1, event: distance }]);
         assert_eq!(trace.printed(2).collect::<Vec<_>>(), [(0.07, "hello")]);
-        assert_eq!((trace.end, trace.digest.as_str()), (0.0, ""));
     }
 
     #[test]
-    fn an_event_without_its_fields_is_told_with_its_line() {
-        let error = read("{\"t_s\":0.05,\"robot\":1,\"seq\":0,\"event\":\"pose\",\"x_m\":1}").expect_err("no pose");
-        assert!(error.to_string().contains("line 2: `pose`: missing field"), "{error}");
+    fn what_is_kept_is_asked_for() {
+        let interest = Trace::default().interest();
+        let kinds = Kind::ALL.iter().filter(|kind| interest.contains(**kind));
+        assert_eq!(kinds.count(), KINDS.len());
     }
 }

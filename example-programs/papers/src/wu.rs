@@ -17,6 +17,7 @@ use mapping::sector::{UNKNOWN, updated};
 
 use crate::page::{Claim, Figure, Page, Picture, Table, Weight};
 use crate::run::{Job, Run, Scene};
+use sim_host::launch::Options;
 use maps::{Kind, Mapped};
 
 /// What is run: a name, the scene's file, and its noise: a preset, or the noise of sonars alone.
@@ -45,8 +46,8 @@ pub fn run(job: &Job) -> anyhow::Result<Page> {
     std::fs::write(&profile, SONAR_NOISE).with_context(|| format!("cannot write `{}`", profile.display()))?;
     let runs = RUNS.map(|(name, file, noise)| {
         let noise = if noise == SONAR_NOISE { profile.to_string_lossy() } else { noise.into() };
-        let words = vec![format!("--noise={noise}")];
-        Run { name: name.to_owned(), scene: Scene::File(file.into()), seed: job.seed(), words }
+        let options = Options { noise: Some(noise.into_owned()), ..job.options() };
+        Run { name: name.to_owned(), scene: Scene::File(file.into()), options }
     });
     let mapped = job.run(&runs, |run, trace| {
         let Scene::File(file) = &run.scene else { anyhow::bail!("a scene without a file") };

@@ -1,7 +1,5 @@
 //! What must hold of Gois and Hiller's maps and walks, on a few of the terrains of the page.
 
-use std::path::Path;
-
 use papers::alduro;
 use papers::page::Weight;
 use papers::run::Job;
@@ -9,8 +7,7 @@ use papers::run::Job;
 #[test]
 fn surfaces_are_better_than_the_grid_and_the_robot_arrives_untouched() {
     let folder = tempfile::tempdir().expect("a folder");
-    let eyesim = Path::new(env!("CARGO_BIN_EXE_papers"));
-    let job = Job::with_eyesim(eyesim, "alduro", folder.path(), 1).expect("a job");
+    let job = Job::new("alduro", folder.path(), 1).expect("a job");
     let page = alduro::run_over(&job, 2, 2).expect("all runs");
     let must: Vec<_> = page.claims.iter().filter(|claim| claim.weight == Weight::Must).collect();
     assert_eq!(must.len(), 2);

@@ -7,7 +7,7 @@ use papers::run::Job;
 #[test]
 fn what_the_paper_says_holds() {
     let folder = tempfile::tempdir().expect("a folder");
-    let job = Job::with_eyesim(tests::eyesim_path(), "france", folder.path(), 1).expect("a job");
+    let job = Job::new("france", folder.path(), 1).expect("a job");
     let walks = Walks::run(&job).expect("all walks end by themselves");
     for claim in france::claims(&walks) {
         assert!(claim.holds || claim.weight == Weight::Told, "{claim:#?}");

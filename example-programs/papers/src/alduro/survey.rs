@@ -17,6 +17,7 @@ use super::ground::Terrain;
 use super::picture::{Panel, maps};
 use crate::page::{Claim, Figure, Page, Table, Weight};
 use crate::run::{Job, Run, Scene};
+use sim_host::launch::Options;
 use crate::trace::{Event, Trace};
 
 /// Side of the terrain, m.
@@ -173,7 +174,8 @@ fn measure(job: &Job, terrains: u64) -> anyhow::Result<Vec<Survey>> {
     let run = |index: u64| {
         let name = format!("survey-{index:02}");
         let scene = Scene::Text(scene(&terrain(index)));
-        Run { name, scene, seed: job.seed() * 1000 + index, words: Vec::new() }
+        let options = Options { seed: Some(job.seed() * 1000 + index), ..Options::default() };
+        Run { name, scene, options }
     };
     let runs: Vec<Run> = (0..terrains).map(run).collect();
     let scans = job.run(&runs, |_, trace| scans(&trace))?;

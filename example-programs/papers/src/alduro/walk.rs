@@ -14,6 +14,7 @@ use super::ground::Terrain;
 use super::picture::{Panel, maps};
 use crate::page::{Claim, Figure, Page, Table, Weight};
 use crate::run::{Job, Run, Scene};
+use sim_host::launch::Options;
 use crate::trace::{Event, Trace};
 
 /// The map's unit, m: the paper gives none. The robot's feet stand 1.8 m x 1.4 m apart, and its map has ten units.
@@ -203,8 +204,7 @@ fn walk(job: &Job, ways: &[Way], robi: &str) -> anyhow::Result<Vec<Walk>> {
     let run = |(index, way): (usize, &Way)| Run {
         name: format!("{robi}-{index:02}"),
         scene: Scene::Text(scene(&way.terrain, robi)),
-        seed: way.seed,
-        words: vec!["--noise=real".to_owned()],
+        options: Options { seed: Some(way.seed), noise: Some("real".to_owned()), ..Options::default() },
     };
     let runs: Vec<Run> = ways.iter().enumerate().map(run).collect();
     job.run(&runs, |_, trace| outcome(&trace))
@@ -216,8 +216,8 @@ fn outcome(trace: &Trace) -> anyhow::Result<Walk> {
     for entry in trace.of_robot(1) {
         match &entry.event {
             Event::Pose { x_m, y_m, .. } => path.push((*x_m, *y_m)),
-            Event::Touch | Event::Contact { .. } => touches += 1,
-            Event::ProgramEnded { .. } => time = entry.at,
+            Event::Touch | Event::Contact => touches += 1,
+            Event::ProgramEnded => time = entry.at,
             _ => {}
         }
     }

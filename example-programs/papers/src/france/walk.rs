@@ -295,8 +295,8 @@ impl Truth {
         let foot = self.robi.legs.as_ref().and_then(|legs| Some(legs.legs.last()?.name.text.clone()));
         let footfalls = trace
             .of_robot(ROBOT)
-            .filter(|entry| matches!(&entry.event, Event::Footfall { leg, .. } if Some(leg) == foot.as_ref()));
-        let touches = trace.entries.iter().filter(|entry| matches!(entry.event, Event::Contact { .. } | Event::Touch));
+            .filter(|entry| matches!(&entry.event, Event::Footfall { leg } if Some(leg) == foot.as_ref()));
+        let touches = trace.entries.iter().filter(|entry| matches!(entry.event, Event::Contact | Event::Touch));
         let end = moments.last().map_or(0.0, |moment| moment.pose.position.x - self.start.position.x);
         Ok(Walk {
             samples,
@@ -339,7 +339,7 @@ fn moments(trace: &Trace, start: Pose) -> Vec<Moment> {
     let (mut pose, mut lift, mut joints) = (start, None, Vec::new());
     for entry in trace.of_robot(ROBOT) {
         match &entry.event {
-            Event::Pose { x_m, y_m, phi_rad, .. } => pose = Pose::new(*x_m, *y_m, *phi_rad),
+            Event::Pose { x_m, y_m, phi_rad } => pose = Pose::new(*x_m, *y_m, *phi_rad),
             Event::Posture { lift_m, joints_rad } => (lift, joints) = (Some(*lift_m), joints_rad.clone()),
             _ => continue,
         }

@@ -218,14 +218,14 @@ impl Mapped {
         let mut believed = None;
         for entry in trace.of_robot(1) {
             match &entry.event {
-                Event::Pose { x_m, y_m, phi_rad, .. } => {
+                Event::Pose { x_m, y_m, phi_rad } => {
                     let next = Pose::new(*x_m, *y_m, *phi_rad);
                     self.path += (next.position - at.position).norm();
                     at = next;
                 }
                 Event::Odometry { x_m, y_m, phi_rad } => believed = Some((Pose::new(*x_m, *y_m, *phi_rad), at)),
-                Event::Contact { .. } => self.contacts += 1,
-                Event::ProgramEnded { .. } => self.time = entry.at,
+                Event::Contact => self.contacts += 1,
+                Event::ProgramEnded => self.time = entry.at,
                 _ => {}
             }
         }
