@@ -13,9 +13,9 @@ use anyhow::Context as _;
 
 use crate::page::{Claim, Figure, Page, Picture, Table, Weight};
 use crate::run::{Job, Run, Scene};
+use sim_core::drive::legged::natural_angles;
 use sim_core::time::Time;
 use sim_host::launch::Options;
-use sim_core::drive::legged::natural_angles;
 pub use walk::{Kind, Met, Moment, Place, SCENE, Sample, Thing, Truth, Walk};
 
 /// The speed of the walk, mm/s: the stride of the gait (1.43 m for legs of this length) once in its period.

@@ -31,15 +31,34 @@ pub struct Entry {
 #[allow(missing_docs, reason = "they are described in docs/trace.md")]
 pub enum Event {
     ProgramEnded,
-    Pose { x_m: f64, y_m: f64, phi_rad: f64 },
-    Posture { lift_m: f64, joints_rad: Vec<f64> },
-    Footfall { leg: String },
-    Odometry { x_m: f64, y_m: f64, phi_rad: f64 },
-    Distance { device: String, distance_m: Option<f64>, measured_s: f64 },
+    Pose {
+        x_m: f64,
+        y_m: f64,
+        phi_rad: f64,
+    },
+    Posture {
+        lift_m: f64,
+        joints_rad: Vec<f64>,
+    },
+    Footfall {
+        leg: String,
+    },
+    Odometry {
+        x_m: f64,
+        y_m: f64,
+        phi_rad: f64,
+    },
+    Distance {
+        device: String,
+        distance_m: Option<f64>,
+        measured_s: f64,
+    },
     Contact,
     /// A leg or the body touches something.
     Touch,
-    Stdout { text: String },
+    Stdout {
+        text: String,
+    },
 }
 
 /// The kinds of the events that [`Event`] has.

@@ -17,8 +17,8 @@ use mapping::sector::{UNKNOWN, updated};
 
 use crate::page::{Claim, Figure, Page, Picture, Table, Weight};
 use crate::run::{Job, Run, Scene};
-use sim_host::launch::Options;
 use maps::{Kind, Mapped};
+use sim_host::launch::Options;
 
 /// What is run: a name, the scene's file, and its noise: a preset, or the noise of sonars alone.
 const RUNS: [(&str, &str, &str); 7] = [

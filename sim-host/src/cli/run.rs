@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, ensure};
+use clap::builder::PossibleValue;
 use clap::{Args, FromArgMatches as _};
 use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
@@ -164,6 +165,19 @@ impl RunArgs {
             debug: self.debug.clone(),
             default_until: self.default_until,
         }
+    }
+}
+
+impl clap::ValueEnum for Exec {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::Thread, Self::Process]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(match self {
+            Self::Thread => PossibleValue::new("thread").help("On a thread of the host"),
+            Self::Process => PossibleValue::new("process").help("In a process of its own"),
+        })
     }
 }
 

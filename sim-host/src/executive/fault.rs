@@ -1,6 +1,7 @@
 //! What is known of a robot program that broke, in words.
 
 use super::signal::{Fault, OVERDUE_SIGNAL};
+use crate::robios::robot::Ending;
 
 /// A flow that will never run again, and why.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,6 +51,12 @@ impl Broken {
             place: String::new(),
             addresses,
         }
+    }
+
+    /// How the program of the flow has ended.
+    pub(super) fn ending(&self) -> Ending {
+        let reason = self.what.clone();
+        if self.is_overdue { Ending::Overdue { reason } } else { Ending::Failed { reason } }
     }
 
     /// The same, told of the task that broke.

@@ -11,6 +11,7 @@ pub mod cast;
 pub mod conductor;
 pub mod damage;
 pub mod fault;
+mod flow;
 pub mod interrupt;
 pub mod intervene;
 pub mod load;
@@ -31,7 +32,7 @@ use std::sync::Arc;
 use robios_sys::{Callback, Stop};
 use sim_core::RobotId;
 
-use crate::robios::caller::Call;
+use crate::robios::call::Call;
 
 /// How robots' flows of control are run: the one seam that a thread, a process or a fiber a robot fills.
 ///

@@ -3,37 +3,23 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use robios_sys::{CallSite, Robios6, Robios7, Support};
+use robios_sys::{Robios6, Robios7, Support};
 
 use super::fault::Broken;
 use super::process::Child;
-use super::process::serve::{RemoteProgram, RemoteSite};
+use super::process::serve::RemoteProgram;
 use crate::program::image::SourceLine;
 use crate::program::load::LoadedProgram;
+use crate::program::site::Site;
 
 /// Where a robot's program runs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Exec {
     /// On a thread of the host.
     #[default]
     Thread,
     /// In a process of its own.
     Process,
-}
-
-/// Where a program called a function.
-#[derive(Clone, Debug)]
-pub enum Site {
-    /// In this process.
-    Here(CallSite),
-    /// In its own.
-    There(RemoteSite),
-}
-
-impl Default for Site {
-    fn default() -> Self {
-        Self::Here(CallSite::NONE)
-    }
 }
 
 /// A robot's program, ready to run.

@@ -15,12 +15,15 @@ use super::Executor;
 use super::bell::Bell;
 use super::conductor::{Conductor, HandOver, Plan};
 use super::fault::Broken;
+use super::flow::RobotFlow;
 use super::interrupt::Interrupt;
-use super::program::{RobotProgram, Site};
+use super::program::RobotProgram;
 use super::scheduler::{Limits, Parts};
 use super::spawn::Spawner;
 use super::standing::{self, Senders};
-use crate::robios::caller::{Call, Caller};
+use crate::program::site::Site;
+use crate::robios::call::Call;
+use crate::robios::caller::Caller;
 use crate::robios::cost::Costs;
 use crate::robios::radio;
 use crate::robios::robot::{Ending, Robot};
@@ -277,7 +280,7 @@ impl Run {
     /// The life of a robot's first flow, which runs `main`.
     fn live(self: Arc<Self>, id: RobotId) -> Option<u32> {
         if let (false, Some(program)) = (self.is_leaving(id), self.program(id)) {
-            let caller = Caller::new(Arc::clone(&self), id);
+            let caller = Caller::new(RobotFlow { run: Arc::clone(&self), id });
             let result = program.run(&caller);
             if result.is_ok() && !self.is_leaving(id) {
                 self.robot(id).hint_at_living_tasks();
@@ -289,7 +292,7 @@ impl Run {
                 Err(broken) if !program.child().is_some_and(|child| child.is_ending()) => {
                     let task = self.robot(id).tasks.first_to_leave();
                     let broken = self.with_task(id, if let Some(task) = task { broken.in_task(task) } else { broken });
-                    let ending = Ending::broken(&broken);
+                    let ending = broken.ending();
                     self.lost.lock().push((id, broken));
                     ending
                 }

@@ -258,7 +258,7 @@ impl Scheduler {
             run.robot(id).ending.get_or_insert(ending);
         } else {
             let broken = run.with_task(id, broken);
-            run.robot(id).ending.get_or_insert(Ending::broken(&broken));
+            run.robot(id).ending.get_or_insert(broken.ending());
             self.broken.push((id, broken));
             run.conductor.lock().end_with(End::Broken);
         }
@@ -331,7 +331,7 @@ impl Scheduler {
                 None => Standing::without_program(),
             };
             environment.finish_radio(&mut robot.state);
-            robot.record_standing(&standing);
+            standing.record(&mut robot);
             environment.recorder().collect(&mut robot.journal);
             robots.push(RobotEnd {
                 virtual_time: robot.now,

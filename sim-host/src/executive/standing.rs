@@ -6,9 +6,9 @@ use sim_core::time::Time;
 use super::conductor::End;
 use super::fault::Broken;
 use super::program::RobotProgram;
-use crate::robios::caller::Call;
+use crate::robios::call::Call;
 use crate::robios::robot::{Ending, Robot, Waiting, Waits};
-use sim_core::record::Outcome;
+use sim_core::record::{Event, Outcome};
 
 /// How a program stands.
 pub struct Standing {
@@ -23,6 +23,18 @@ pub struct Standing {
 }
 
 impl Standing {
+    /// Records it at the end of the run of `robot`.
+    pub fn record(&self, robot: &mut Robot) {
+        let (now, journal) = (robot.now, &mut robot.state.journal);
+        if let Some(Place { what, location, last_call }) = &self.fault {
+            journal.record(now, &Event::Fault { what, location, last_call: *last_call });
+        }
+        journal.record(now, &Event::ProgramEnded { outcome: self.outcome, exit_code: self.exit_code });
+        if let Some(text) = &self.reason {
+            journal.record(now, &Event::Reason { text });
+        }
+    }
+
     /// That of a robot that was taken out of the world while its program ran.
     pub fn removed() -> Self {
         Self { outcome: Outcome::Removed, reason: None, exit_code: None, fault: None }

@@ -20,7 +20,7 @@ use super::process::child::Release;
 use super::signal::{self, Handlers, ThreadBlock};
 use super::watchdog::{Look, Watch};
 use super::{Executor, damage};
-use crate::robios::caller::Call;
+use crate::robios::call::Call;
 use crate::robios::task::MAIN;
 
 /// Stack of a task's thread, in bytes of address space; memory is used as the program touches it.

@@ -21,6 +21,7 @@ pub mod prepare;
 pub mod python;
 pub mod scene;
 mod share;
+pub mod site;
 pub mod symbols;
 #[cfg(test)]
 mod tests;

@@ -6,7 +6,7 @@
 use robios_sys::{OutBytes, Robios6Call, Robios7Call};
 use sim_core::time::Time;
 
-use super::caller::Call;
+use super::call::Call;
 use super::robot::Robot;
 use sim_core::record::Event;
 

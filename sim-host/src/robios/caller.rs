@@ -4,83 +4,23 @@
 //! fall due on the way run inside it. The families beside this file say only what a call does.
 
 use std::any::Any;
-use std::sync::Arc;
 
 use parking_lot::MutexGuard;
-use robios_sys::{CallContext, CallRecord, Callback, Robios6Call, Robios7Call, Stop, SupportCall};
-use sim_core::RobotId;
+use robios_sys::{CallContext, CallRecord, Callback, Stop, SupportCall};
 use sim_core::time::Time;
 use sim_core::world::World;
 
+use super::call::Call;
+use super::flow::Flow;
 use super::robot::{Ending, Robot, Waiting, Waits};
 use super::task::NextThread;
 use super::task::scheduler::Next;
-use crate::executive::program::Site;
-use crate::executive::run::Run;
+use crate::program::site::Site;
 use sim_core::record::Event;
 
 /// The handle that a robot's program is given: its robot in its run.
-pub struct Caller {
-    run: Arc<Run>,
-    id: RobotId,
-}
-
-/// A function that a program can call, of whichever list.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Call {
-    /// Of RoBIOS 6.
-    Robios6(Robios6Call),
-    /// Of RoBIOS-7.
-    Robios7(Robios7Call),
-    /// A service for the program's language.
-    Support(SupportCall),
-}
-
-impl Call {
-    /// Its name, as programs write it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Robios6(call) => call.name(),
-            Self::Robios7(call) => call.name(),
-            Self::Support(call) => call.name(),
-        }
-    }
-
-    /// Its number among the functions of RoBIOS, to be kept where only a number can be; none for a service.
-    pub fn robios_number(self) -> Option<u16> {
-        match self {
-            Self::Robios6(call) => Some(call as u16),
-            Self::Robios7(call) => Some(Robios6Call::ALL.len() as u16 + call as u16),
-            Self::Support(_) => None,
-        }
-    }
-
-    /// The RoBIOS function of this number.
-    pub fn of_robios_number(number: u16) -> Option<Self> {
-        let (number, of_6) = (usize::from(number), Robios6Call::ALL.len());
-        match number.checked_sub(of_6) {
-            None => Some(Robios6Call::ALL[number].into()),
-            Some(number) => Robios7Call::ALL.get(number).map(|call| (*call).into()),
-        }
-    }
-}
-
-impl From<Robios6Call> for Call {
-    fn from(call: Robios6Call) -> Self {
-        Self::Robios6(call)
-    }
-}
-
-impl From<Robios7Call> for Call {
-    fn from(call: Robios7Call) -> Self {
-        Self::Robios7(call)
-    }
-}
-
-impl From<SupportCall> for Call {
-    fn from(call: SupportCall) -> Self {
-        Self::Support(call)
-    }
+pub struct Caller<F> {
+    flow: F,
 }
 
 /// What a waiting call finds when it looks.
@@ -106,25 +46,15 @@ impl<R> Poll<R> {
     }
 }
 
-impl Caller {
-    /// The handle of robot `id`.
-    pub fn new(run: Arc<Run>, id: RobotId) -> Self {
-        Self { run, id }
+impl<F: Flow> Caller<F> {
+    /// The handle of the robot of `flow`.
+    pub fn new(flow: F) -> Self {
+        Self { flow }
     }
 
-    /// The robot whose handle this is.
-    pub fn id(&self) -> RobotId {
-        self.id
-    }
-
-    /// The run that the robot belongs to.
-    pub(crate) fn run(&self) -> &Run {
-        &self.run
-    }
-
-    /// The same, to be shared.
-    pub(super) fn shared_run(&self) -> &Arc<Run> {
-        &self.run
+    /// The robot's flow in its run.
+    pub(super) fn flow(&self) -> &F {
+        &self.flow
     }
 
     /// Passes the call's cost of virtual time, then acts at the call's end.
@@ -135,7 +65,7 @@ impl Caller {
         let call = call.into();
         self.within(call, |caller| {
             let mut robot = caller.spend(call)?;
-            let result = act(&mut robot, &caller.run.world());
+            let result = act(&mut robot, &caller.flow.world());
             caller.take_turns(robot, call)?;
             Ok(result)
         })
@@ -151,7 +81,7 @@ impl Caller {
         poll: impl FnMut(&mut Robot, &World) -> Poll<R>,
     ) -> Result<R, Stop> {
         let call = call.into();
-        let site = self.run.call_site(self.id);
+        let site = self.flow.call_site();
         self.within(call, |caller| {
             let robot = caller.spend(call)?;
             caller.wait_in(robot, (call, site), poll)
@@ -167,7 +97,7 @@ impl Caller {
         call: SupportCall,
         poll: impl FnMut(&mut Robot, &World) -> Poll<R>,
     ) -> Result<R, Stop> {
-        let site = self.run.call_site(self.id);
+        let site = self.flow.call_site();
         self.within(call.into(), |caller| caller.wait_in(caller.robot(), (call.into(), site), poll))
     }
 
@@ -180,7 +110,7 @@ impl Caller {
     ) -> Result<R, Stop> {
         let since = robot.now;
         loop {
-            let polled = poll(&mut robot, &self.run.world());
+            let polled = poll(&mut robot, &self.flow.world());
             let (at, waits_for) = match polled {
                 Poll::Ready(result) => {
                     robot.tasks.end_wait();
@@ -284,9 +214,9 @@ impl Caller {
         let now = robot.now;
         robot.tasks.switch_to(task, now);
         drop(robot);
-        self.run.executor().switch(self.id, task);
+        self.flow.switch(task);
         let mut robot = self.robot();
-        let is_left = robot.tasks.is_leaving() || self.run.is_leaving(self.id);
+        let is_left = robot.tasks.is_leaving() || self.flow.is_leaving();
         if is_left || robot.tasks.take_kill() { Err(Stop) } else { Ok(robot) }
     }
 
@@ -300,7 +230,7 @@ impl Caller {
             let now = robot.now;
             let Some(task) = robot.tasks.spawn(now) else { return Ok(0) };
             drop(robot);
-            match Run::start_task(&caller.run, caller.id, task, code) {
+            match caller.flow.start_task(task, code) {
                 Ok(()) => Ok(i32::try_from(task).unwrap_or(i32::MAX)),
                 Err(error) => {
                     let reason = format!("the system has no room for task {task}: {error}");
@@ -324,11 +254,10 @@ impl Caller {
     /// Acts at once: no virtual time passes, and a program that is told to stop may still do it. The thread counts as at work for
     /// the program meanwhile, so that the watchdog does not park it while it holds the robot's lock.
     pub(crate) fn at_once<R>(&self, call: SupportCall, act: impl FnOnce(&mut Robot) -> R) -> R {
-        let executor = self.run.executor();
         // These few lines need next to no stack: they serve a program that has none left, too.
-        executor.enter(self.id, call.into());
+        self.flow.enter(call.into());
         let result = act(&mut self.robot());
-        executor.leave(self.id);
+        self.flow.leave();
         result
     }
 
@@ -340,20 +269,19 @@ impl Caller {
 
     /// The state of this caller's robot.
     pub(crate) fn robot(&self) -> MutexGuard<'_, Robot> {
-        self.run.robot(self.id)
+        self.flow.robot()
     }
 
     /// Runs `body` as the host's work for the program: stopped programs are turned back, a stack at its end is a fault.
     pub(super) fn within<R>(&self, call: Call, body: impl FnOnce(&Self) -> Result<R, Stop>) -> Result<R, Stop> {
-        let executor = self.run.executor();
-        if !executor.enter(self.id, call) {
+        if !self.flow.enter(call) {
             let robot = self.robot();
             let task = robot.tasks.scheduler().map(|_| robot.tasks.name(robot.tasks.current().number));
             let task = task.map(|task| format!(" of {task}")).unwrap_or_default();
             return Err(self.fail(robot, format!("stack overflow in `{}`{task}", call.name())));
         }
-        let result = if self.run.is_leaving(self.id) { Err(Stop) } else { body(self) };
-        executor.leave(self.id);
+        let result = if self.flow.is_leaving() { Err(Stop) } else { body(self) };
+        self.flow.leave();
         result
     }
 
@@ -363,7 +291,7 @@ impl Caller {
         if robot.ending.is_some() {
             return Err(Stop);
         }
-        let end = robot.now + self.run.cost(call);
+        let end = robot.now + self.flow.cost(call);
         self.pass_until(robot, end, true)
     }
 
@@ -371,7 +299,7 @@ impl Caller {
     /// measured that end to measure on the way.
     ///
     /// Where the time is the call's own work (`is_work`), callbacks push its end by what they take. Otherwise the robot waits:
-    /// it comes back early after each callback, and when the slot loop has changed what it waits for.
+    /// it comes back early after each callback, and when the scheduler step has changed what it waits for.
     fn pass_until<'a>(
         &'a self,
         mut robot: MutexGuard<'a, Robot>,
@@ -381,13 +309,13 @@ impl Caller {
         loop {
             let (tick, measured) = (robot.timers.next_due(), robot.devices.due());
             let target = end.min(tick).min(measured).max(robot.now);
-            if target >= self.run.slot_end() {
+            if target >= self.flow.slot_end() {
                 drop(robot);
-                self.run.suspend(self.id, target)?;
+                self.flow.suspend(target)?;
                 robot = self.robot();
-                if target >= self.run.slot_end() {
-                    // Woken before its time: the slot loop has changed what the robot waits for.
-                    robot.now = robot.now.max(self.run.slot_start());
+                if target >= self.flow.slot_end() {
+                    // Woken before its time: the scheduler step has changed what the robot waits for.
+                    robot.now = robot.now.max(self.flow.slot_start());
                     let now = robot.now;
                     robot.tasks.look_at_world(now);
                     return Ok(robot);
@@ -395,7 +323,7 @@ impl Caller {
             }
             robot.now = target;
             if target >= measured {
-                robot.settle(&self.run.world());
+                robot.settle(&self.flow.world());
                 continue;
             }
             if tick > end {
@@ -417,7 +345,7 @@ impl Caller {
         drop(robot);
         let mut result = Ok(());
         for callback in due {
-            result = self.run.executor().call_back(self.id, callback);
+            result = self.flow.call_back(callback);
             if result.is_err() {
                 break;
             }
@@ -429,9 +357,9 @@ impl Caller {
     }
 }
 
-impl CallContext for Caller {
+impl<F: Flow> CallContext for Caller<F> {
     fn is_logging(&self) -> bool {
-        self.run.is_verbose(self.id)
+        self.flow.is_verbose()
     }
 
     fn log_call(&self, record: &CallRecord<'_>) {

@@ -21,7 +21,7 @@ use sim_core::time::Time;
 use sim_core::unit::mm_from_metres;
 use sim_core::world::World;
 
-use super::caller::Call;
+use super::call::Call;
 use super::level::Levels;
 use super::picture;
 use super::robot::Robot;

@@ -11,7 +11,7 @@ use sim_core::spec::{CostEntry, CostTable};
 use sim_core::time::Time;
 use toml::Spanned;
 
-use super::caller::Call;
+use super::call::Call;
 
 /// The table that is compiled in.
 const DEFAULT: &str = include_str!("costs.toml");

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::caller::Call;
+use super::call::Call;
 
 /// After how many failures of one function the program is told that it does not look.
 const IGNORED_FAILURES: u32 = 100;

@@ -12,7 +12,7 @@ use sim_core::sensor::link_pose;
 use sim_core::unit;
 use sim_core::world::World;
 
-use super::caller::Call;
+use super::call::Call;
 use super::robot::Robot;
 use super::unit7::{metres, radians};
 use sim_core::record::Event;

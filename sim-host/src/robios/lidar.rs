@@ -12,7 +12,7 @@ use robios_sys::{OutInts, Robios6Call as Call6, Robios7Call as Call};
 use sim_core::time::Time;
 use sim_core::world::World;
 
-use super::caller::Call as AnyCall;
+use super::call::Call as AnyCall;
 use super::psd::mm_from_distance;
 use super::robot::Robot;
 use super::unit7::radians;

@@ -9,6 +9,7 @@ mod method;
 
 pub mod audio;
 pub mod bump;
+pub mod call;
 pub mod caller;
 pub mod camera;
 pub mod camera6;
@@ -17,6 +18,7 @@ pub mod compass;
 pub mod cost;
 mod display;
 mod display7;
+pub mod flow;
 pub mod handle;
 mod hdt;
 pub mod hint;
@@ -73,7 +75,7 @@ use sim_core::drive::{Command, CommandError};
 use sim_core::spec::RobiSpec;
 use sim_core::world::World;
 
-use caller::Call;
+use call::Call;
 use hint::Mistake;
 use panel::{Panel, PanelRef};
 use robot::Robot;

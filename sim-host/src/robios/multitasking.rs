@@ -7,14 +7,15 @@ use robios_sys::robios6::{COOP, MAX_PRI, MIN_PRI, NOTASK, PREEMPT};
 use robios_sys::{Callback, Robios6Call as Call, Stop};
 use sim_core::time::Time;
 
-use super::caller::{self, Caller, Poll};
+use super::call;
+use super::caller::{Caller, Poll};
+use super::flow::Flow;
 use super::robot::{Ending, Robot, Waiting, Waits};
 use super::task::scheduler::{Policy, Scheduler};
 use super::task::semaphore::{Passing, Semaphore};
 use super::task::{MAIN, MAX_TASKS, Origin, Task};
 use super::text;
-use crate::executive::program::Site;
-use crate::executive::run::Run;
+use crate::program::site::Site;
 
 /// The largest stack that a task may ask for, in bytes; each gets twice as much.
 const MAX_STACK: i32 = 4 << 20;
@@ -44,17 +45,17 @@ enum Answer {
     Suspended,
 }
 
-impl Caller {
+impl<F: Flow> Caller<F> {
     /// `OSSpawn`
     pub(super) fn create(&self, spawn: &Spawn<'_>) -> Result<i32, Stop> {
-        let site = self.run().call_site(self.id());
+        let site = self.flow().call_site();
         let call = Call::OSSpawn.into();
         self.within(call, |caller| {
             let mut robot = caller.spend(call)?;
             let Some(task) = create(&mut robot, spawn, site) else { return Ok(0) };
             drop(robot);
             let code = spawn.code.unwrap_or(Callback::NONE);
-            if let Err(error) = Run::start_task(self.shared_run(), caller.id(), task, code) {
+            if let Err(error) = caller.flow().start_task(task, code) {
                 let mut robot = caller.robot();
                 robot.tasks.forget(task);
                 return Ok(robot.refused(Call::OSSpawn, 0, |_| format!("the system has no room for a task: {error}")));
@@ -111,7 +112,7 @@ impl Caller {
 
     /// `OSKill`
     pub(super) fn kill_task(&self, task: i32) -> Result<i32, Stop> {
-        let call = caller::Call::from(Call::OSKill);
+        let call = call::Call::from(Call::OSKill);
         self.within(call, |caller| {
             let mut robot = caller.spend(call)?;
             let number = match find(&mut robot, Call::OSKill, task) {
@@ -138,7 +139,7 @@ impl Caller {
 
     /// `OSExit`
     pub(super) fn exit(&self, code: i32) -> Result<i32, Stop> {
-        let call = caller::Call::from(Call::OSExit);
+        let call = call::Call::from(Call::OSExit);
         self.within(call, |caller| {
             let mut robot = caller.spend(call)?;
             if robot.tasks.scheduler().is_none() || robot.tasks.current().number == MAIN {
@@ -165,13 +166,13 @@ impl Caller {
 
     /// `OSSemInit`
     pub(super) fn make_semaphore(&self, semaphore: Option<&mut i32>, count: i32) -> Result<i32, Stop> {
-        let site = self.run().call_site(self.id());
+        let site = self.flow().call_site();
         self.call(Call::OSSemInit, |robot, _| make_semaphore(robot, semaphore, count, site))
     }
 
     /// `OSSemP`
     pub(super) fn pass_semaphore(&self, semaphore: i32) -> Result<i32, Stop> {
-        let site = self.run().call_site(self.id());
+        let site = self.flow().call_site();
         let number = u32::try_from(semaphore).unwrap_or(0);
         self.wait(Call::OSSemP, |robot, _| {
             // A timer's function is no task: it cannot wait in a queue.
@@ -188,8 +189,8 @@ impl Caller {
 
     /// A call about tasks, after which it may be another one's turn.
     fn arrange(&self, call: Call, act: impl FnOnce(&mut Robot) -> Answer) -> Result<i32, Stop> {
-        let site = self.run().call_site(self.id());
-        let call = caller::Call::from(call);
+        let site = self.flow().call_site();
+        let call = call::Call::from(call);
         self.within(call, |caller| {
             let mut robot = caller.spend(call)?;
             match act(&mut robot) {
@@ -211,10 +212,10 @@ impl Caller {
     }
 
     /// The program fails: a task that was killed would wait before it has ended.
-    pub(super) fn fail_in_unwinding(&self, robot: MutexGuard<'_, Robot>, call: caller::Call) -> Stop {
+    pub(super) fn fail_in_unwinding(&self, robot: MutexGuard<'_, Robot>, call: call::Call) -> Stop {
         let name = robot.tasks.name(robot.tasks.current().number);
         let place = match call {
-            caller::Call::Support(_) => "a function of the C library".to_owned(),
+            call::Call::Support(_) => "a function of the C library".to_owned(),
             call => format!("`{}`", call.name()),
         };
         self.fail(robot, format!("{name} was killed and would wait in {place} before it has ended"))
@@ -222,7 +223,7 @@ impl Caller {
 
     /// The program fails: none of its tasks can go on any more.
     pub(super) fn end_deadlock(&self, robot: MutexGuard<'_, Robot>) -> Stop {
-        let reason = format!("deadlock: {}", self.run().waits_of(&robot));
+        let reason = format!("deadlock: {}", self.flow().waits_of(&robot));
         self.fail(robot, reason)
     }
 }

@@ -7,8 +7,9 @@ use robios_sys::{Callback, Out, OutBytes, Robios6Call as Call, Robios7Call, Stop
 use sim_core::time::{TICK, Time};
 
 use super::caller::{Caller, Poll};
+use super::flow::Flow;
 use super::robot::{Ending, Robot, Waits};
-use super::{caller, display, display7, key, text};
+use super::{call, display, display7, key, text};
 use sim_core::record::Event;
 
 /// Version of RoBIOS that is imitated: the last one for which a manual is known.
@@ -34,9 +35,9 @@ pub struct Os {
     pub has_executed: bool,
 }
 
-impl Caller {
+impl<F: Flow> Caller<F> {
     /// `OSWait`, `OSSleep`: waits `span` after the call's own cost.
-    pub(super) fn wait_span(&self, call: impl Into<caller::Call>, span: Time) -> Result<i32, Stop> {
+    pub(super) fn wait_span(&self, call: impl Into<call::Call>, span: Time) -> Result<i32, Stop> {
         let mut end = None;
         self.wait(call, |robot, _| {
             let end = *end.get_or_insert(robot.now + span);
@@ -47,7 +48,7 @@ impl Caller {
     /// `OSError`: shows it; then the program ends, or waits for a key.
     pub(super) fn show_error(
         &self,
-        call: impl Into<caller::Call>,
+        call: impl Into<call::Call>,
         message: Option<&[u8]>,
         number: i32,
         is_dead: bool,
@@ -192,7 +193,7 @@ pub fn wait_until(robot: &Robot, end: Time) -> Poll<i32> {
 /// `OSAttachTimer`: at every `scale`-th tick.
 pub fn attach_timer(
     robot: &mut Robot,
-    call: impl Into<caller::Call>,
+    call: impl Into<call::Call>,
     tick: Time,
     scale: i32,
     callback: Option<Callback>,

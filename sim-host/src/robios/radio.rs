@@ -8,7 +8,8 @@ use sim_core::RobotId;
 use sim_core::radio::{Address, Message};
 use sim_core::world::World;
 
-use super::caller::{Call, Poll};
+use super::call::Call;
+use super::caller::Poll;
 use super::hint::Mistake;
 use super::robot::{Robot, Waits};
 

@@ -8,6 +8,7 @@ use robios_sys::{Callback, Out, OutBytes, OutFloats, OutInts, Robios6, Robios6Ca
 use sim_core::time::TICK;
 
 use super::caller::Caller;
+use super::flow::Flow;
 use super::multitasking::Spawn;
 use super::{
     audio, bump, camera6 as camera, compass, display, hdt, image, ir, irtv, key, latch, leg, lidar, motor,
@@ -16,7 +17,7 @@ use super::{
 
 type Text<'a> = Option<&'a [u8]>;
 
-impl Robios6 for Caller {
+impl<F: Flow> Robios6 for Caller<F> {
     // The machine.
     act! {
         fn OSVersion(text: &mut OutBytes) -> i32 = |_, _| os::version(text);

@@ -6,6 +6,7 @@ use robios_sys::robios7::{ANYKEY, Char, Color, Flag, Timer, VEHICLE};
 use robios_sys::{Callback, Out, OutBytes, OutFloats, OutInts, Robios7, Robios7Call as Call, Stop};
 
 use super::caller::Caller;
+use super::flow::Flow;
 use super::screen::canvas::{Canvas, Ink, rgb};
 use super::{
     audio, camera7 as camera, display7 as display, image7, irtv, key, leg, lidar, motor7, os, os7, picture, port7,
@@ -15,7 +16,7 @@ use super::{
 type Text<'a> = Option<&'a [u8]>;
 type Bytes<'a> = Option<&'a [u8]>;
 
-impl Robios7 for Caller {
+impl<F: Flow> Robios7 for Caller<F> {
     // LCD.
     act! {
         fn LCDPrintf(text: Text<'_>) -> i32 = |robot, _| display::put(robot, Call::LCDPrintf, text);

@@ -5,19 +5,16 @@ use std::ops::{Deref, DerefMut};
 use robios_sys::{Robios6Call, SupportCall};
 use sim_core::drive::ModelError;
 use sim_core::noise::Profile;
-use sim_core::record::Event;
 use sim_core::simulation;
 use sim_core::time::Time;
 
 use super::Robios;
-use super::caller::Call;
+use super::call::Call;
 use super::key::Touch;
 use super::support::Generators;
 use super::task::{TaskWait, Tasks};
 use super::timer::Timers;
-use crate::executive::fault::Broken;
-use crate::executive::program::Site;
-use crate::executive::standing::Standing;
+use crate::program::site::Site;
 
 /// One robot with what its running program keeps; one lock guards it all.
 pub struct Robot {
@@ -156,27 +153,6 @@ impl Robot {
     /// Records that its program begins.
     pub fn record_start(&mut self) {
         self.state.record_start(&self.program);
-    }
-
-    /// Records how its program stands at the end of the run.
-    pub fn record_standing(&mut self, standing: &Standing) {
-        let now = self.state.now;
-        if let Some(fault) = &standing.fault {
-            let event = Event::Fault { what: &fault.what, location: &fault.location, last_call: fault.last_call };
-            self.state.journal.record(now, &event);
-        }
-        self.journal.record(now, &Event::ProgramEnded { outcome: standing.outcome, exit_code: standing.exit_code });
-        if let Some(reason) = &standing.reason {
-            self.journal.record(now, &Event::Reason { text: reason });
-        }
-    }
-}
-
-impl Ending {
-    /// The ending of a program that broke.
-    pub fn broken(broken: &Broken) -> Self {
-        let reason = broken.what.clone();
-        if broken.is_overdue { Self::Overdue { reason } } else { Self::Failed { reason } }
     }
 }
 

@@ -13,7 +13,8 @@ use robios_sys::{Out, OutBytes, Robios6Call, Robios7Call};
 use sim_core::spec::{SerialLine, SerialSpec};
 use sim_core::time::Time;
 
-use super::caller::{Call, Poll};
+use super::call::Call;
+use super::caller::Poll;
 use super::robot::{Robot, Waits};
 use sim_core::record::Event;
 

@@ -9,6 +9,7 @@ use sim_core::noise::{Purpose, Stream};
 use sim_core::time::Time;
 
 use super::caller::{Caller, Poll};
+use super::flow::Flow;
 use super::robot::{Ending, Robot, Waits};
 use super::task::TaskWait;
 use sim_core::record::Event;
@@ -40,11 +41,11 @@ impl Generators {
     }
 }
 
-impl Support for Caller {
+impl<F: Flow> Support for Caller<F> {
     fn console(&self, stream: i32, bytes: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(bytes.unwrap_or_default());
         // A program that is told to stop still leaves what it has printed; it pays no time for it any more.
-        let result = if self.run().is_leaving(self.id()) { Ok(()) } else { self.call(SupportCall::console, |_, _| ()) };
+        let result = if self.flow().is_leaving() { Ok(()) } else { self.call(SupportCall::console, |_, _| ()) };
         self.at_once(SupportCall::console, |robot| print_lines(robot, stream, &text));
         result.map(|()| 0)
     }

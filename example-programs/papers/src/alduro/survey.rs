@@ -17,8 +17,8 @@ use super::ground::Terrain;
 use super::picture::{Panel, maps};
 use crate::page::{Claim, Figure, Page, Table, Weight};
 use crate::run::{Job, Run, Scene};
-use sim_host::launch::Options;
 use crate::trace::{Event, Trace};
+use sim_host::launch::Options;
 
 /// Side of the terrain, m.
 const SIDE: f64 = 10.0;

@@ -14,8 +14,8 @@ use super::ground::Terrain;
 use super::picture::{Panel, maps};
 use crate::page::{Claim, Figure, Page, Table, Weight};
 use crate::run::{Job, Run, Scene};
-use sim_host::launch::Options;
 use crate::trace::{Event, Trace};
+use sim_host::launch::Options;
 
 /// The map's unit, m: the paper gives none. The robot's feet stand 1.8 m x 1.4 m apart, and its map has ten units.
 const UNIT: f64 = 4.0;

@@ -15,7 +15,8 @@ use super::child::Child;
 use crate::executive::fault::Broken;
 use crate::program::image::SourceLine;
 use crate::program::prepare::Prepared;
-use crate::robios::caller::Call;
+use crate::program::site::RemoteSite;
+use crate::robios::call::Call;
 
 /// A robot's program in a process of its own, loaded and ready to run.
 pub struct RemoteProgram {
@@ -25,14 +26,6 @@ pub struct RemoteProgram {
     base: u64,
     /// Where the program made its last call on its first channel.
     site: Mutex<RemoteSite>,
-}
-
-/// Where a program made a call, as it has told.
-#[derive(Clone, Debug, Default)]
-pub struct RemoteSite {
-    address: u64,
-    line: u32,
-    file: String,
 }
 
 /// Why a child has no program to run.

@@ -27,10 +27,7 @@ pub(super) fn object_frame(ObjectId(object): ObjectId) -> String {
 
 /// A pose in space as pages and recordings get it.
 pub(crate) fn point(pose: &Pose3) -> Point {
-    Point {
-        position_m: pose.position.to_array(),
-        rotation: DQuat::from_mat3(&pose.rotation).normalize().to_array(),
-    }
+    Point { position_m: pose.position.to_array(), rotation: DQuat::from_mat3(&pose.rotation).normalize().to_array() }
 }
 
 /// Whose entity it is.

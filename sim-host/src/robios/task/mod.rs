@@ -19,7 +19,7 @@ use sim_core::time::{TICK, Time};
 use scheduler::{Next, Policy, Scheduler};
 use semaphore::{Passing, Semaphores};
 
-use crate::executive::program::Site;
+use crate::program::site::Site;
 
 use super::robot::{Robot, Waiting, Waits};
 

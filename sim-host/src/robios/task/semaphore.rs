@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use crate::executive::program::Site;
+use crate::program::site::Site;
 
 /// How many semaphores a robot may make; our choice.
 pub const MAX_SEMAPHORES: usize = 1 << 20;

@@ -1,0 +1,61 @@
+//! The functions that programs call.
+
+use robios_sys::{Robios6Call, Robios7Call, SupportCall};
+
+/// A function that a program can call, of whichever list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Call {
+    /// Of RoBIOS 6.
+    Robios6(Robios6Call),
+    /// Of RoBIOS-7.
+    Robios7(Robios7Call),
+    /// A service for the program's language.
+    Support(SupportCall),
+}
+
+impl Call {
+    /// Its name, as programs write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Robios6(call) => call.name(),
+            Self::Robios7(call) => call.name(),
+            Self::Support(call) => call.name(),
+        }
+    }
+
+    /// Its number among the functions of RoBIOS, to be kept where only a number can be; none for a service.
+    pub fn robios_number(self) -> Option<u16> {
+        match self {
+            Self::Robios6(call) => Some(call as u16),
+            Self::Robios7(call) => Some(Robios6Call::ALL.len() as u16 + call as u16),
+            Self::Support(_) => None,
+        }
+    }
+
+    /// The RoBIOS function of this number.
+    pub fn of_robios_number(number: u16) -> Option<Self> {
+        let (number, of_6) = (usize::from(number), Robios6Call::ALL.len());
+        match number.checked_sub(of_6) {
+            None => Some(Robios6Call::ALL[number].into()),
+            Some(number) => Robios7Call::ALL.get(number).map(|call| (*call).into()),
+        }
+    }
+}
+
+impl From<Robios6Call> for Call {
+    fn from(call: Robios6Call) -> Self {
+        Self::Robios6(call)
+    }
+}
+
+impl From<Robios7Call> for Call {
+    fn from(call: Robios7Call) -> Self {
+        Self::Robios7(call)
+    }
+}
+
+impl From<SupportCall> for Call {
+    fn from(call: SupportCall) -> Self {
+        Self::Support(call)
+    }
+}
