@@ -1,4 +1,29 @@
-//! The host of robot programs: files, programs, the scheduler and its flows, what each RoBIOS call does, recording.
+//! Runs of robot programs in simulated worlds: the library behind the command `eyesim`.
+//!
+//! ```no_run
+//! use sim_core::RobotId;
+//! use sim_core::time::Time;
+//! use sim_host::launch::{Observers, Options, Scene};
+//!
+//! # fn main() -> Result<(), sim_host::launch::Error> {
+//! let options = Options { seed: Some(7), noise: Some("real".into()), ..Options::default() };
+//! let finished = Scene::open("sims/demo.sim", options.clone())?.load()?.run()?; // to its end
+//! for robot in &finished.report.robots {
+//!     println!("{} {:?} {:?}", robot.name, robot.outcome, robot.reason);
+//! }
+//!
+//! let mut running = Scene::open("sims/demo.sim", options)?.load()?.start(Observers::default())?; // step by step
+//! running.scheduler.advance_to(Time::from_millis(1_000));
+//! println!("{:?}", running.scheduler.run().robot(RobotId(1)).now);
+//! println!("{}", running.finish().report.digest);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! [`launch`] is where to begin: scenes, options, runs, results. Below it, [`executive`] runs the programs' flows over a simulation of
+//! `sim_core`, [`robios`] says what each call does, [`program`] finds, builds and loads programs, and [`mod@record`] has the sinks of what is
+//! recorded. [`cli`] and [`window`] are the binary's. A simulation without programs needs nothing of this crate: see
+//! `sim_core::simulation`.
 
 pub mod cli;
 pub mod executive;
@@ -9,5 +34,4 @@ pub mod program;
 pub mod record;
 pub mod robios;
 pub mod scenery;
-
 pub mod window;

@@ -14,6 +14,18 @@ pub fn root() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
 }
 
+/// Writes these headers of the C side into a folder.
+///
+/// # Panics
+/// When they cannot be written.
+pub fn write_headers(folder: &Path, headers: &[robios_sys::c::SourceFile]) {
+    for header in headers {
+        let path = folder.join(header.name);
+        std::fs::create_dir_all(path.parent().expect("a file has a folder")).expect("a folder for a file");
+        std::fs::write(path, &*header.text).expect("a header");
+    }
+}
+
 /// The binary `eyesim` of the profile under test, built if need be.
 ///
 /// # Panics

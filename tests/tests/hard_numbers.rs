@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use robios_sys::c::{HEADERS6, HEADERS7, SourceFile};
 use tests::{Scratch, root};
 
 /// Runs the fixture on a robot S4 in a plane with a can; its last line counts its calls and failures.
@@ -28,8 +29,8 @@ fn no_int_of_robios_7_does_harm() {
 }
 
 /// Names of the functions of a header that take a parameter of one of these types.
-fn functions(header: &str, types: &[&str]) -> BTreeSet<String> {
-    let text = std::fs::read_to_string(root().join("robios-sys/include").join(header)).expect("the header");
+fn functions(headers: &[SourceFile], types: &[&str]) -> BTreeSet<String> {
+    let text = &headers.iter().find(|header| header.name == "eyebot.h").expect("the header").text;
     let declarations = text.lines().filter(|line| line.contains(");") && !line.starts_with([' ', '*', '/', '#']));
     let takes = |parameters: &str| {
         parameters.split([',', ')']).any(|parameter| {
@@ -49,7 +50,7 @@ fn the_programs_know_every_function_that_takes_a_number() {
     let left_out = ["KEYWait", "OSError", "RADIOReceive", "AURecord", "SERSend"];
     let floats = ["float", "double", "meter", "meterPerSec", "radians", "radPerSec"];
     for (header, fixture, types, least) in
-        [("robios6/eyebot.h", "ugly-floats.c", &floats[..], 8), ("robios7/eyebot.h", "ugly-ints.c", &["int"], 60)]
+        [(&HEADERS6, "ugly-floats.c", &floats[..], 8), (&HEADERS7, "ugly-ints.c", &["int"], 60)]
     {
         let program = std::fs::read_to_string(root().join("tests/fixtures").join(fixture)).expect("the fixture");
         let all = functions(header, types);

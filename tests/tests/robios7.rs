@@ -99,11 +99,13 @@ fn variants_of_older_headers_work() {
 
 #[test]
 fn fixtures_compile_without_a_warning() {
+    let scratch = Scratch::new();
+    tests::write_headers(scratch.path(), &robios_sys::c::HEADERS7);
     for name in ["every-function.c", "variants.c", "course.c"] {
         for (compiler, language, standard) in [("cc", "c", "-std=gnu17"), ("c++", "c++", "-std=c++17")] {
             let mut command = Command::new(compiler);
             command.args(["-Wall", "-Wextra", "-Werror", "-fsyntax-only", standard, "-x", language]);
-            command.arg("-I").arg(root().join("robios-sys/include/robios7")).arg(fixture(name));
+            command.arg("-I").arg(scratch.path()).arg(fixture(name));
             let output = command.output().expect("a compiler");
             assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         }

@@ -1,11 +1,5 @@
-//! Writes the generated C headers and sources of this crate anew: `cargo run -p robios-sys --bin generate`.
-
-use std::path::Path;
+//! Writes `docs/c-library.md` anew from the list of replaced functions: `cargo run -p robios-sys --bin generate`.
 
 fn main() -> std::io::Result<()> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-    for (path, text) in robios_sys::c::generated() {
-        std::fs::write(folder.join(path), text)?;
-    }
-    Ok(())
+    std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/c-library.md"), robios_sys::c::c_library_page())
 }

@@ -21,39 +21,57 @@ struct Generation {
     includes_behind: &'static [&'static str],
 }
 
-/// The generated files: path from the crate's folder, and text.
-pub fn generated() -> Vec<(&'static str, String)> {
-    let six = Generation {
+/// A file: its name, without a folder, and its text.
+type File = (&'static str, String);
+
+/// The generated headers of RoBIOS 6.
+pub fn headers6() -> [File; 3] {
+    [
+        ("eyebot.h", eyebot_header(&six())),
+        ("hdt_sem.h", constant_header("HDT_SEM", "which device of its kind", semantics::SEMANTICS)),
+        ("hdt.h", constant_header("HDT", "kinds of devices", hdt_type::HDT_TYPES)),
+    ]
+}
+
+/// The generated header of RoBIOS-7.
+pub fn headers7() -> [File; 1] {
+    [("eyebot.h", eyebot_header(&seven()))]
+}
+
+/// The generated part of the shim.
+pub fn shim() -> [File; 3] {
+    let (six, seven) = (six(), seven());
+    let support: Vec<_> = SupportCall::ALL.iter().map(|call| call.function()).collect();
+    [
+        ("abi.h", abi_header(&support, &six.functions, &seven.functions)),
+        ("robios6.c", shim_functions(&six)),
+        ("robios7.c", shim_functions(&seven)),
+    ]
+}
+
+fn six() -> Generation {
+    Generation {
         title: "RoBIOS 6",
         families: Robios6Call::FAMILIES,
         functions: Robios6Call::ALL.iter().map(|call| call.function()).collect(),
         constants: robios6::CONSTANTS,
         includes: &["types.h", "hdt_sem.h"],
         includes_behind: &["variants.h"],
-    };
-    let seven = Generation {
+    }
+}
+
+fn seven() -> Generation {
+    Generation {
         title: "RoBIOS-7",
         families: Robios7Call::FAMILIES,
         functions: Robios7Call::ALL.iter().map(|call| call.function()).collect(),
         constants: robios7::CONSTANTS,
         includes: &["types.h"],
         includes_behind: &["variants.h"],
-    };
-    let support: Vec<_> = SupportCall::ALL.iter().map(|call| call.function()).collect();
-    vec![
-        ("include/robios6/eyebot.h", eyebot_header(&six)),
-        ("include/robios6/hdt_sem.h", constant_header("HDT_SEM", "which device of its kind", semantics::SEMANTICS)),
-        ("include/robios6/hdt.h", constant_header("HDT", "kinds of devices", hdt_type::HDT_TYPES)),
-        ("include/robios7/eyebot.h", eyebot_header(&seven)),
-        ("shim/abi.h", abi_header(&support, &six.functions, &seven.functions)),
-        ("shim/robios6.c", shim_functions(&six)),
-        ("shim/robios7.c", shim_functions(&seven)),
-        ("../docs/c-library.md", super::page::c_library_page()),
-    ]
+    }
 }
 
-const NOTICE: &str =
-    "Generated from the lists in robios-sys/src; change them, then: cargo run -p robios-sys --bin generate";
+const NOTICE: &str = "Written from the lists of functions and constants of eyesim.";
 
 /// How a kind of parameter or result looks in C.
 struct CType {

@@ -4,6 +4,8 @@ use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
+use parking_lot::Mutex;
+
 use super::signal::{Handlers, action, change_action, default_action};
 
 /// Interrupts the runs that have a copy of it, once and for all.
@@ -28,16 +30,21 @@ static OF_PROCESS: OnceLock<Interrupt> = OnceLock::new();
 /// True while a debugger is to hear Ctrl-C.
 static IS_DEBUGGING: AtomicBool = AtomicBool::new(false);
 
-/// For a binary: what Ctrl-C and SIGTERM set from now on, the second one ends the process. A thread that a robot program started by
-/// itself and that faults ends the process with a message from now on.
+/// For a binary, before its first run: what Ctrl-C and SIGTERM set from now on, the second one ends the process. A thread that a robot
+/// program started by itself and that faults ends the process with a message from now on.
 ///
 /// # Errors
-/// When the kernel refuses a handler.
+/// When the kernel refuses a handler, and when a run has installed its own already, which these would cover.
 pub fn of_process() -> io::Result<Interrupt> {
-    if let Some(interrupt) = OF_PROCESS.get() {
-        return Ok(interrupt.clone());
-    }
+    static IS_INSTALLED: Mutex<bool> = Mutex::new(false);
     let interrupt = OF_PROCESS.get_or_init(Interrupt::default).clone();
+    let mut is_installed = IS_INSTALLED.lock();
+    if *is_installed {
+        return Ok(interrupt);
+    }
+    if Handlers::are_held() {
+        return Err(io::Error::other("a run is going on already"));
+    }
     for signal in [libc::SIGINT, libc::SIGTERM] {
         let action = action(on_interrupt as *const () as usize, libc::SA_RESTART);
         // SAFETY: a handler without SA_SIGINFO gets a number; what it calls is async-signal-safe.
@@ -48,6 +55,7 @@ pub fn of_process() -> io::Result<Interrupt> {
         // SAFETY: as above.
         unsafe { change_action(signal, Some(&action)) }?;
     }
+    *is_installed = true;
     Ok(interrupt)
 }
 

@@ -43,8 +43,8 @@ pub trait Executor: Send + Sync {
     fn begin(&self, bell: &Arc<bell::Bell>);
 
     /// The run is over: gives back what its flows took. Those that have broken are lost with all that they hold, and so are those of
-    /// robots that have not `departed`.
-    fn end(&self, departed: &dyn Fn(RobotId) -> bool);
+    /// robots that have not `departed`. True when none is.
+    fn end(&self, departed: &dyn Fn(RobotId) -> bool) -> bool;
 
     /// True when the run's flows must not go on because of what a program of another run has done to this process.
     fn is_doomed(&self) -> bool;

@@ -147,10 +147,13 @@ impl Scheduler {
         let run = Run::new(parts, limits)?;
         run.executor().begin(run.bell());
         let (broken, left_behind) = (Vec::new(), Vec::new());
-        // Without all flows there is nobody to leave.
-        let mut scheduler = Self { run, timeout: limits.timeout, start, broken, left_behind, has_left: true };
-        scheduler.run.start_programs()?;
-        scheduler.has_left = false;
+        let mut scheduler = Self { run, timeout: limits.timeout, start, broken, left_behind, has_left: false };
+        if let Err(error) = scheduler.run.start_programs() {
+            scheduler.has_left = true;
+            // Those that have got a flow give it back, up to the first without one.
+            scheduler.run.ids_with_program().all(|id| scheduler.stop(id));
+            return Err(error);
+        }
         Ok(scheduler)
     }
 
@@ -367,6 +370,9 @@ impl Drop for Scheduler {
             // The others give back what they hold, until one of them cannot.
             self.run.ids_with_program().all(|id| self.stop(id));
         }
-        self.run.executor().end(&|id| self.run.conductor.lock().has_departed(id));
+        if !self.run.executor().end(&|id| self.run.conductor.lock().has_departed(id)) {
+            // The thread of a lost flow may still run code of its program, which stays mapped.
+            std::mem::forget(Arc::clone(&self.run));
+        }
     }
 }

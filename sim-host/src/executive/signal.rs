@@ -256,10 +256,11 @@ impl Holders {
     fn install(&mut self) -> io::Result<()> {
         let on_fault = action(on_fault as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK);
         for (place, signal) in CAUGHT.into_iter().enumerate() {
-            // Else ours is still there, below somebody's who passes on to it.
-            if self.previous[place].is_none() {
-                // SAFETY: nothing changes.
-                let previous = unsafe { change_action(signal, None) }?;
+            // SAFETY: nothing changes.
+            let previous = unsafe { change_action(signal, None) }?;
+            // Ours may still be there, below that of somebody who passes on to it; not where somebody has put back the default.
+            let is_taken_back = matches!(previous.sa_sigaction, libc::SIG_DFL | libc::SIG_IGN);
+            if self.previous[place].is_none() || is_taken_back {
                 PREVIOUS[place].handler.store(previous.sa_sigaction, Ordering::Relaxed);
                 PREVIOUS[place].flags.store(previous.sa_flags, Ordering::Release);
                 // SAFETY: `on_fault` has the type of an SA_SIGINFO handler; what it calls is async-signal-safe.

@@ -236,7 +236,8 @@ impl Executor for ThreadExecutor {
         let _ = self.bell.set(Arc::clone(bell));
     }
 
-    fn end(&self, departed: &dyn Fn(RobotId) -> bool) {
+    fn end(&self, departed: &dyn Fn(RobotId) -> bool) -> bool {
+        let mut all_end = true;
         for (index, threads) in &self.robots {
             let Flows { list, .. } = std::mem::take(&mut *threads.flows.lock());
             let is_broken = list.iter().any(|(_, flow)| flow.block.fault().is_some());
@@ -244,9 +245,11 @@ impl Executor for ThreadExecutor {
             for (_, flow) in list {
                 if !(ends && flow.join(LAST_STEPS)) {
                     damage::lose_flow();
+                    all_end = false;
                 }
             }
         }
+        all_end
     }
 
     fn is_doomed(&self) -> bool {

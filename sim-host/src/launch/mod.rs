@@ -6,6 +6,7 @@
 
 mod built;
 pub mod check;
+mod child;
 mod finished;
 mod options;
 mod ready;
@@ -13,6 +14,7 @@ mod scene;
 pub mod settings;
 
 pub use built::Built;
+pub use child::serve_child;
 pub use finished::Finished;
 pub use options::{DEFAULT_UNTIL, Options};
 pub use ready::{Observers, Ready, Running};

@@ -19,6 +19,9 @@ use crate::executive::fault::{Broken, SEARCH};
 use crate::executive::signal::{Fault, OVERDUE_SIGNAL};
 use crate::executive::watchdog;
 
+/// What the name of a robot's process begins with in lists of processes.
+pub const CHILD_NAME: &str = "eyesim: ";
+
 /// How often a child that has the turn is looked at.
 const LOOK: Duration = Duration::from_millis(50);
 
@@ -151,7 +154,7 @@ impl Child {
     /// When this program does not know where it lies.
     pub fn command(name: &str, library: &Path) -> io::Result<Command> {
         let mut command = Command::new(std::env::current_exe()?);
-        command.arg0(format!("eyesim: {name}")).arg("child").arg(library);
+        command.arg0(format!("{CHILD_NAME}{name}")).arg("child").arg(library);
         Ok(command)
     }
 

@@ -10,5 +10,5 @@ pub mod client;
 pub mod debugger;
 pub mod serve;
 
-pub use child::Child;
+pub use child::{CHILD_NAME, Child};
 pub use debugger::Debugger;
