@@ -181,6 +181,23 @@ fn an_endless_loop_and_a_sleep_in_the_kernel_end_their_robot_alone() {
 }
 
 #[test]
+fn a_program_that_stops_its_own_process_is_told_and_ended() {
+    for stop in ["raise(SIGSTOP)", "kill(getpid(), SIGSTOP)", "for (;;) raise(SIGSTOP)"] {
+        let start = Instant::now();
+        let (report, _) = break_one(
+            &format!(
+                "#include <signal.h>\n#include <unistd.h>\n#include \"eyebot.h\"\nint main(void) {{\n    OSWait(50);\n    {stop};\n    \
+                 return 0;\n}}\n"
+            ),
+            &["--timeout", "600"],
+        );
+        assert!(start.elapsed() < Duration::from_secs(300), "it does not wait for the timeout");
+        assert_eq!(report["robots"][1]["outcome"], "failed", "{stop}");
+        assert!(reason(&report).contains("stopped its own process by a signal (SIGSTOP)"), "{}", reason(&report));
+    }
+}
+
+#[test]
 fn a_stack_overflow_and_an_exit_behind_the_back_of_eyesim_end_their_robot_alone() {
     let (report, _) = break_one(
         "#include \"eyebot.h\"\nint deep(int n) { volatile char pad[4096]; pad[0] = n; return deep(n + 1) + pad[0]; }\n\

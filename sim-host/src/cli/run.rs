@@ -100,6 +100,9 @@ pub struct RunArgs {
     /// Let programs run commands of this machine with `OSExecute`: what they do is outside of the simulation
     #[arg(long)]
     pub allow_execute: bool,
+    /// Megabytes that each program may print before the rest is cut
+    #[arg(long, value_name = "MB", default_value = "10", value_parser = parse_megabytes, allow_hyphen_values = true)]
+    pub output_limit: u64,
     /// Show no progress: neither what is being built nor how far the run is
     #[arg(short, long, conflicts_with = "verbose")]
     pub quiet: bool,
@@ -158,6 +161,7 @@ impl RunArgs {
             costs: self.costs.clone(),
             noise: self.noise.clone(),
             allow_execute: self.allow_execute,
+            output_limit: self.output_limit,
             is_verbose: self.verbose,
             strict: self.strict,
             frames: self.frames.clone(),
@@ -304,6 +308,14 @@ pub fn parse_seconds(text: &str) -> Result<Time, String> {
             Ok(Time::from_seconds_ceil(seconds))
         }
         _ => Err("expected 0 to 1e9 seconds".into()),
+    }
+}
+
+/// Bytes of an option in megabytes.
+fn parse_megabytes(text: &str) -> Result<u64, String> {
+    match text.parse::<f64>() {
+        Ok(megabytes) if (0.0..=1e6).contains(&megabytes) => Ok((megabytes * 1e6).round() as u64),
+        _ => Err("expected 0 to 1e6 megabytes".into()),
     }
 }
 

@@ -302,6 +302,7 @@ mod tests {
             footfalls: None,
             touches: None,
             lcd: if id == 1 { lcd } else { vec![String::new(); 7] },
+            output_cut_bytes: 0,
             added_s: None,
             removed_s: None,
         }

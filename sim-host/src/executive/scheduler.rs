@@ -126,6 +126,8 @@ pub struct RobotEnd {
     pub steps: Option<[u64; 2]>,
     /// Its display.
     pub panel: Panel,
+    /// Bytes that its program printed beyond the limit.
+    pub output_cut: u64,
 }
 
 /// How often the supervisor looks at the programs.
@@ -344,6 +346,7 @@ impl Scheduler {
                 contacts: robot.motion.contacts(time),
                 steps: robot.motion.legs().map(|_| [robot.walk.footfalls, robot.walk.touches]),
                 panel: robot.robios.take_panel(),
+                output_cut: robot.robios.console.cut_bytes(),
                 outcome: standing.outcome,
                 reason: standing.reason,
                 exit_code: standing.exit_code,

@@ -377,7 +377,7 @@ impl Executor for ThreadExecutor {
         let Some(flow) = threads.working() else { return false };
         let mut timeout = timeout;
         let look = match threads.child.get() {
-            Some(child) if child.is_asked(flow.release()) => return true,
+            Some(child) if child.is_asked(flow.release()) || child.is_stopped() => return true,
             Some(child) => {
                 let (is_importing, spent) = child.imports();
                 timeout *= if is_importing { IMPORT_PATIENCE } else { 1.0 };

@@ -133,9 +133,19 @@ fn clock(clock: libc::clockid_t) -> Option<Duration> {
 
 /// True when the kernel says that the thread of the folder sleeps (as opposed to runs or waits for a processor).
 fn is_asleep(folder: &str) -> bool {
-    let Ok(stat) = fs::read_to_string(format!("{folder}/stat")) else { return false };
+    matches!(state(folder), Some('S' | 'D'))
+}
+
+/// True when a signal has stopped the process `pid`; not when a debugger has.
+pub fn is_stopped(pid: i32) -> bool {
+    state(&format!("/proc/{pid}")) == Some('T')
+}
+
+/// The kernel's letter for what the thread or process of the folder does.
+fn state(folder: &str) -> Option<char> {
+    let stat = fs::read_to_string(format!("{folder}/stat")).ok()?;
     // "tid (name) S ...": the name may hold blanks and brackets.
-    stat.rsplit_once(')').is_some_and(|(_, rest)| matches!(rest.trim_start().chars().next(), Some('S' | 'D')))
+    stat.rsplit_once(')').and_then(|(_, rest)| rest.trim_start().chars().next())
 }
 
 #[cfg(test)]

@@ -63,6 +63,7 @@ impl Built {
             slot: settings.slot,
             keys: settings.keys.clone(),
             may_execute: options.allow_execute,
+            output_limit: options.output_limit,
             is_verbose: options.is_verbose,
             scenery: Arc::clone(&scenery),
             frames: frames.clone(),

@@ -87,6 +87,7 @@ pub(super) fn report(settings: &Settings, ended: &Ended, inputs: Vec<Input>) -> 
         footfalls: end.steps.map(|[footfalls, _]| footfalls),
         touches: end.steps.map(|[_, touches]| touches),
         lcd: end.panel.lines(),
+        output_cut_bytes: end.output_cut,
         added_s: added(world.robot_presence(spec.id)),
         removed_s: removed(world.robot_presence(spec.id)),
     };

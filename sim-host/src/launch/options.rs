@@ -9,6 +9,7 @@ use super::settings::ProgramOption;
 use crate::executive::load::Debug;
 use crate::executive::program::Exec;
 use crate::program::Generation;
+use crate::robios::console::DEFAULT_OUTPUT_LIMIT;
 
 /// Simulated time after which a run ends when nobody says anything.
 pub const DEFAULT_UNTIL: Time = Time::from_millis(600_000);
@@ -44,6 +45,8 @@ pub struct Options {
     pub noise: Option<String>,
     /// Programs may run commands of this machine with `OSExecute`.
     pub allow_execute: bool,
+    /// Bytes that each program may print before the rest is cut: [`DEFAULT_OUTPUT_LIMIT`].
+    pub output_limit: u64,
     /// Every RoBIOS call is recorded.
     pub is_verbose: bool,
     /// A scene that has warnings is not run.
@@ -73,6 +76,7 @@ impl Default for Options {
             costs: None,
             noise: None,
             allow_execute: false,
+            output_limit: DEFAULT_OUTPUT_LIMIT,
             is_verbose: false,
             strict: false,
             frames: None,

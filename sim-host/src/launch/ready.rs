@@ -23,6 +23,7 @@ use crate::record::frame::{FrameFailures, Frames};
 use crate::record::report::Input;
 use crate::record::trace::{TraceHeader, TraceRobot};
 use crate::record::{RecordError, Sink, Sinks};
+use crate::robios::console::DEFAULT_OUTPUT_LIMIT;
 use crate::robios::robot::Robot;
 use crate::scenery::LazyScenery;
 
@@ -161,6 +162,9 @@ fn words(scene: &str, options: &Options, settings: &Settings) -> Vec<String> {
     options.noise.iter().for_each(|noise| add("noise", noise));
     if options.exec == Exec::Process {
         add("exec", &"process");
+    }
+    if options.output_limit != DEFAULT_OUTPUT_LIMIT {
+        words.push(format!("--output-limit={}", options.output_limit as f64 / 1e6));
     }
     if options.allow_execute {
         words.push("--allow-execute".to_owned());

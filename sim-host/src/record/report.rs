@@ -115,6 +115,8 @@ pub struct RobotReport {
     pub touches: Option<u64>,
     /// The text lines of the display, from the top.
     pub lcd: Vec<String>,
+    /// Bytes that its program printed beyond `--output-limit`: they were cut.
+    pub output_cut_bytes: u64,
     /// When it was added, s; none if it was there from the start.
     pub added_s: Option<f64>,
     /// When it was removed, s; none if it is still there.
@@ -224,6 +226,7 @@ mod tests {
             footfalls: Some(7),
             touches: None,
             lcd,
+            output_cut_bytes: 0,
             added_s: None,
             removed_s: Some(4.5),
         };

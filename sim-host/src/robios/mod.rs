@@ -15,6 +15,7 @@ pub mod camera;
 pub mod camera6;
 mod camera7;
 pub mod compass;
+pub mod console;
 pub mod cost;
 mod display;
 mod display7;
@@ -128,6 +129,8 @@ pub struct Robios {
     pub storage: storage::Storage,
     /// Settings of the receiver for a remote control, while it is on.
     pub irtv: Option<irtv::Settings>,
+    /// What the program prints.
+    pub console: console::Console,
     /// Which robots and objects there are.
     pub census: Arc<truth::Census>,
     /// Keys of a remote control.

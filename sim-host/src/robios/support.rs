@@ -2,17 +2,17 @@
 
 use std::collections::BTreeMap;
 
-use robios_sys::support::{failure, stream};
+use robios_sys::support::failure;
 use robios_sys::{Callback, OutBytes, Stop, Support, SupportCall};
 use sim_core::RobotId;
 use sim_core::noise::{Purpose, Stream};
 use sim_core::time::Time;
 
 use super::caller::{Caller, Poll};
+use super::console::print_lines;
 use super::flow::Flow;
 use super::robot::{Ending, Robot, Waits};
 use super::task::TaskWait;
-use sim_core::record::Event;
 
 /// The generators that a program draws from, one for each purpose.
 #[derive(Clone, Debug)]
@@ -134,16 +134,6 @@ impl<F: Flow> Support for Caller<F> {
 
     fn task_turn(&self) -> Result<i32, Stop> {
         self.turn(SupportCall::task_turn).map(|()| 0)
-    }
-}
-
-/// Records `text` line by line.
-fn print_lines(robot: &mut Robot, stream: i32, text: &str) {
-    let now = robot.now;
-    for line in text.split_terminator('\n') {
-        let text = line.strip_suffix('\r').unwrap_or(line);
-        let event = if stream == stream::ERR { Event::Stderr { text } } else { Event::Stdout { text } };
-        robot.journal.record(now, &event);
     }
 }
 

@@ -40,6 +40,8 @@ pub struct Child {
     /// The last time that the watchdog asked for the program's place.
     asked: Mutex<Option<Asked>>,
     is_ending: AtomicBool,
+    /// It was found stopped by a signal, which nobody would take back.
+    was_stopped: AtomicBool,
     /// Its user looks at it in a debugger, which is the process: it has all the time of the world.
     is_debugged: bool,
     /// True once its `main` has returned.
@@ -141,6 +143,7 @@ impl Child {
             tasks: Mutex::default(),
             asked: Mutex::new(None),
             is_ending: AtomicBool::new(false),
+            was_stopped: AtomicBool::new(false),
             has_exited: AtomicBool::new(false),
             lost: OnceLock::new(),
             last_call: AtomicU16::new(u16::MAX),
@@ -245,7 +248,15 @@ impl Child {
         self.tasks.lock().idle.push(channel);
     }
 
-    /// Ends a child that is overdue in this release: asks it for its place, and kills it when it does not tell.
+    /// True once the process has been found stopped, by SIGSTOP or another signal: it would never go on.
+    pub fn is_stopped(&self) -> bool {
+        if !self.is_debugged && watchdog::is_stopped(self.pid) {
+            self.was_stopped.store(true, Ordering::Release);
+        }
+        self.was_stopped.load(Ordering::Acquire)
+    }
+
+    /// Ends a child that is overdue in this release, or stopped: asks it for its place, and kills it when it does not tell.
     pub fn stop_overdue(&self, release: Release) {
         if self.is_debugged {
             return;
@@ -265,6 +276,9 @@ impl Child {
                     // SAFETY: tgkill takes no pointer; a thread that is gone is an error.
                     unsafe { libc::syscall(libc::SYS_tgkill, self.pid, thread, OVERDUE_SIGNAL) };
                 }
+                // One that is stopped answers when it goes on.
+                // SAFETY: kill takes no pointer; the process has not been waited for, so the number is still its own.
+                unsafe { libc::kill(self.pid, libc::SIGCONT) };
             }
         }
     }
@@ -313,7 +327,11 @@ impl Child {
         }
     }
 
-    fn lose(&self, broken: Broken) -> Broken {
+    fn lose(&self, mut broken: Broken) -> Broken {
+        if broken.is_overdue && self.was_stopped.load(Ordering::Acquire) {
+            broken.is_overdue = false;
+            broken.what = "the program stopped its own process by a signal (SIGSTOP)".to_owned();
+        }
         let broken = self.lost.get_or_init(|| broken).clone();
         self.kill();
         broken

@@ -23,6 +23,7 @@ use crate::program::prepare::Prepared;
 use crate::program::scene::Programs;
 use crate::record::frame::Frames;
 use crate::robios::Robios;
+use crate::robios::console::Console;
 use crate::robios::irtv::Remote;
 use crate::robios::key::{Keys, Press};
 use crate::robios::robot::Robot;
@@ -48,6 +49,8 @@ pub struct RobotOptions {
     pub keys: Vec<Press>,
     /// True when programs may run commands of this machine (`OSExecute`).
     pub may_execute: bool,
+    /// Bytes that each program may print.
+    pub output_limit: u64,
     /// True when every call is to be recorded.
     pub is_verbose: bool,
     /// What cameras see.
@@ -234,6 +237,7 @@ impl Spawner {
         robios.remote = Remote::scripted(remote.iter().filter_map(|press| Some((press.at, press.touch.remote_key()?))));
         robios.storage = Storage::new(Path::new(&self.scene.folder));
         robios.os.may_execute = self.options.may_execute;
+        robios.console = Console::new(self.options.output_limit);
         robios.camera = robios.camera.in_run(Arc::clone(&self.options.scenery), self.options.frames.clone());
         if state.noise().camera != Profile::default().camera {
             robios.camera.set_errors(state.noise(), state.seed(), state.id);

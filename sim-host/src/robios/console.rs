@@ -1,0 +1,75 @@
+//! What a program prints: a limit, so that an endless loop floods neither terminal nor disk.
+
+use super::robot::Robot;
+use robios_sys::support::stream;
+use sim_core::record::Event;
+
+/// Bytes that a program may print in a run where nobody says anything; our choice.
+pub const DEFAULT_OUTPUT_LIMIT: u64 = 10_000_000;
+
+/// How much a program has printed.
+#[derive(Clone, Debug)]
+pub struct Console {
+    limit: u64,
+    printed: u64,
+    cut: u64,
+}
+
+impl Default for Console {
+    fn default() -> Self {
+        Self::new(DEFAULT_OUTPUT_LIMIT)
+    }
+}
+
+impl Console {
+    /// A console that takes so many bytes.
+    pub fn new(limit: u64) -> Self {
+        Self { limit, printed: 0, cut: 0 }
+    }
+
+    /// Bytes that were printed beyond the limit, and are recorded nowhere.
+    pub fn cut_bytes(&self) -> u64 {
+        self.cut
+    }
+
+    /// Counts a line of so many bytes; false when it is cut.
+    fn takes(&mut self, bytes: u64) -> bool {
+        let fits = self.cut == 0 && self.printed + bytes <= self.limit;
+        *(if fits { &mut self.printed } else { &mut self.cut }) += bytes;
+        fits
+    }
+}
+
+/// Records `text` line by line, as far as the limit goes; the user is told of the first line that is cut.
+pub(super) fn print_lines(robot: &mut Robot, stream: i32, text: &str) {
+    let now = robot.now;
+    for line in text.split_inclusive('\n') {
+        let was_cut = robot.robios.console.cut > 0;
+        let fits = robot.robios.console.takes(line.len() as u64);
+        let line = line.strip_suffix('\n').unwrap_or(line);
+        let text = line.strip_suffix('\r').unwrap_or(line);
+        if fits {
+            let event = if stream == stream::ERR { Event::Stderr { text } } else { Event::Stdout { text } };
+            robot.journal.record(now, &event);
+        } else if !was_cut {
+            let limit = robot.robios.console.limit as f64 / 1e6;
+            robot.hint(&format!(
+                "the program has printed {limit} MB: what it prints from now on is cut and counted (`--output-limit` allows more)"
+            ));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_beyond_the_limit_is_counted() {
+        let mut console = Console::new(10);
+        assert!(console.takes(4) && console.takes(6));
+        assert_eq!(console.cut_bytes(), 0);
+        assert!(!console.takes(3) && !console.takes(0), "once cut, nothing more is shown");
+        assert_eq!(console.cut_bytes(), 3);
+    }
+}

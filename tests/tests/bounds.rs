@@ -1,0 +1,40 @@
+//! What a program may use up has bounds: it is told of them, and the run goes on or ends in time.
+
+use serde_json::Value;
+use tests::{Scratch, write_scene};
+
+const FLOOD: &str = r#"
+    #include <stdio.h>
+    #include "eyebot.h"
+    int main(void)
+    {
+        int i;
+        for (i = 0;; i++) {
+            printf("flood %d\n", i);
+            if (i % 2) fprintf(stderr, "and %d\n", i);
+        }
+    }"#;
+
+#[test]
+fn output_beyond_the_limit_is_cut_told_once_and_counted() {
+    for exec in ["thread", "process"] {
+        let scratch = Scratch::new();
+        scratch.write("flood.c", FLOOD);
+        scratch.write("quiet.c", "#include \"eyebot.h\"\nint main(void) { OSWait(100); return 0; }\n");
+        write_scene(&scratch, &["flood.c", "quiet.c"]);
+        let args = ["run", "scene.sim", "--exec", exec, "--until", "2", "--trace", "t.jsonl", "--report", "r.json"];
+        let ran = scratch.eyesim(&[&args[..], &["--output-limit", "0.02"]].concat());
+        let said = ran.stdout.clone() + &ran.stderr;
+        assert_eq!(ran.code, Some(0), "{said}");
+        assert_eq!(said.matches("the program has printed 0.02 MB").count(), 1, "{said}");
+        assert!(said.len() < 100_000, "{} bytes on the terminal", said.len());
+        let report: Value = serde_json::from_str(&scratch.read("r.json")).expect("a report");
+        let cut = |robot: usize| report["robots"][robot]["output_cut_bytes"].as_u64().expect("a number");
+        assert!(cut(0) > 100_000, "{}", cut(0));
+        assert_eq!(cut(1), 0);
+        let of_flood = |line: &&Value| line["event"] == "stdout" || line["event"] == "stderr";
+        let trace = scratch.trace("t.jsonl");
+        let texts = trace.iter().filter(of_flood).map(|line| line["text"].as_str().expect("a text").len() + 1);
+        assert!((19_000..=20_000).contains(&texts.sum::<usize>()), "the limit is used, and not more");
+    }
+}
