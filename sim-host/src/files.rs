@@ -1,8 +1,9 @@
 //! The file system as the readers of scenes see it.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::io::ErrorKind;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read as _};
+use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
 
 use sim_format::{FileError, Files};
@@ -63,17 +64,10 @@ impl Files for DiskFiles {
             return Ok(text.clone().into_bytes());
         }
         let path = self.real.get(path).map_or(Path::new(path), PathBuf::as_path);
-        let metadata = fs::metadata(path).map_err(file_error)?;
-        if !metadata.is_file() {
-            return Err(FileError::Unreadable("it is not a file".to_owned()));
-        }
         let is_text =
             path.extension().is_some_and(|extension| TEXTS.iter().any(|text| extension.eq_ignore_ascii_case(text)));
         let most = if is_text { MAX_TEXT_MEBIBYTES } else { MAX_MEBIBYTES };
-        if metadata.len() > most << 20 {
-            return Err(FileError::Unreadable(format!("it is larger than {most} MiB")));
-        }
-        fs::read(path).map_err(file_error)
+        read_at_most(path, most).map_err(file_error)
     }
 
     fn list(&self, folder: &str) -> Vec<String> {
@@ -87,6 +81,34 @@ impl Files for DiskFiles {
     fn home(&self) -> Option<&str> {
         self.home.as_deref()
     }
+}
+
+/// The regular file at `path`, opened; a pipe or a device, which may never end, is refused before anything waits for it.
+///
+/// # Errors
+/// What keeps it from being opened.
+pub fn open_regular(path: &Path) -> io::Result<File> {
+    let file = File::options().read(true).custom_flags(libc::O_NONBLOCK).open(path)?;
+    if file.metadata()?.is_file() { Ok(file) } else { Err(io::Error::other("it is not a file")) }
+}
+
+/// What is in the regular file at `path`.
+///
+/// # Errors
+/// What keeps it from being read; also when it is larger than 256 MiB.
+pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
+    read_at_most(path, MAX_MEBIBYTES)
+}
+
+fn read_at_most(path: &Path, most_mebibytes: u64) -> io::Result<Vec<u8>> {
+    let mut file = open_regular(path)?;
+    let length = file.metadata()?.len();
+    if length > most_mebibytes << 20 {
+        return Err(io::Error::other(format!("it is larger than {most_mebibytes} MiB")));
+    }
+    let mut bytes = Vec::with_capacity(length as usize);
+    file.read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// The path with slashes, as the readers write paths.

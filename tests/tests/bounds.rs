@@ -1,5 +1,8 @@
 //! What a program may use up has bounds: it is told of them, and the run goes on or ends in time.
 
+use std::process::Command;
+use std::time::{Duration, Instant};
+
 use serde_json::Value;
 use tests::{Scratch, write_scene};
 
@@ -36,5 +39,41 @@ fn output_beyond_the_limit_is_cut_told_once_and_counted() {
         let trace = scratch.trace("t.jsonl");
         let texts = trace.iter().filter(of_flood).map(|line| line["text"].as_str().expect("a text").len() + 1);
         assert!((19_000..=20_000).contains(&texts.sum::<usize>()), "the limit is used, and not more");
+    }
+}
+
+#[test]
+fn pipes_and_devices_in_place_of_programs_are_refused_at_once() {
+    let include = "#include \"pipe.h\"\n#include \"eyebot.h\"\nint main(void) { return 0; }\n";
+    for (program, pipe, device) in [
+        ("pipe.c", Some("pipe.c"), None),
+        ("pipe.so", Some("pipe.so"), None),
+        ("pipe.py", Some("pipe.py"), None),
+        ("zero.so", None, Some("zero.so")),
+        ("zero.c", None, Some("zero.c")),
+        ("include.c", Some("pipe.h"), None),
+        ("device.c", None, Some("pipe.h")),
+    ] {
+        let scratch = Scratch::new();
+        write_scene(&scratch, &[program]);
+        scratch.write("include.c", include);
+        scratch.write("device.c", include);
+        if let Some(pipe) = pipe {
+            let made = Command::new("mkfifo").arg(scratch.path().join(pipe)).status().expect("mkfifo");
+            assert!(made.success());
+        }
+        if let Some(device) = device {
+            let path = scratch.path().join(device);
+            std::os::unix::fs::symlink("/dev/zero", path).expect("a link");
+        }
+        let start = Instant::now();
+        for args in [&["run", "scene.sim"][..], &["run", "scene.sim", "--api", "6"], &["check", "scene.sim"]] {
+            let ran = scratch.eyesim(args);
+            let said = ran.stdout + &ran.stderr;
+            let is_check = args[0] == "check" && ran.code == Some(0);
+            assert!(ran.code == Some(2) || is_check, "{program} {args:?} {:?}: {said}", ran.code);
+            assert!(is_check || said.contains("not a file"), "{program} {args:?}: {said}");
+        }
+        assert!(start.elapsed() < Duration::from_secs(100), "{program}: nobody waits for a pipe");
     }
 }

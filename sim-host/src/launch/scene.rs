@@ -12,7 +12,7 @@ use super::built::Built;
 use super::ready::Ready;
 use super::settings::{Settings, give_noise};
 use super::{Error, Options, Rejected, check};
-use crate::files::DiskFiles;
+use crate::files::{DiskFiles, read_regular};
 use crate::program::find::SearchPath;
 use crate::program::scene::Programs;
 use crate::program::{Builder, Cache, Kits, Tools};
@@ -162,7 +162,7 @@ fn expect_scene(path: &Path) -> anyhow::Result<()> {
     let extension = path.extension().unwrap_or_default();
     if extension.eq_ignore_ascii_case("toml") {
         // A file that cannot be read is told of by the reader.
-        let is_scene = std::fs::read(path).map_or(true, |bytes| is_scene(&path.to_string_lossy(), &decode(&bytes).0));
+        let is_scene = read_regular(path).map_or(true, |bytes| is_scene(&path.to_string_lossy(), &decode(&bytes).0));
         ensure!(is_scene, "`{name}` is no scene: it has none of `scene`, `world` and `robot` at its top level");
     } else if !extension.is_empty() && !extension.eq_ignore_ascii_case("sim") {
         bail!(
@@ -179,6 +179,6 @@ fn read_files(scene: &[InputFile], costs: Option<&InputFile>, programs: &Program
         scene.iter().chain(costs).map(|file| Input::new(Path::new(&file.path), &file.bytes)).collect();
     let paths: BTreeSet<PathBuf> = programs.iter().flat_map(|program| program.inputs()).collect();
     // A source that has vanished since it was compiled cannot be hashed any more.
-    inputs.extend(paths.iter().filter_map(|path| Some(Input::new(path, &std::fs::read(path).ok()?))));
+    inputs.extend(paths.iter().filter_map(|path| Some(Input::new(path, &read_regular(path).ok()?))));
     inputs
 }

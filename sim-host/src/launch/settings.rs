@@ -10,7 +10,7 @@ use sim_core::time::Time;
 use sim_format::{InputFile, Loaded, PRESETS, load_noise, preset, unknown_sensors};
 
 use super::Options;
-use crate::files::{DiskFiles, slashed};
+use crate::files::{DiskFiles, read_regular, slashed};
 use crate::program::Generation;
 use crate::program::scene::program_of_command_line;
 use crate::program::words::split_words;
@@ -299,7 +299,7 @@ fn split_robot(text: &str, separator: char) -> (Option<u32>, &str) {
 
 fn read_costs(path: &Path) -> anyhow::Result<(Costs, Option<InputFile>)> {
     let name = || format!("cost table `{}`", path.display());
-    let bytes = std::fs::read(path).with_context(name)?;
+    let bytes = read_regular(path).with_context(name)?;
     let text = std::str::from_utf8(&bytes).with_context(name)?;
     let costs = Costs::with(text).with_context(name)?;
     Ok((costs, Some(InputFile { path: slashed(path), bytes })))

@@ -14,6 +14,7 @@ use super::generation::{Choice, Generation, GenerationError, Wanted, choose};
 use super::language::Language;
 use super::python::{Python, PythonError};
 use super::words::{WordsError, split_words};
+use crate::files::read_regular;
 
 /// Changes when the layout of the cache changes.
 const CACHE_VERSION: u32 = 2;
@@ -369,7 +370,7 @@ impl Builder {
         }
         for source in sources {
             add(source.as_os_str().as_encoded_bytes());
-            add(&fs::read(source).map_err(|error| BuildError::Source { path: source.clone(), error })?);
+            add(&read_regular(source).map_err(|error| BuildError::Source { path: source.clone(), error })?);
             // A header that is new beside a source may hide one that was included from elsewhere.
             for header in headers_beside(source) {
                 add(header.as_os_str().as_encoded_bytes());
@@ -425,7 +426,7 @@ fn program_key(sources_key: &str, note: &str) -> Option<String> {
     hasher.update(sources_key.as_bytes());
     for path in note.lines() {
         hasher.update(blake3::hash(path.as_bytes()).as_bytes());
-        hasher.update(blake3::hash(&fs::read(path).ok()?).as_bytes());
+        hasher.update(blake3::hash(&read_regular(Path::new(path)).ok()?).as_bytes());
     }
     Some(hasher.finalize().to_hex()[..32].to_owned())
 }

@@ -8,6 +8,7 @@ use std::process::Command;
 
 use robios_sys::c;
 
+use super::command::{PATIENCE, output_within};
 use super::compiler::Compiler;
 use super::constructors::defer_constructors;
 use super::generation::{Generation, is_of_robios};
@@ -428,7 +429,12 @@ impl Compiled {
     fn call(&mut self, command: &mut Command) -> io::Result<Result<String, String>> {
         self.commands.push_str(&shown(command));
         self.commands.push('\n');
-        let output = command.output()?;
+        let output = match output_within(command, PATIENCE) {
+            Err(error) if error.kind() == io::ErrorKind::TimedOut => {
+                return Ok(Err(format!("the compiler hangs: {error} (does an `#include` name a pipe or a device?)")));
+            }
+            output => output?,
+        };
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         Ok(match output.status.success() {
             true => Ok(said),

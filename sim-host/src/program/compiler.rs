@@ -8,6 +8,7 @@ use std::process::{Command, Stdio};
 use robios_sys::c;
 
 use super::cache::Cache;
+use super::command::{PATIENCE, output_within};
 use super::language::Language;
 use super::words::split_words;
 
@@ -266,13 +267,14 @@ impl Compiler {
     fn links_shared(&self, folder: &Path) -> bool {
         let mut command = self.command();
         command.current_dir(folder).args(c::LINK_FLAGS).args(["probe.o", "-o", "probe.so"]);
-        self.language == Language::Cpp && command.output().is_ok_and(|output| output.status.success())
+        self.language == Language::Cpp
+            && output_within(&mut command, PATIENCE).is_ok_and(|output| output.status.success())
     }
 
     /// Those of `wanted` with which the call with `base` works: all at once, or found out one by one.
     fn accepted(&self, folder: &Path, base: &[&str], wanted: &[&str]) -> Result<Vec<String>, CompilerError> {
         let run = |flags: &[&str]| -> io::Result<Result<(), String>> {
-            let output = self.command().current_dir(folder).args(flags).args(base).output()?;
+            let output = output_within(self.command().current_dir(folder).args(flags).args(base), PATIENCE)?;
             // GNU ld only warns of a `-z` keyword that it does not know.
             let said = String::from_utf8_lossy(&output.stderr).into_owned();
             let accepted = output.status.success() && (flags.is_empty() || !said.contains("warning"));
@@ -298,8 +300,8 @@ impl Compiler {
 fn version_of(command: &[String]) -> io::Result<String> {
     let (program, arguments) =
         command.split_first().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "no command"))?;
-    let output =
-        Command::new(program).args(arguments).arg("--version").env("LC_ALL", "C").stdin(Stdio::null()).output()?;
+    let mut command = Command::new(program);
+    let output = output_within(command.args(arguments).arg("--version").env("LC_ALL", "C"), PATIENCE)?;
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr);
         return Err(io::Error::other(format!("`--version` gives {}: {}", output.status, said.trim())));

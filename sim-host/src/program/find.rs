@@ -8,6 +8,7 @@ use std::path::{Component, Path, PathBuf};
 use super::generation::Wanted;
 use super::kind::{FileKind, HEAD_BYTES, file_kind};
 use super::language::Language;
+use crate::files::open_regular;
 
 /// The folders in which programs are looked for, in this order: the sim file's, the working folder, the others.
 #[derive(Clone, Debug, Default)]
@@ -380,7 +381,7 @@ fn looks_like_program(path: &Path) -> bool {
 
 fn read_head(path: &Path) -> std::io::Result<Vec<u8>> {
     let mut head = Vec::new();
-    fs::File::open(path)?.take(HEAD_BYTES as u64).read_to_end(&mut head)?;
+    open_regular(path)?.take(HEAD_BYTES as u64).read_to_end(&mut head)?;
     Ok(head)
 }
 

@@ -2,7 +2,7 @@
 //! program is compiled: the user says it, or the functions tell that its sources call.
 
 use std::collections::BTreeSet;
-use std::fs;
+
 use std::path::{Path, PathBuf};
 
 use robios_sys::constant::Constant;
@@ -10,6 +10,7 @@ use robios_sys::{Robios6Call, Robios7Call, robios6, robios7};
 
 use super::calls::calls_of;
 use super::hint::quoted;
+use crate::files::read_regular;
 
 /// A generation of the RoBIOS API.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -238,20 +239,26 @@ impl Choice {
 /// Names of functions shown in one line.
 const MOST_SHOWN: usize = 3;
 
-/// Sources that call functions of both generations.
+/// Why sources say of no generation that they are for it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "`{}` is written for two generations: RoBIOS 6 has {} and RoBIOS-7 has {}, and neither has both; `--api 6` or `--api 7` \
-     says which one is meant",
-    source_file.display(), quoted(of_6), quoted(of_7)
-)]
-pub struct GenerationError {
-    /// The first source.
-    pub source_file: PathBuf,
-    /// What it calls that only RoBIOS 6 has.
-    pub of_6: Vec<String>,
-    /// What it calls that only RoBIOS-7 has.
-    pub of_7: Vec<String>,
+pub enum GenerationError {
+    /// They call functions of both.
+    #[error(
+        "`{}` is written for two generations: RoBIOS 6 has {} and RoBIOS-7 has {}, and neither has both; `--api 6` or `--api 7` \
+         says which one is meant",
+        source_file.display(), quoted(of_6), quoted(of_7)
+    )]
+    Both {
+        /// The first source.
+        source_file: PathBuf,
+        /// What it calls that only RoBIOS 6 has.
+        of_6: Vec<String>,
+        /// What it calls that only RoBIOS-7 has.
+        of_7: Vec<String>,
+    },
+    /// They include a pipe or a device, whose end no compiler would see.
+    #[error("`{}`, which the program includes, is not a file", .0.display())]
+    Include(PathBuf),
 }
 
 /// The generation of a program with these C or C++ sources: what is wanted, else the functions called that only one of them
@@ -262,13 +269,13 @@ pub struct GenerationError {
 /// with the wrong header such a program does not compile. Source: our choice.
 ///
 /// # Errors
-/// [`GenerationError`] if it calls functions of both. A source that cannot be read is told of when it is compiled.
+/// [`GenerationError`] if it calls functions of both, or includes what is no file. A source that cannot be read is told of when it is compiled.
 pub fn choose(sources: &[PathBuf], wanted: Wanted) -> Result<Choice, GenerationError> {
     let choice = |generation, why| Ok(Choice { generation, why });
+    let Names { calls, constants } = names_in_files(sources)?;
     if let Some(generation) = wanted.api {
         return choice(generation, Why::Said);
     }
-    let Names { calls, constants } = names_in_files(sources);
     let only = |generation: Generation| -> Vec<String> {
         let is_only = |name: &&String| generation.has(name) && !generation.other().has(name);
         calls.iter().filter(is_only).cloned().collect()
@@ -277,7 +284,7 @@ pub fn choose(sources: &[PathBuf], wanted: Wanted) -> Result<Choice, GenerationE
     match (of_6.is_empty(), of_7.is_empty()) {
         (false, false) => {
             let source_file = sources.first().cloned().unwrap_or_default();
-            Err(GenerationError { source_file, of_6, of_7 })
+            Err(GenerationError::Both { source_file, of_6, of_7 })
         }
         (false, true) => choice(Generation::Robios6, Why::Calls(of_6)),
         (true, false) => choice(Generation::Robios7, Why::Calls(of_7)),
@@ -312,7 +319,10 @@ struct Names {
 }
 
 /// The names in `sources` and the headers beside them.
-fn names_in_files(sources: &[PathBuf]) -> Names {
+///
+/// # Errors
+/// [`GenerationError::Include`].
+fn names_in_files(sources: &[PathBuf]) -> Result<Names, GenerationError> {
     let mut waiting: Vec<PathBuf> = sources.to_vec();
     let mut seen = BTreeSet::new();
     let (mut names, mut own) = (Names { calls: BTreeSet::new(), constants: BTreeSet::new() }, BTreeSet::new());
@@ -320,7 +330,7 @@ fn names_in_files(sources: &[PathBuf]) -> Names {
         if !seen.insert(path.clone()) {
             continue;
         }
-        let Ok(bytes) = fs::read(&path) else { continue };
+        let Ok(bytes) = read_regular(&path) else { continue };
         let found = calls_of(&String::from_utf8_lossy(&bytes));
         names.calls.extend(found.called);
         names.constants.extend(found.used);
@@ -332,12 +342,18 @@ fn names_in_files(sources: &[PathBuf]) -> Names {
         if of_robios.iter().any(|name| file_name(name) == CPP_HEADER) {
             names.constants.insert(CPP_HEADER.to_owned());
         }
-        let paths = includes.into_iter().map(|name| folder.join(name));
-        waiting.extend(paths.filter(|path| path.is_file() && !is_of_robios(path)));
+        for path in includes.into_iter().map(|name| folder.join(name)) {
+            match path.metadata() {
+                Ok(metadata) if metadata.is_file() => waiting.extend(Some(path).filter(|path| !is_of_robios(path))),
+                Ok(metadata) if !metadata.is_dir() => return Err(GenerationError::Include(path)),
+                // Found elsewhere, or told by the compiler.
+                _ => {}
+            }
+        }
     }
     names.calls.retain(|name| !own.contains(name));
     names.constants.retain(|name| !own.contains(name));
-    names
+    Ok(names)
 }
 
 /// The header by which programs in C++ include RoBIOS-7.
@@ -351,7 +367,7 @@ fn file_name(path: &str) -> &str {
 /// and is not one that adds to the header that it wraps.
 pub fn is_of_robios(path: &Path) -> bool {
     const MANY: usize = 8;
-    let Ok(bytes) = fs::read(path) else { return false };
+    let Ok(bytes) = read_regular(path) else { return false };
     let found = calls_of(&String::from_utf8_lossy(&bytes));
     let is_function = |name: &String| Generation::ALL.into_iter().any(|generation| generation.has(name));
     let is_constant = |name: &&String| Generation::ALL.into_iter().any(|generation| generation.has_constant(name));
@@ -366,7 +382,7 @@ mod tests {
     /// The choice for a program of these files, as it is told.
     fn choice(files: &[(&str, &str)], wanted: Wanted) -> Result<String, String> {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        files.iter().for_each(|(name, text)| fs::write(folder.path().join(name), text).expect("a file"));
+        files.iter().for_each(|(name, text)| std::fs::write(folder.path().join(name), text).expect("a file"));
         let sources: Vec<PathBuf> = files
             .iter()
             .map(|(name, _)| folder.path().join(name))

@@ -13,6 +13,7 @@ use robios_sys::{PROGRAM_SYMBOL, language};
 
 use super::kind::{FileKind, HEAD_BYTES, file_kind};
 use super::share::page_size;
+use crate::files::read_regular;
 
 /// A library's file, read once for all the robots that load it.
 pub struct ProgramImage {
@@ -112,7 +113,7 @@ impl ProgramImage {
     /// # Errors
     /// [`ImageError`] if it cannot be read or is no library for this system.
     pub fn read(path: &Path, source_folder: Option<&Path>) -> Result<Self, ImageError> {
-        let bytes = fs::read(path).map_err(|error| ImageError::Read { path: path.to_owned(), error })?;
+        let bytes = read_regular(path).map_err(|error| ImageError::Read { path: path.to_owned(), error })?;
         if let FileKind::Foreign(what) = file_kind(&bytes[..bytes.len().min(HEAD_BYTES)]) {
             return Err(ImageError::Foreign { path: path.to_owned(), what });
         }

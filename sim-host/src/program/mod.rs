@@ -7,6 +7,7 @@ pub mod build;
 pub mod cache;
 mod calls;
 pub mod cargo;
+pub mod command;
 pub mod compile;
 pub mod compiler;
 mod constructors;

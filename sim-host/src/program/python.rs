@@ -2,9 +2,10 @@
 
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 use super::cache::Cache;
+use super::command::{PATIENCE, output_within};
 
 /// Oldest minor version of Python 3 that `eye.py` is written for.
 const MINOR: u32 = 7;
@@ -49,10 +50,9 @@ impl Python {
     /// [`PythonError`].
     pub fn find(interpreter: Option<&Path>, cache: &Cache) -> Result<Self, PythonError> {
         let interpreter = interpreter.unwrap_or(Path::new("python3")).to_owned();
-        let asked = Command::new(&interpreter)
-            .args(["-c", "import sys; print(*sys.version_info[:2])"])
-            .stdin(Stdio::null())
-            .output()
+        let mut command = Command::new(&interpreter);
+        command.args(["-c", "import sys; print(*sys.version_info[:2])"]);
+        let asked = output_within(&mut command, PATIENCE)
             .map_err(|error| PythonError::Missing { interpreter: interpreter.clone(), error })?;
         let said = String::from_utf8_lossy(&asked.stdout).trim().to_owned();
         let mut version = said.split(' ').map(str::parse);

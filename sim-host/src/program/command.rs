@@ -1,0 +1,74 @@
+//! Commands of others (compilers, interpreters), which may hang.
+
+use std::io::{self, Read};
+use std::os::unix::process::CommandExt as _;
+use std::process::{Command, Output, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// How long a compiler may take for one source; our choice.
+pub const PATIENCE: Duration = Duration::from_secs(180);
+
+/// Runs `command` to its end and collects what it prints; its standard input is empty. One that has not ended after `patience` is
+/// killed, with all that it has started.
+///
+/// # Errors
+/// A command that cannot be started, and [`io::ErrorKind::TimedOut`] for one that was killed.
+pub fn output_within(command: &mut Command, patience: Duration) -> io::Result<Output> {
+    /// How often is looked whether it has ended.
+    const LOOK: Duration = Duration::from_millis(2);
+    let mut child =
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).process_group(0).spawn()?;
+    let readers = [read_all(child.stdout.take()), read_all(child.stderr.take())];
+    let start = Instant::now();
+    let status = loop {
+        if let Some(status) = child.try_wait()? {
+            break status;
+        }
+        if start.elapsed() > patience {
+            // SAFETY: kill takes no pointer; the group is that of the child, which has not been waited for.
+            unsafe { libc::kill(-(child.id() as i32), libc::SIGKILL) };
+            child.wait()?;
+            let what = format!("it had not ended after {} s and was killed", patience.as_secs());
+            return Err(io::Error::new(io::ErrorKind::TimedOut, what));
+        }
+        thread::sleep(LOOK);
+    };
+    let [stdout, stderr] = readers.map(|reader| reader.join().unwrap_or_default());
+    Ok(Output { status, stdout, stderr })
+}
+
+/// Reads a stream to its end on a thread of its own, so that nobody waits for the other one.
+fn read_all(stream: Option<impl Read + Send + 'static>) -> thread::JoinHandle<Vec<u8>> {
+    thread::spawn(move || {
+        let mut bytes = Vec::new();
+        // What was read before an error counts.
+        let _ = stream.map(|mut stream| stream.read_to_end(&mut bytes));
+        bytes
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_that_hangs_is_killed_with_what_it_has_started() {
+        let start = Instant::now();
+        let error =
+            output_within(Command::new("sh").args(["-c", "sleep 1000 & sleep 1000"]), Duration::from_millis(50));
+        assert_eq!(error.expect_err("it hangs").kind(), io::ErrorKind::TimedOut);
+        assert!(start.elapsed() < Duration::from_secs(500));
+    }
+
+    #[test]
+    fn what_both_streams_say_is_collected() {
+        let command = "i=0; while [ $i -lt 5000 ]; do echo out$i; echo err$i >&2; i=$((i+1)); done; exit 3";
+        let output = output_within(Command::new("sh").args(["-c", command]), PATIENCE).expect("a shell");
+        assert_eq!(output.status.code(), Some(3));
+        assert_eq!(
+            [&output.stdout, &output.stderr].map(|text| text.iter().filter(|byte| **byte == b'\n').count()),
+            [5000; 2]
+        );
+    }
+}
