@@ -77,3 +77,23 @@ fn pipes_and_devices_in_place_of_programs_are_refused_at_once() {
         assert!(start.elapsed() < Duration::from_secs(100), "{program}: nobody waits for a pipe");
     }
 }
+
+#[test]
+fn what_a_program_says_of_its_failure_steers_no_terminal() {
+    let programs = [
+        ("fail.c", "#include \"eyebot.h\"\nint main(void) { OSPanic(\"\\033]0;owned\\007 bad\"); return 0; }\n"),
+        ("fail.cpp", "#include <stdexcept>\n#include \"eyebot.h\"\nint main() { throw std::runtime_error(\"\\033[2Jbad\"); }\n"),
+        ("fail.py", "from eye import *\nraise ValueError('\\033[2Jbad')\n"),
+        ("refused.c", "#include \"eyebot.h\"\nint main(void) { return \x1b[2J; }\n"),
+    ];
+    for (name, text) in programs {
+        let scratch = Scratch::new();
+        write_scene(&scratch, &[name]);
+        scratch.write(name, text);
+        let ran = scratch.eyesim(&["run", "scene.sim", "--until", "5"]);
+        let said = ran.stdout + &ran.stderr;
+        assert!(matches!(ran.code, Some(1 | 2)), "{name} {:?}: {said:?}", ran.code);
+        assert!(said.contains("2J") || said.contains("owned"), "{name}: {said:?}");
+        assert!(!said.contains('\x1b') && !said.contains('\x07'), "{name}: {said:?}");
+    }
+}

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use anyhow::{Context as _, bail};
 use clap::Args;
 
+use super::output::say;
 use crate::program::build::{Builder, Tools};
 use crate::program::cache::Cache;
 use crate::program::compile::Kits;
@@ -42,11 +43,11 @@ pub fn run(args: &CcArgs) -> anyhow::Result<ExitCode> {
     let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
     let wanted = Wanted { api: args.api, dialect: None };
     let (choice, commands, output) = builder.build_to(&args.files, wanted, &args.output, &args.flags)?;
-    choice.remark(&args.files[0]).iter().for_each(|remark| eprintln!("{remark}"));
+    choice.remark(&args.files[0]).iter().for_each(|remark| say(remark));
     if args.verbose {
-        eprint!("{commands}");
+        say(commands.trim_end());
     }
-    eprint!("{output}");
+    say(output.trim_end());
     Ok(ExitCode::SUCCESS)
 }
 

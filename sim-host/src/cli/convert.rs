@@ -10,6 +10,7 @@ use sim_format::{Converted, convert, has_errors};
 
 use super::EXIT_USAGE;
 use super::diagnostic::{self, Colour, Format, Screen};
+use super::output::say;
 use crate::files::{DiskFiles, slashed};
 
 /// Arguments of `eyesim convert`.
@@ -43,7 +44,7 @@ pub fn run(args: &ConvertArgs) -> anyhow::Result<ExitCode> {
         eprint!("{}", diagnostic::render(&converted.diagnostics, &converted.inputs, Format::Auto, screen)?);
     }
     if has_errors(&converted.diagnostics) {
-        eprintln!("nothing is written: {}", crate::launch::check::count(&converted.diagnostics));
+        say(format_args!("nothing is written: {}", crate::launch::check::count(&converted.diagnostics)));
         return Ok(ExitCode::from(EXIT_USAGE));
     }
     check_outputs(&converted, args.force)?;

@@ -7,6 +7,8 @@ use console::measure_text_width;
 use miette::{MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 use sim_core::spec::Span;
 
+use crate::record::log::steers;
+
 /// Columns from one tab stop to the next.
 const TAB: usize = 4;
 /// Stands for what is cut off.
@@ -218,11 +220,7 @@ fn cell(c: char, column: usize) -> String {
 
 /// A terminal must not be steered by a file, nor a line be reordered by it.
 fn safe(c: char) -> char {
-    match c {
-        c if c.is_control() => char::REPLACEMENT_CHARACTER,
-        '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' => char::REPLACEMENT_CHARACTER,
-        c => c,
-    }
+    if steers(c) { char::REPLACEMENT_CHARACTER } else { c }
 }
 
 /// A message as it may be printed: line breaks stay.

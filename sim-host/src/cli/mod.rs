@@ -6,6 +6,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use output::say;
 
 pub mod accuracy;
 pub mod cc;
@@ -98,7 +99,7 @@ pub fn main() -> ExitCode {
         Command::New(args) => new::run(&args),
     };
     result.unwrap_or_else(|error| {
-        eprintln!("error: {error:#}");
+        say(format_args!("error: {error:#}"));
         ExitCode::from(if error.is::<Internal>() { EXIT_INTERNAL } else { EXIT_USAGE })
     })
 }

@@ -4,6 +4,16 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
+use crate::record::log::Printable;
+
+/// Prints lines on standard error, which may quote programs and files of others: control characters, which a terminal would obey, are
+/// shown as escapes.
+pub fn say(text: impl std::fmt::Display) {
+    for line in text.to_string().lines() {
+        eprintln!("{}", Printable(line));
+    }
+}
+
 /// Checks that the files to be written have a folder to lie in, and destroy neither an input nor each other.
 ///
 /// `outputs` are the options that name them, with the names; `inputs` the files that are read.

@@ -23,6 +23,7 @@ use sim_view::window::{Access, Download};
 
 use super::EXIT_PROGRAM;
 use super::output::check_outputs;
+use super::output::say;
 use super::run::{self, ConsoleRun, RunArgs, print};
 use super::view::{open_browser, open_window};
 use crate::executive::conductor::End;
@@ -70,7 +71,7 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     }
     let recorded = Recorded::read(&args.trace)?;
     let recording = Arc::new(serde_json::to_string(&recording_of(&recorded, &args.trace)?)?);
-    let page = Page::load(|text| eprintln!("{text}"));
+    let page = Page::load(|text| say(text));
     if let Some(path) = &args.html {
         let trace = args.trace.to_string_lossy();
         let inputs = recorded.header.inputs.iter().map(|input| input.path.as_str());
@@ -81,7 +82,7 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     if let Some(why) = page.why_missing() {
-        eprintln!("{why}");
+        say(why);
     }
     let title = args.trace.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let window = open_window(page, Access::Local, Ipv4Addr::LOCALHOST.into(), args.port, &title)?;
@@ -92,7 +93,7 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     let url = window.url();
     print(&format!("{url}\n"))?;
     if !args.no_open && !open_browser(&url) {
-        eprintln!("no browser could be opened: open the address above in one, or set BROWSER");
+        say("no browser could be opened: open the address above in one, or set BROWSER");
     }
     // Ctrl-C ends the process.
     loop {
@@ -111,7 +112,7 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
     );
     let slot = scene.settings()?.slot;
     let remarks = remarks(recorded, &present_inputs(recorded));
-    remarks.iter().for_each(|remark| eprintln!("{remark}"));
+    remarks.iter().for_each(|remark| say(remark));
     let (spec, scenery) = scene.into_scenery();
     let mut robots: Vec<RobotSubject> = spec.robots.iter().map(subject_of_robot).collect();
     let mut objects: Vec<ObjectSubject> =
@@ -177,13 +178,13 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     let run = RunArgs { threads: args.threads, is_silent: true, ..args_of(&recorded, &args.trace)? };
     let ready = match run::build(run::open(&run)?, &run)?.load() {
         Err(Error::Load(why)) => {
-            eprintln!("error: {why}");
+            say(format_args!("error: {why}"));
             return Ok(ExitCode::from(EXIT_PROGRAM));
         }
         ready => ready?,
     };
     for remark in remarks(&recorded, ready.inputs()) {
-        eprintln!("{remark}");
+        say(remark);
     }
     let mut script = script_of(&recorded);
     let comparison = Arc::new(Mutex::new(Comparison::new(&recorded)));
@@ -194,7 +195,7 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     run_until_parting(running.scheduler(), &mut script, &comparison);
     let ran = running.finish().finished;
     for (at, why) in script.refused() {
-        eprintln!("at {at} the trace has an intervention that this run refuses: {why}");
+        say(format_args!("at {at} the trace has an intervention that this run refuses: {why}"));
     }
     if let End::Record(error) = &ran.ended.end {
         bail!("the run cannot go on: {error}");

@@ -16,6 +16,7 @@ use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 
 use super::cc::parse_api;
+use super::output::say;
 use super::table::{self, Screen};
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM, EXIT_USAGE};
 use crate::executive::conductor::End;
@@ -220,11 +221,11 @@ pub fn carry_out(args: &RunArgs, check: impl FnOnce(&SceneSpec) -> anyhow::Resul
     check(scene.spec())?;
     let built = console::build(scene, args)?;
     if !built.has_programs() {
-        eprintln!("no robot has a program, so no time passes: `--program FILE` gives them one");
+        say("no robot has a program, so no time passes: `--program FILE` gives them one");
     }
     let ready = match built.load() {
         Err(Error::Load(why)) => {
-            eprintln!("error: {why}");
+            say(format_args!("error: {why}"));
             return Ok(None);
         }
         ready => ready?,
@@ -234,7 +235,7 @@ pub fn carry_out(args: &RunArgs, check: impl FnOnce(&SceneSpec) -> anyhow::Resul
     let mut run = ConsoleRun::start(ready, args, Observers { interrupt, ..Observers::default() }, false)?;
     run.follow(&mut script);
     let ran = run.finish();
-    script.refused().iter().for_each(|(at, why)| eprintln!("--repeat: at {at}: {why}"));
+    script.refused().iter().for_each(|(at, why)| say(format_args!("--repeat: at {at}: {why}")));
     Ok(Some(ran))
 }
 
@@ -254,13 +255,13 @@ pub fn explain(finished: &Finished) {
     let Finished { settings, ended, report, .. } = finished;
     match &ended.end {
         End::Until if settings.is_until_default => {
-            eprintln!(
+            say(format_args!(
                 "stopped after {} s of simulated time, since neither the scene nor --until says anything else",
                 settings.until.seconds()
-            );
+            ));
         }
-        End::Record(error) => eprintln!("error: {error}"),
-        End::Interrupted => eprintln!("interrupted"),
+        End::Record(error) => say(format_args!("error: {error}")),
+        End::Interrupted => say("interrupted"),
         _ => {}
     }
     /// Beyond so many lines nobody reads on.
@@ -269,10 +270,10 @@ pub fn explain(finished: &Finished) {
     for robot in failed.iter().take(MOST) {
         let reason = robot.reason.as_deref().unwrap_or("no reason given");
         let blank = if robot.outcome == Outcome::Waiting { " " } else { ": " };
-        eprintln!("r{} (`{}`){blank}{reason}", robot.id, robot.program);
+        say(format_args!("r{} (`{}`){blank}{reason}", robot.id, robot.program));
     }
     if failed.len() > MOST {
-        eprintln!("... and {} more: see --report", failed.len() - MOST);
+        say(format_args!("... and {} more: see --report", failed.len() - MOST));
     }
 }
 

@@ -19,6 +19,7 @@ use sim_view::window::{Access, Asked, Download, OpenError, Options, Window, rand
 
 use super::EXIT_INTERRUPTED;
 use super::diagnostic::{self, Format, Screen};
+use super::output::say;
 use super::run::{self, ConsoleRun, Ran, RunArgs, Speed, explain};
 use crate::executive::conductor::End;
 use crate::executive::interrupt::{self, Interrupt};
@@ -124,9 +125,9 @@ fn prepare(args: &RunArgs) -> anyhow::Result<Ready> {
 
 /// Opens the window that the arguments ask for.
 fn open(args: &ViewArgs, title: &str) -> anyhow::Result<Window> {
-    let page = Page::load(|text| eprintln!("{text}"));
+    let page = Page::load(|text| say(text));
     if let Some(why) = page.why_missing() {
-        eprintln!("{why}");
+        say(why);
     }
     let access = match (&args.token, args.listen) {
         (Some(token), _) => Access::Class { token: token.clone() },
@@ -160,7 +161,7 @@ fn say_where(args: &ViewArgs, window: &Window) {
         println!("{url}");
     }
     if !args.no_open && !open_browser(&url) {
-        eprintln!("no browser could be opened: open the address above in one, or set BROWSER");
+        say("no browser could be opened: open the address above in one, or set BROWSER");
     }
 }
 
@@ -335,7 +336,7 @@ impl Session {
                     asked.into_iter().for_each(Asked::accept);
                 }
                 Err(error) => {
-                    eprintln!("error: {error:#}");
+                    say(format_args!("error: {error:#}"));
                     let output = match error.downcast_ref::<Error>() {
                         Some(Error::Rejected(rejected)) => in_full(rejected),
                         _ => format!("{error:#}"),

@@ -203,12 +203,17 @@ fn push_line(lines: &mut String, record: &Record<'_>) {
     lines.push('\n');
 }
 
+/// True for a character by which a text would steer a terminal, or put its words in another order than it has them.
+pub(crate) fn steers(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}')
+}
+
 /// Text of a program with control characters other than tabs escaped, so that it cannot play with the terminal.
 pub(crate) struct Printable<'a>(pub(crate) &'a str);
 
 impl std::fmt::Display for Printable<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let is_harmless = |c: char| !c.is_control() || c == '\t';
+        let is_harmless = |c: char| !steers(c) || c == '\t';
         if self.0.chars().all(is_harmless) {
             return f.write_str(self.0);
         }

@@ -12,6 +12,7 @@ use sim_format::{Diagnostic, InputFile};
 
 use super::{RunArgs, Speed};
 use crate::cli::diagnostic::{self, Colour, Format};
+use crate::cli::output::say;
 use crate::cli::output::{self, given};
 use crate::cli::progress::{Building, Counts, Progress};
 use crate::executive::pace::Pace;
@@ -53,7 +54,7 @@ pub fn build(scene: Scene, args: &RunArgs) -> anyhow::Result<Built> {
         error
     })?;
     check_outputs(args, built.inputs())?;
-    built.remarks().iter().for_each(|remark| eprintln!("{remark}"));
+    built.remarks().iter().for_each(|remark| say(remark));
     Ok(built)
 }
 

@@ -18,6 +18,7 @@ use self::display::Caption;
 use self::view::{Content, Eye, Shot};
 use super::EXIT_PROGRAM;
 use super::output::check_outputs;
+use super::output::say;
 use super::run::{self, Ran, RunArgs, carry_out, parse_seconds};
 use crate::launch::settings::index_of;
 use crate::record::frame::Pixels;
@@ -190,13 +191,16 @@ fn of_view(ran: &Ran, eye: &Eye, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, St
     let taken = picture.time.seconds();
     match args.at.map(|at| (at, picture.time.cmp(&at))) {
         Some((at, Ordering::Less)) => {
-            eprintln!("the run was over at {taken:.3} s, before --at {:.3}: the picture is of then", at.seconds());
+            say(format_args!(
+                "the run was over at {taken:.3} s, before --at {:.3}: the picture is of then",
+                at.seconds()
+            ));
         }
         Some((at, Ordering::Greater)) => {
-            eprintln!(
+            say(format_args!(
                 "--at {:.3}: a slot is longer than what the world remembers, the picture is of {taken:.3} s",
                 at.seconds()
-            );
+            ));
         }
         _ => {}
     }
