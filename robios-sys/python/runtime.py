@@ -531,7 +531,7 @@ def _request(row, values):
                 raise TypeError(f"{name}: expected a function, got {value!r}")
             _callbacks[code] = value
             body.append(_struct.pack("<QQ", code, 0))
-    global _raised
+    global _raised, _is_stopped
     if _thread._count() and _turns.owner != _thread.get_ident():
         _let_others_run(0.0001)  # to their next calls, which come before the next one of this thread
     is_first = _turns.enter()
@@ -539,7 +539,8 @@ def _request(row, values):
         answer = _exchange(_CALL, b"".join(body))
     except _Stop:
         if _raised is not None:
-            raised, _raised = _raised, None
+            # The call has given way to what a timer's function raised: the program goes on with that.
+            raised, _raised, _is_stopped = _raised, None, False
             raise raised from None
         raise
     finally:

@@ -82,7 +82,10 @@ fn pipes_and_devices_in_place_of_programs_are_refused_at_once() {
 fn what_a_program_says_of_its_failure_steers_no_terminal() {
     let programs = [
         ("fail.c", "#include \"eyebot.h\"\nint main(void) { OSPanic(\"\\033]0;owned\\007 bad\"); return 0; }\n"),
-        ("fail.cpp", "#include <stdexcept>\n#include \"eyebot.h\"\nint main() { throw std::runtime_error(\"\\033[2Jbad\"); }\n"),
+        (
+            "fail.cpp",
+            "#include <stdexcept>\n#include \"eyebot.h\"\nint main() { throw std::runtime_error(\"\\033[2Jbad\"); }\n",
+        ),
         ("fail.py", "from eye import *\nraise ValueError('\\033[2Jbad')\n"),
         ("refused.c", "#include \"eyebot.h\"\nint main(void) { return \x1b[2J; }\n"),
     ];

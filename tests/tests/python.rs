@@ -186,6 +186,33 @@ fn what_a_program_raises_ends_that_robot_with_its_traceback() {
 }
 
 #[test]
+fn what_a_timer_raises_is_raised_by_the_call_that_it_interrupts() {
+    if !has_python() {
+        return;
+    }
+    let tick = "from eye import *\ndef tick():\n    raise ValueError('from the timer')\nOSAttachTimer(100, tick)\n";
+    let caught = "try:\n    OSWait(1000)\nexcept ValueError as error:\n    print('caught', error)\n\
+                  OSWait(5)\nprint('goes on', OSGetCount())\n";
+    let scratch = scratch(&["uncaught.py", "caught.py"]);
+    scratch.write("uncaught.py", &format!("{tick}OSWait(1000)\nprint('never')\n"));
+    scratch.write("caught.py", &format!("{tick}{caught}"));
+    let report = scratch.report("a.sim", &["--until", "20", "--trace", "t.jsonl"], 1);
+    let robots = &report["robots"];
+    assert_eq!(robots[0]["outcome"], "failed", "{report:#}");
+    assert_eq!(robots[0]["reason"], "ValueError: from the timer at uncaught.py:3");
+    assert_eq!((&robots[1]["outcome"], &robots[1]["exit_code"]), (&"finished".into(), &0.into()), "{report:#}");
+    let trace = scratch.trace("t.jsonl");
+    let printed = |robot: u64, stream: &'static str| -> Vec<String> {
+        let of_robot = trace.iter().filter(|line| line["robot"] == robot && line["event"] == stream);
+        of_robot.map(|line| line["text"].as_str().expect("a text").to_owned()).collect()
+    };
+    assert!(printed(1, "stderr").iter().any(|line| line.contains("Traceback")), "{:?}", printed(1, "stderr"));
+    assert_eq!(printed(1, "stdout"), [""; 0]);
+    assert_eq!(printed(2, "stdout")[0], "caught from the timer");
+    assert!(printed(2, "stdout")[1].starts_with("goes on"), "{:?}", printed(2, "stdout"));
+}
+
+#[test]
 fn a_program_that_is_not_python_or_has_no_interpreter_is_told() {
     if !has_python() {
         return;

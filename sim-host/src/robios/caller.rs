@@ -135,7 +135,7 @@ impl<F: Flow> Caller<F> {
             robot.tasks.wait(now, waiting, wake);
             robot = match robot.tasks.next_thread(now) {
                 _ if robot.tasks.scheduler().is_some() => self.await_turn(robot)?,
-                NextThread::Same => self.pass_until(robot, wake, false)?,
+                NextThread::Same => self.wait_until(robot, wake)?,
                 NextThread::Other(task) => self.switch_to(robot, task)?,
             };
             if robot.tasks.take_interrupt() {
@@ -143,6 +143,16 @@ impl<F: Flow> Caller<F> {
                 return Err(Stop);
             }
         }
+    }
+
+    /// Lets virtual time pass until `wake` for a task that waits; its wait is over where a timer's function breaks it off and the program
+    /// goes on.
+    fn wait_until<'a>(&'a self, robot: MutexGuard<'a, Robot>, wake: Time) -> Result<MutexGuard<'a, Robot>, Stop> {
+        self.pass_until(robot, wake, false).inspect_err(|_| {
+            if !self.flow.is_leaving() {
+                self.robot().tasks.end_wait();
+            }
+        })
     }
 
     /// The end of `call`: where the time slice of its task is over, the others that are ready get their turn first.
