@@ -294,6 +294,7 @@ impl Builder {
             sources,
             extra_flags,
             folder,
+            cache: &self.cache,
         };
         Ok(compilation.run()?)
     }

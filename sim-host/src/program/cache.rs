@@ -28,7 +28,7 @@ pub struct Cache {
 /// A built program in the cache.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Entry {
-    /// The shared library.
+    /// The shared library; the object file of a shim.
     pub library: PathBuf,
     /// What the compiler said when it was built (warnings), as it said it.
     pub output: String,

@@ -8,6 +8,7 @@ use std::process::Command;
 
 use robios_sys::c;
 
+use super::cache::Cache;
 use super::command::{PATIENCE, output_within};
 use super::compiler::Compiler;
 use super::constructors::defer_constructors;
@@ -99,6 +100,8 @@ pub struct Compilation<'a> {
     pub extra_flags: &'a [String],
     /// A folder for what is built.
     pub folder: &'a Path,
+    /// Where the object files of shims are kept.
+    pub cache: &'a Cache,
 }
 
 /// What a compilation gave.
@@ -344,7 +347,7 @@ impl<'a> Compilation<'a> {
         Ok(output)
     }
 
-    /// The object file of the shim's file `name`.
+    /// The object file of the shim's file `name`, which holds nothing of the program: it is compiled once for a kit and a compiler.
     fn compile_shim(
         &self,
         language: Language,
@@ -352,12 +355,23 @@ impl<'a> Compilation<'a> {
         flags: &[&str],
         compiled: &mut Compiled,
     ) -> Result<PathBuf, Failure> {
-        let source = self.kit_folder.join("shim").join(name);
-        let object = self.folder.join(format!("shim-{name}.o"));
-        let mut command = self.compile_command(self.compiler(language)?);
-        command.args(flags).arg("-c").arg(&source).arg("-o").arg(&object);
-        compiled.call(&mut command)?.map_err(|output| Failure::Refused { source_file: source, output })?;
-        Ok(object)
+        let compiler = self.compiler(language)?;
+        let folder = self.kit_folder.join("shim");
+        let key = format!("shim {} {} {name} {flags:?}", self.kit.digest(), compiler.identity());
+        let key = &blake3::hash(key.as_bytes()).to_hex()[..32];
+        let build = self.cache.build_folder()?;
+        let object = build.path().join("shim.o");
+        let mut command = compiler.command();
+        // Debug information names the folder: it is the same for all programs.
+        command.current_dir(&folder).arg("-I").arg(self.kit_folder.join("include")).args(flags);
+        command.arg("-c").arg(folder.join(name)).arg("-o").arg(&object);
+        if let Some(entry) = self.cache.entry(key) {
+            compiled.note(&command);
+            return Ok(entry.library);
+        }
+        let refused = |output| Failure::Refused { source_file: folder.join(name), output };
+        compiled.call(&mut command)?.map_err(refused)?;
+        Ok(self.cache.insert(key, build, &object, "")?.library)
     }
 
     fn link(&self, language: Language, objects: &[PathBuf], compiled: &mut Compiled) -> Result<(), Failure> {
@@ -425,10 +439,15 @@ impl From<io::Error> for Failure {
 }
 
 impl Compiled {
-    /// Runs `command`: what it printed, as `Err` if it failed.
-    fn call(&mut self, command: &mut Command) -> io::Result<Result<String, String>> {
+    /// Notes a command of which the result is taken.
+    fn note(&mut self, command: &Command) {
         self.commands.push_str(&shown(command));
         self.commands.push('\n');
+    }
+
+    /// Runs `command`: what it printed, as `Err` if it failed.
+    fn call(&mut self, command: &mut Command) -> io::Result<Result<String, String>> {
+        self.note(command);
         let output = match output_within(command, PATIENCE) {
             Err(error) if error.kind() == io::ErrorKind::TimedOut => {
                 return Ok(Err(format!("the compiler hangs: {error} (does an `#include` name a pipe or a device?)")));
