@@ -272,6 +272,7 @@ impl Finder<'_> {
         if path.file_name().is_some_and(|name| name == "Cargo.toml") {
             return Ok(ProgramSource::Cargo(path.parent().unwrap_or(Path::new(".")).to_owned()));
         }
+        let head = read_head(path).map_err(|error| Some(format!("unreadable ({error})")))?;
         if Language::of(path).is_some() {
             return Ok(ProgramSource::of_files(vec![path.to_owned()]));
         }
@@ -281,7 +282,7 @@ impl Finder<'_> {
         if let Some(language) = source_language(path) {
             return Err(Some(language.to_owned()));
         }
-        match file_kind(&read_head(path).map_err(|error| Some(format!("unreadable ({error})")))?) {
+        match file_kind(&head) {
             FileKind::Library => {
                 self.note_newer_source(path);
                 Ok(ProgramSource::Library(path.to_owned()))
