@@ -76,6 +76,7 @@ codes! {
     MazBorder = "maz-border": "the upper border of a maze is missing",
     MazCellTwice = "maz-cell-twice": "two cell sizes that differ in one maze",
     MazEmpty = "maz-empty": "a maze file without a maze",
+    MazGap = "maz-gap": "the border of a maze has a gap",
     MazIndent = "maz-indent": "a maze that is indented by an odd number of characters",
     MazLetter = "maz-letter": "a character that means nothing in a maze",
     MazLine = "maz-line": "a line that is no row of a maze",

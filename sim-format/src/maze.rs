@@ -1,5 +1,7 @@
 //! Mazes: `.maz`, a maze drawn with characters, as in Micro-Mouse contests.
 
+use std::collections::BTreeSet;
+
 use glam::DVec2;
 
 use super::code::Code;
@@ -23,6 +25,7 @@ pub fn read_maze(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
     for (row, line) in rows.iter().enumerate() {
         drawing.row(&mut sink, row as u32, line);
     }
+    drawing.check_border(&mut sink, &rows);
     let world = drawing.world(&mut sink, file, rows.len() as u32, cell);
     (world, sink.finish())
 }
@@ -183,16 +186,19 @@ impl Drawing {
                     self.columns = self.columns.max(column);
                     self.vertical.push((column, row, span));
                 }
-                ('|', Place::Cell(_)) => {
+                ('|', Place::Cell(column)) => {
                     if !has_odd_wall {
-                        let message = "`|` in the middle of a cell is left out, and so are others in this row";
+                        let message = "`|` in the middle of a cell closes it on the right, and so do others in this row";
                         sink.warn(Code::MazWallColumn, span, message, "`|` in the columns 1, 3, 5, ...");
                     }
                     has_odd_wall = true;
+                    self.columns = self.columns.max(column + 1);
+                    self.vertical.push((column + 1, row, span));
                 }
                 ('_', Place::Cell(column)) => self.floor_line(row, column, span),
-                // Between two cells: it only makes the drawing look closed.
-                ('_', Place::Wall(_)) => {}
+                // Between two cells it counts for the left one.
+                ('_', Place::Wall(0)) => {}
+                ('_', Place::Wall(column)) => self.floor_line(row, column - 1, span),
                 (comment, _) if is_comment(comment) => break,
                 (letter, place) => self.letter(sink, row, place, letter, span),
             }
@@ -222,6 +228,28 @@ impl Drawing {
         self.letters.push((kind, column, row, span));
         if letter.is_ascii_uppercase() {
             self.floor_line(row, column, span);
+        }
+    }
+
+    /// Warns of the first gap in the border of a maze that is closed otherwise: by three quarters at the least.
+    fn check_border(&self, sink: &mut Sink, rows: &[Line<'_>]) {
+        let last = (rows.len() as u32).saturating_sub(1);
+        let upright: BTreeSet<(u32, u32)> = self.vertical.iter().map(|(column, row, _)| (*column, *row)).collect();
+        let level: BTreeSet<(u32, u32)> = self.horizontal.iter().map(|(row, column, _)| (*row, *column)).collect();
+        let sides = (1..=last).flat_map(|row| {
+            [("left", 0), ("right", self.columns)].map(|(side, column)| (side, row, upright.contains(&(column, row))))
+        });
+        let ends = (0..self.columns).flat_map(|column| {
+            [("upper", 0), ("lower", last)].map(|(side, row)| (side, row, level.contains(&(row, column))))
+        });
+        let edges: Vec<(&str, u32, bool)> = sides.chain(ends).collect();
+        let open = edges.iter().filter(|(.., is_closed)| !is_closed).count();
+        let Some((side, row, _)) = edges.iter().find(|(.., is_closed)| !is_closed) else { return };
+        if 4 * open <= edges.len() {
+            let pieces = if open == 1 { "a wall is".to_owned() } else { format!("{open} walls are") };
+            let message = format!("the border has a gap: {pieces} missing, the first on the {side} side");
+            let expected = "a closed border, or a robot can leave the floor";
+            sink.warn(Code::MazGap, rows[*row as usize].span(), message, expected);
         }
     }
 

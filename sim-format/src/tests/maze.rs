@@ -35,9 +35,37 @@ fn cells_of_two_characters_are_read_as_they_are_drawn() {
 }
 
 #[test]
-fn a_wall_off_every_grid_is_left_out() {
-    let (maze, diagnostics) = read_maze("m.maz", " _____\n|  || |\n|_____|\n");
-    assert_eq!((codes(&diagnostics), maze.floor.x), (vec!["maz-wall-column"], 3.0 * 0.36));
+fn a_wall_off_every_grid_closes_its_cell_on_the_right() {
+    let (maze, diagnostics) = read_maze("m.maz", " _____\n|  | |\n|_____|\n100\n");
+    assert_eq!((codes(&diagnostics), maze.floor.x), (vec!["maz-wall-column"], 3.0 * 0.1));
+    assert!(ends(&maze).contains(&[0.2, 0.1, 0.2, 0.2]), "{:?}", ends(&maze));
+    // The right border of a maze whose rows have an odd number of characters within.
+    let (maze, diagnostics) = read_maze("m.maz", " ___\n|   |\n|  |\n|___|\n100\n");
+    assert_eq!(codes(&diagnostics), ["maz-wall-column"]);
+    assert!(ends(&maze).contains(&[0.2, 0.0, 0.2, 3.0 * 0.1]), "one border: {:?}", ends(&maze));
+}
+
+#[test]
+fn a_floor_line_between_two_cells_closes_the_left_one() {
+    let (maze, _) = read_maze("m.maz", " ___\n| _ |\n|___|\n100\n");
+    assert!(ends(&maze).contains(&[0.0, 0.1, 0.1, 0.1]), "{:?}", ends(&maze));
+    let (maze, _) = read_maze("m.maz", "____\n_   |\n|___|\n100\n");
+    assert!(!ends(&maze).iter().any(|wall| wall[1] == 0.1 && wall[3] == 0.1), "{:?}", ends(&maze));
+}
+
+#[test]
+fn a_gap_in_the_border_is_told() {
+    for (maze, is_gap) in [
+        (" ___\n|S  |\n|___|\n", false),
+        (" ___\n|   |\n|s _|\n", true),
+        (" ___\n|S  \n|___|\n", true),
+        (" _\n|S  |\n|___|\n", true),
+        // A corridor that is open on both ends is meant so.
+        (" ___\n S\n ___\n", false),
+    ] {
+        let diagnostics = read_maze("m.maz", maze).1;
+        assert_eq!(codes(&diagnostics).contains(&"maz-gap"), is_gap, "{maze}: {diagnostics:?}");
+    }
 }
 
 #[test]

@@ -45,6 +45,7 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (Code::MazBorder, "a.maz", "| |\n|_|\n"),
     (Code::MazCellTwice, "a.maz", "360\n _\n|_|\n720\n"),
     (Code::MazEmpty, "a.maz", "# nothing\n360\n"),
+    (Code::MazGap, "a.maz", " _\n|S|\n| |\n|s|\n"),
     (Code::MazIndent, "a.maz", "  _\n | |\n |_|\n"),
     (Code::MazLetter, "a.maz", " _\n|F|\n|_|\n"),
     (Code::MazLine, "a.maz", "maze\n _\n|_|\n"),

@@ -297,7 +297,9 @@ proptest! {
         }
         text.push_str("1000");
         let (maze, diagnostics) = read_maze("m", &text);
-        prop_assert_eq!(diagnostics, vec![]);
+        // Few of them have a border without a gap.
+        let others = diagnostics.iter().filter(|diagnostic| diagnostic.code != Code::MazGap);
+        prop_assert_eq!(others.count(), 0);
         let mut read = BTreeSet::new();
         let mut ends = BTreeSet::new();
         for wall in &maze.walls {
