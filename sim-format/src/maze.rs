@@ -188,7 +188,8 @@ impl Drawing {
                 }
                 ('|', Place::Cell(column)) => {
                     if !has_odd_wall {
-                        let message = "`|` in the middle of a cell closes it on the right, and so do others in this row";
+                        let message =
+                            "`|` in the middle of a cell closes it on the right, and so do others in this row";
                         sink.warn(Code::MazWallColumn, span, message, "`|` in the columns 1, 3, 5, ...");
                     }
                     has_odd_wall = true;

@@ -344,3 +344,24 @@ fn sounds_and_inputs_are_those_of_files() {
     let (lines, _) = printed(&scratch, &[], 0);
     assert_eq!(lines, ["0 0 0 1", "200 200 800", "1 4 685", "700 -1"]);
 }
+
+#[test]
+fn motors_go_on_when_a_program_has_ended_with_0() {
+    let end = |body: &str, args: &[&str], code| {
+        let report = scene_of(body).report("bare.sim", args, code);
+        let robot = &report["robots"][0];
+        (tests::number(robot, "path_m"), report["sim_time_s"].as_f64().expect("a time"))
+    };
+    // A drive with an end is driven to it; a speed goes on for as long as somebody wants to look.
+    let (path, time) = end("VWStraight(500, 250);", &[], 0);
+    assert!((path - 0.5).abs() < 1e-9 && (2.0..2.1).contains(&time), "{path} m in {time} s");
+    let (path, time) = end("VWSetSpeed(100, 10);", &[], 0);
+    assert!(path < 0.02 && time < 0.2, "{path} m in {time} s");
+    let (path, time) = end("VWSetSpeed(100, 10);", &["--linger", "3"], 0);
+    assert!((path - 0.3).abs() < 0.01 && (3.0..3.2).contains(&time), "{path} m in {time} s");
+    let (path, _) = end("VWSetSpeed(100, 10);", &["--linger", "1000", "--until", "5"], 0);
+    assert!((path - 0.5).abs() < 0.01, "{path}");
+    // One that failed stops.
+    let (path, time) = end("VWStraight(500, 250); return 3;", &["--linger", "3"], 1);
+    assert!(path < 0.02 && time < 0.2, "{path} m in {time} s");
+}

@@ -74,6 +74,9 @@ pub struct RunArgs {
     /// Simulated seconds at which the run ends [default: that of the scene, else 600]
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_hyphen_values = true)]
     pub until: Option<Time>,
+    /// Simulated seconds that the run goes on after its last program has ended, as long as anything moves
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds, allow_hyphen_values = true)]
+    pub linger: Time,
     /// Simulated seconds for each second of real time, or `max`
     #[arg(long, value_name = "FACTOR", default_value = "max", value_parser = parse_speed, allow_hyphen_values = true)]
     pub speed: Speed,
@@ -152,6 +155,7 @@ impl RunArgs {
             seed: self.seed,
             slot: self.slot,
             until: self.until,
+            linger: self.linger,
             workers: self.threads,
             exec: self.exec,
             timeout: self.timeout,

@@ -39,6 +39,7 @@ use crate::window::show::{Moment, Show, ShowParts, Standings};
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
 #[command(mut_arg("speed", |arg| arg.default_value("1")))]
+#[command(mut_arg("linger", |arg| arg.default_value("1e9")))]
 #[command(mut_arg("until", |arg| arg.help("Simulated seconds at which the run ends [default: that of the scene, else never]")))]
 #[command(mut_arg("frames", |arg| arg.hide(true)))]
 pub struct ViewArgs {

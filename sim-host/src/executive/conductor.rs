@@ -38,6 +38,8 @@ pub struct Conductor {
     departed: Vec<bool>,
     /// Robots with a program that has not ended.
     alive: usize,
+    /// Once that is none: until when drives that have an end are under way, and the user wants to look on.
+    drives_end: Time,
     /// No slot begins at or after it.
     limit: Time,
     /// Slots that start before it begin without asking the owner; none while the run is paused.
@@ -149,6 +151,7 @@ impl Conductor {
             wake_numbers: vec![0; count],
             departed: plan.has_program.iter().map(|has_program| !has_program).collect(),
             alive,
+            drives_end: Time::ZERO,
             // The first slot is run whatever the limit.
             limit: plan.until.max(Time(1)),
             horizon: None,
@@ -205,6 +208,9 @@ impl Conductor {
         self.wake_numbers[robot.index()] += 1;
         self.departed[robot.index()] = true;
         self.alive -= 1;
+        if self.alive == 0 {
+            self.drives_end = run.drives_end();
+        }
         self.go_on(run, None, deadline)
     }
 
@@ -454,8 +460,8 @@ impl Conductor {
             return Some(following);
         }
         if environment.is_robot_moving() {
-            // A drive that nobody waits for may go on for ever once all programs have ended: that is no reason to run on.
-            return (self.alive > 0).then_some(following);
+            // A drive without an end may go on for ever once all programs have ended: that is no reason to run on.
+            return (self.alive > 0 || following < self.drives_end).then_some(following);
         }
         while let Some(Reverse(wake)) = self.wakes.peek()
             && self.wake_numbers[wake.robot.index()] != wake.number

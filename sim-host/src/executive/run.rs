@@ -52,6 +52,8 @@ pub struct Run {
     /// The run is to pause at the end of the present slot.
     pub(super) is_pausing: AtomicBool,
     is_verbose: bool,
+    /// How long the run goes on after its last program has ended.
+    linger: Time,
     /// Somebody has wanted to see the calls of single robots: their journals say of which.
     has_listeners: AtomicBool,
     /// This run, to be shared with the flows of robots that come later.
@@ -101,6 +103,7 @@ impl Run {
             is_stopping: AtomicBool::new(false),
             is_pausing: AtomicBool::new(false),
             is_verbose: limits.is_verbose,
+            linger: limits.linger,
             has_listeners: AtomicBool::new(false),
             own: Weak::clone(own),
         }))
@@ -367,6 +370,16 @@ impl Run {
         }
     }
 
+    /// Until when the run goes on after its last program has ended: so long that the drives under way reach their ends, and for
+    /// [`Limits::linger`].
+    pub(super) fn drives_end(&self) -> Time {
+        let drive_end = |id| self.robot(id).motion.drive_end().filter(|_| !self.is_removed(id));
+        let ends = (0..self.robot_count()).map(RobotId::from_index).filter_map(drive_end);
+        // Not beyond what there is of time.
+        let lingered = Time(self.slot_start().0.saturating_add(self.linger.0));
+        ends.fold(lingered, Time::max)
+    }
+
     /// Where the program of robot `id` is, in its own words; asked by a flow of the robot on behalf of the program.
     pub(crate) fn call_site(&self, id: RobotId) -> Site {
         self.program(id).map(RobotProgram::call_site).unwrap_or_default()
@@ -383,10 +396,14 @@ impl Run {
     pub(super) fn bury(&self, id: RobotId, deadline: Option<Instant>) {
         {
             let mut robot = self.robot(id);
-            if matches!(robot.ending, Some(Ending::Exited { .. })) {
-                robot.hint_at_pending_drive();
+            // On EyeSim VR motors go on with their last command.
+            let drives_on = robot.ending == Some(Ending::Exited { code: 0 }) && robot.robios.is_of_robios7();
+            if !drives_on {
+                if matches!(robot.ending, Some(Ending::Exited { .. })) {
+                    robot.hint_at_pending_drive();
+                }
+                robot.halt(&self.world());
             }
-            robot.halt(&self.world());
             radio::end(&mut robot);
         }
         let hand_over = self.conductor.lock().depart(self, id, deadline);

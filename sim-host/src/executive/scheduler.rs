@@ -84,6 +84,8 @@ pub struct Limits {
     pub timeout: f64,
     /// True when every call is to be recorded.
     pub is_verbose: bool,
+    /// How long the run goes on after its last program has ended, as long as anything moves.
+    pub linger: Time,
 }
 
 /// How a run ended.

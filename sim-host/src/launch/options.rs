@@ -25,6 +25,8 @@ pub struct Options {
     pub until: Option<Time>,
     /// When the run ends where neither [`Options::until`] nor the scene says it: [`DEFAULT_UNTIL`].
     pub default_until: Time,
+    /// How long the run goes on after its last program has ended, as long as anything moves; not at all.
+    pub linger: Time,
     /// Robots that run at one time; one for each processor where nothing is given.
     pub workers: Option<NonZeroUsize>,
     /// Where programs run: on threads of this process by default. [`Exec::Process`] needs an executable that is `eyesim`.
@@ -66,6 +68,7 @@ impl Default for Options {
             slot: None,
             until: None,
             default_until: DEFAULT_UNTIL,
+            linger: Time::ZERO,
             workers: None,
             exec: Exec::Thread,
             timeout: 10.0,

@@ -117,6 +117,7 @@ impl Ready {
             until: settings.until,
             timeout: options.timeout,
             is_verbose: options.is_verbose,
+            linger: options.linger,
         };
         let flows = programs.iter().flatten().count();
         let parts = Parts {
@@ -154,6 +155,9 @@ fn words(scene: &str, options: &Options, settings: &Settings) -> Vec<String> {
     add("seed", &settings.seed);
     add("slot", &(settings.slot.seconds() * 1000.0));
     add("until", &settings.until.seconds().min(MAX_SECONDS));
+    if options.linger > Time::ZERO {
+        add("linger", &options.linger.seconds().min(MAX_SECONDS));
+    }
     options.programs.iter().for_each(|program| add("program", program));
     options.api.iter().for_each(|api| add("api", &api.number()));
     options.keys.iter().for_each(|keys| add("keys", keys));

@@ -151,6 +151,11 @@ impl Robios {
         Self { screen: Some(new_screen(spec)), ..Self::new(spec, keys) }
     }
 
+    /// True for a program of RoBIOS-7.
+    pub fn is_of_robios7(&self) -> bool {
+        self.screen.is_some()
+    }
+
     /// The display.
     pub fn panel(&self) -> PanelRef<'_> {
         self.screen.as_deref().map_or(PanelRef::Classic(&self.lcd), PanelRef::Colour)
