@@ -348,7 +348,7 @@ fn sounds_and_inputs_are_those_of_files() {
 #[test]
 fn motors_go_on_when_a_program_has_ended_with_0() {
     let end = |body: &str, args: &[&str], code| {
-        let report = scene_of(body).report("bare.sim", args, code);
+        let report = scene_of(&format!("int main(void) {{ {body} return 0; }}")).report("bare.sim", args, code);
         let robot = &report["robots"][0];
         (tests::number(robot, "path_m"), report["sim_time_s"].as_f64().expect("a time"))
     };
