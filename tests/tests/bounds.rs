@@ -100,3 +100,52 @@ fn what_a_program_says_of_its_failure_steers_no_terminal() {
         assert!(!said.contains('\x1b') && !said.contains('\x07'), "{name}: {said:?}");
     }
 }
+
+/// A program beside one that drives, on threads: what became of both, and what was said.
+fn beside_a_good_one(program: &str, args: &[&str]) -> (Value, String) {
+    let scratch = Scratch::new();
+    scratch.write("bad.c", program);
+    let drive = "VWHandle vw = VWInit(VW_DRIVE, 1); VWDriveStraight(vw, 0.5, 0.5); VWDriveWait(vw);";
+    scratch.write("good.c", &format!("#include \"eyebot.h\"\nint main(void) {{ {drive} return 0; }}\n"));
+    write_scene(&scratch, &["good.c", "bad.c"]);
+    let ran = scratch.eyesim(&[&["run", "scene.sim", "--report", "r.json"], args].concat());
+    (serde_json::from_str(&scratch.read("r.json")).expect("a report"), ran.stdout + &ran.stderr)
+}
+
+#[test]
+fn a_program_that_takes_no_signal_is_left_behind() {
+    let program = "#include <signal.h>\n#include <unistd.h>\n#include <sys/syscall.h>\n#include \"eyebot.h\"\n\
+                   int main(void) { unsigned long all = ~0UL; OSWait(200);\n\
+                   syscall(SYS_rt_sigprocmask, SIG_BLOCK, &all, 0, 8); for (;;); }\n";
+    let start = Instant::now();
+    let (report, said) = beside_a_good_one(program, &["--timeout", "0.5"]);
+    assert_eq!(report["robots"][1]["outcome"], "timeout", "{said}");
+    let reason = report["robots"][1]["reason"].as_str().expect("a reason");
+    assert!(reason.contains("blocks the signals"), "{reason}");
+    assert_eq!(report["robots"][0]["outcome"], "finished", "{said}");
+    assert!(start.elapsed() < Duration::from_secs(100));
+}
+
+#[test]
+fn a_programs_floats_are_not_the_hosts() {
+    let program = |set: &str| {
+        format!(
+            "#define _GNU_SOURCE\n#include <fenv.h>\n#include <math.h>\n#include \"eyebot.h\"\nint main(void) {{\n{set};\n\
+             VWHandle vw = VWInit(VW_DRIVE, 1); VWDriveCurve(vw, 0.7, 1.1, 0.3); VWDriveWait(vw); \
+             volatile double one = 1, three = 3; LCDPrintf(\"%d\", one / three > 0x1.5555555555555p-2); return 0; }}\n"
+        )
+    };
+    let end = |set: &str| {
+        let (report, said) = beside_a_good_one(&program(set), &[]);
+        let robot = &report["robots"][1];
+        assert_eq!(robot["outcome"], "finished", "{set}: {said}");
+        (robot["pose"].clone(), robot["odometry"].clone(), robot["lcd"][0].as_str().map(|text| text.trim().to_owned()))
+    };
+    let plain = end("");
+    assert_eq!(plain.2.as_deref(), Some("0"));
+    let upwards = end("fesetround(FE_UPWARD)");
+    assert_eq!((&upwards.0, &upwards.1), (&plain.0, &plain.1), "the robot drives as ever");
+    assert_eq!(upwards.2.as_deref(), Some("1"), "and the program computes as it likes");
+    let trapping = end("feenableexcept(FE_DIVBYZERO | FE_OVERFLOW | FE_UNDERFLOW | FE_INVALID)");
+    assert_eq!(trapping, plain);
+}

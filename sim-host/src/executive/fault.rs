@@ -53,6 +53,19 @@ impl Broken {
         }
     }
 
+    /// A flow that was to be stopped and takes no signal: it is left behind as it is.
+    pub(super) fn unstoppable() -> Self {
+        Self {
+            what: "no RoBIOS call returned in time, and the program blocks the signals by which it would be stopped"
+                .to_owned(),
+            is_overdue: true,
+            last_call: u16::MAX,
+            task: None,
+            place: String::new(),
+            addresses: Vec::new(),
+        }
+    }
+
     /// How the program of the flow has ended.
     pub(super) fn ending(&self) -> Ending {
         let reason = self.what.clone();

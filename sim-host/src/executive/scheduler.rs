@@ -38,6 +38,8 @@ pub struct Scheduler {
     broken: Vec<(RobotId, Broken)>,
     /// Removed robots whose programs do not leave: nobody waits for them any more.
     left_behind: Vec<RobotId>,
+    /// Robots whose programs are to be stopped, and since when.
+    stopping: Vec<(RobotId, Instant)>,
     /// All programs have been let leave.
     has_left: bool,
 }
@@ -138,6 +140,9 @@ const LOOK: Duration = Duration::from_millis(50);
 /// The shortest wait for the bell.
 const SHORTEST_WAIT: Duration = Duration::from_millis(1);
 
+/// How long a program that is stopped may take to take notice before it is left behind.
+const NOTICE: Duration = Duration::from_secs(2);
+
 /// Processor time in seconds that a program may still compute once the user has interrupted the run.
 const PATIENCE: f64 = 0.5;
 
@@ -151,7 +156,8 @@ impl Scheduler {
         let run = Run::new(parts, limits)?;
         run.executor().begin(run.bell());
         let (broken, left_behind) = (Vec::new(), Vec::new());
-        let mut scheduler = Self { run, timeout: limits.timeout, start, broken, left_behind, has_left: false };
+        let mut scheduler =
+            Self { run, timeout: limits.timeout, start, broken, left_behind, stopping: Vec::new(), has_left: false };
         if let Err(error) = scheduler.run.start_programs() {
             scheduler.has_left = true;
             // Those that have got a flow give it back, up to the first without one.
@@ -249,6 +255,9 @@ impl Scheduler {
                 let running: Vec<_> = conductor.running().collect();
                 drop(conductor);
                 self.break_overdue(&running, timeout);
+                for id in self.without_notice(&running) {
+                    self.take_broken(id, Broken::unstoppable(), deadline);
+                }
             }
         }
     }
@@ -276,17 +285,27 @@ impl Scheduler {
     }
 
     /// Stops those of the programs that have run for `timeout` seconds, unless a debugger holds them.
-    fn break_overdue(&self, running: &[RobotId], timeout: f64) {
+    fn break_overdue(&mut self, running: &[RobotId], timeout: f64) {
         if watchdog::is_debugged() {
             return;
         }
+        self.stopping.retain(|(id, _)| running.contains(id));
         let executor = self.run.executor();
         for id in running {
             let timeout = if self.run.is_removed(*id) { timeout.min(LEAVE.as_secs_f64()) } else { timeout };
             if executor.is_overdue(*id, timeout) {
                 executor.break_overdue(*id);
+                if self.stopping.iter().all(|(other, _)| other != id) {
+                    self.stopping.push((*id, Instant::now()));
+                }
             }
         }
+    }
+
+    /// Those of the programs that have been stopped and have taken no notice of it.
+    fn without_notice(&self, running: &[RobotId]) -> Vec<RobotId> {
+        let is_late = |(id, since): &&(RobotId, Instant)| since.elapsed() > NOTICE && running.contains(id);
+        self.stopping.iter().filter(is_late).map(|(id, _)| *id).collect()
     }
 
     /// Lets every program that has not ended leave, one after the other in the order of ids; nothing of a broken process runs on into

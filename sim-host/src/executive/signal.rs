@@ -11,11 +11,14 @@ use std::cell::Cell;
 use std::io;
 use std::ptr;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU16, AtomicU64, AtomicUsize, Ordering, compiler_fence};
+use std::sync::atomic::{
+    AtomicBool, AtomicI32, AtomicU16, AtomicU32, AtomicU64, AtomicUsize, Ordering, compiler_fence,
+};
 
 use parking_lot::Mutex;
 
 use super::bell::Bell;
+use crate::program::float;
 
 /// What a signal handler may read and write of one robot's thread.
 pub struct ThreadBlock {
@@ -29,6 +32,8 @@ pub struct ThreadBlock {
     pub last_call: AtomicU16,
     /// True while the host works for the program: its locks may be held, so the thread must not be parked there.
     pub in_host: AtomicBool,
+    /// The program's environment of floats while the host works in the default one; 0 where it is that itself.
+    float_environment: AtomicU32,
     /// Set when the watchdog's signal came while `in_host`: the thread parks itself when it leaves the host.
     overdue: AtomicBool,
     fault_signal: AtomicI32,
@@ -93,6 +98,7 @@ impl ThreadBlock {
             releases: AtomicU64::new(0),
             last_call: AtomicU16::new(u16::MAX),
             in_host: AtomicBool::new(false),
+            float_environment: AtomicU32::new(0),
             overdue: AtomicBool::new(false),
             fault_signal: AtomicI32::new(0),
             fault_address: AtomicUsize::new(0),
@@ -114,14 +120,22 @@ impl ThreadBlock {
         })
     }
 
-    /// The host begins to work for the program.
+    /// The host begins to work for the program, in an environment of floats of its own.
     pub fn enter_host(&self) {
         self.in_host.store(true, Ordering::Relaxed);
+        if let Some(environment) = float::hold_default() {
+            self.float_environment.store(environment, Ordering::Relaxed);
+        }
         compiler_fence(Ordering::SeqCst);
     }
 
     /// The host returns to the program; parks for good if the watchdog's signal came meanwhile.
     pub fn leave_host(&self) {
+        let environment = self.float_environment.load(Ordering::Relaxed);
+        if environment != 0 {
+            self.float_environment.store(0, Ordering::Relaxed);
+            float::restore(environment);
+        }
         compiler_fence(Ordering::SeqCst);
         self.in_host.store(false, Ordering::Relaxed);
         compiler_fence(Ordering::SeqCst);
@@ -173,6 +187,7 @@ impl ThreadBlock {
         self.tid.store(unsafe { libc::gettid() }, Ordering::Relaxed);
         self.last_call.store(u16::MAX, Ordering::Relaxed);
         self.in_host.store(false, Ordering::Relaxed);
+        self.float_environment.store(0, Ordering::Relaxed);
         self.overdue.store(false, Ordering::Relaxed);
         let alternate = set_alternate_stack(self.alternate_stack.load(Ordering::Relaxed))?;
         self.alternate_stack.store(alternate, Ordering::Relaxed);

@@ -17,6 +17,7 @@ use robios_sys::{
     Robios7Table, Support, SupportTable, flag,
 };
 
+use super::float;
 use super::image::{ProgramImage, SourceLine};
 use super::prepare::Prepared;
 use super::share::share_pages;
@@ -406,6 +407,8 @@ pub fn open(path: &Path) -> Result<Opened, OpenError> {
     // SAFETY: loading runs the constructors of a library that the user asked to run; that is what a robot program
     // is. The flags are those of dlopen.
     let library = unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) }.map_err(|error| linker(&error))?;
+    // Constructors have run on this thread: those of `-ffast-math` change its floats, which are the host's.
+    float::hold_default();
     // SAFETY: the symbol is only used as an address here.
     let symbol = unsafe { library.get::<*const Program>(PROGRAM_SYMBOL) }.map_err(|error| linker(&error))?;
     let description =

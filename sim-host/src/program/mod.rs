@@ -12,6 +12,7 @@ pub mod compile;
 pub mod compiler;
 mod constructors;
 pub mod find;
+pub mod float;
 pub mod generation;
 mod hint;
 pub mod image;
