@@ -175,6 +175,9 @@ impl World {
     }
 
     /// This world with movable objects at rest at these poses, in the order of their ids from 1 on.
+    ///
+    /// # Panics
+    /// If there are any in a build without the feature `objects`.
     pub fn with_objects(mut self, objects: impl IntoIterator<Item = (Arc<Properties>, Pose)>) -> Self {
         let mut objects = objects.into_iter().peekable();
         if objects.peek().is_some() {

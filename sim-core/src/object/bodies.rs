@@ -1,5 +1,8 @@
 //! The rigid bodies of a scene's objects, and their steps.
 
+mod energy;
+mod friction;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -11,57 +14,14 @@ use rapier2d_f64::geometry::{ColliderBuilder, ColliderHandle, ContactPair, Group
 use rapier2d_f64::math::{Pose as RigidPose, Rotation, Vector};
 use rapier2d_f64::pipeline::PhysicsWorld;
 
-use super::{
-    Properties, STEP, Shape, State,
-    energy::{self, Member},
-    floor::{Velocity, split},
-};
+use super::{Properties, Push, Pusher, STEP, Shape, State, Touch, floor::Velocity};
 use crate::{
     ObjectId, RobotId,
     pose::{Heading, Pose},
     scene::Walls,
 };
-
-/// A robot among the objects during a step: a disc.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pusher {
-    /// Whose body.
-    pub robot: RobotId,
-    /// Centre at the step's start, m.
-    pub centre: DVec2,
-    /// Mean velocity of the centre that it is on its way with, m/s.
-    pub velocity: DVec2,
-    /// Turning speed, rad/s.
-    pub omega: f64,
-    /// Radius, m.
-    pub radius: f64,
-    /// Mass, kg.
-    pub mass: f64,
-    /// True for a body that nothing pushes.
-    pub is_immovable: bool,
-}
-
-/// What a step has made of a robot's motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Push {
-    /// Velocity of the centre that the objects leave it, m/s.
-    pub velocity: DVec2,
-    /// Turning speed, rad/s.
-    pub omega: f64,
-    /// The object that it presses hardest, if it presses one.
-    pub touch: Option<Touch>,
-}
-
-/// An object in contact with a robot.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touch {
-    /// Which object.
-    pub object: ObjectId,
-    /// Impulse of the step, N s.
-    pub impulse: f64,
-    /// Direction from the robot's centre to the contact, a unit vector in the world.
-    pub direction: DVec2,
-}
+use energy::Member;
+use friction::split;
 
 /// One object.
 #[derive(Clone)]
@@ -113,6 +73,9 @@ const ROBOTS: Group = Group::GROUP_3;
 const SLEEPLESS: f64 = 0.02;
 
 impl Bodies {
+    /// Whether this build has rigid bodies: its feature `objects` is on.
+    pub const ARE_BUILT: bool = true;
+
     /// The objects at rest at their poses, in the order of their ids from 1 on, among `walls`.
     pub fn new(walls: &Walls, objects: impl IntoIterator<Item = (Arc<Properties>, Pose)>) -> Self {
         let mut world = PhysicsWorld::new();

@@ -3,18 +3,25 @@
 //! The room knows shapes, masses and friction. Motion goes on in steps of [`STEP`] on the global grid of virtual time;
 //! contacts are solved by rapier, floor friction and rolling resistance are ours, and no step raises the energy. It knows
 //! neither files nor what a robot does about a push: robots come as discs with a velocity ([`Pusher`]).
+//!
+//! The solver is built with the feature `objects`; without it [`Bodies`] cannot be made, and scenes that need them are refused.
 
+#[cfg(feature = "objects")]
+mod bodies;
+#[cfg(not(feature = "objects"))]
+#[path = "no_bodies.rs"]
 mod bodies;
 mod drift;
-mod energy;
 mod floor;
+mod push;
 mod shape;
 mod solid;
 
 use glam::DVec2;
 
-pub use bodies::{Bodies, Push, Pusher, Touch};
+pub use bodies::Bodies;
 pub use drift::Drift;
+pub use push::{Push, Pusher, Touch};
 pub use shape::Shape;
 pub(crate) use shape::cast_disc;
 pub use solid::{Figure, Met, Solid};

@@ -7,6 +7,7 @@ use super::Robot;
 use crate::build;
 use crate::drive::{Model, ModelError, Motion};
 use crate::noise::{Profile, Radio};
+use crate::object::Bodies;
 use crate::radio::Channel;
 use crate::scene::{Ground, Walls};
 use crate::spec::{NoiseRef, RobotSpec, SceneSpec};
@@ -28,16 +29,22 @@ pub struct RobotFactory {
     profiles: Vec<(NoiseRef, Option<Arc<Profile>>)>,
 }
 
-/// Why a robot cannot be simulated.
+/// Why a scene cannot be simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("robot type `{file}`: {part}{error}")]
-pub struct FactoryError {
-    /// The file of the robot's type.
-    pub file: String,
-    /// `noise of the drive: ` where its errors are meant; empty for its type.
-    pub part: &'static str,
-    /// A value with which nothing can be computed.
-    pub error: ModelError,
+pub enum FactoryError {
+    /// A robot type, or the errors of its drive, with which nothing can be computed.
+    #[error("robot type `{file}`: {part}{error}")]
+    Robot {
+        /// The file of the robot's type.
+        file: String,
+        /// `noise of the drive: ` where its errors are meant; empty for its type.
+        part: &'static str,
+        /// A value with which nothing can be computed.
+        error: ModelError,
+    },
+    /// The scene has movable objects, and this build has no [rigid bodies](Bodies).
+    #[error("the scene has {0} movable objects, which need the feature `objects` of sim-core")]
+    Objects(usize),
 }
 
 impl RobotFactory {
@@ -64,7 +71,7 @@ impl RobotFactory {
     /// # Errors
     /// A robot type, or errors of its drive, with which nothing can be computed.
     pub fn robot(&mut self, spec: &RobotSpec, since: Time) -> Result<(Robot, Radio), FactoryError> {
-        let failed = |part| move |error| FactoryError { file: spec.robi.file.clone(), part, error };
+        let failed = |part| move |error| FactoryError::Robot { file: spec.robi.file.clone(), part, error };
         let new_model = || Arc::new(build::model(&spec.robi));
         let model = Arc::clone(self.models.entry(spec.robi.file.clone()).or_insert_with(new_model));
         model.check().map_err(failed(""))?;
@@ -80,17 +87,24 @@ impl RobotFactory {
 
     /// The world of `scene`, which is this factory's, at time 0 with these robots, in the order of their ids, each with what happens
     /// to its messages.
+    ///
+    /// # Errors
+    /// [`FactoryError::Objects`] in a build without the feature `objects`.
     pub fn world<'a>(
         &self,
         scene: &SceneSpec,
         robots: impl IntoIterator<Item = &'a mut Robot>,
         heard: Vec<Radio>,
-    ) -> World {
+    ) -> Result<World, FactoryError> {
+        let movable = build::movable(scene).count();
+        if movable > 0 && !Bodies::ARE_BUILT {
+            return Err(FactoryError::Objects(movable));
+        }
         let motions = robots.into_iter().map(|robot| &mut robot.motion);
         let objects = build::movable(scene).map(|object| (build::properties(object), object.pose));
         let radio = Channel::new(scene.radio, self.seed, heard);
         let world = World::new(Arc::clone(&self.walls), self.slot, motions);
-        world.with_objects(objects).with_space(build::space(scene)).with_radio(radio)
+        Ok(world.with_objects(objects).with_space(build::space(scene)).with_radio(radio))
     }
 
     /// The noise profile of a robot; `None` where it has no errors.

@@ -45,7 +45,7 @@ impl Simulation {
     /// The simulation of `scene` at time 0.
     ///
     /// # Errors
-    /// A robot type, or errors of its drive, with which nothing can be computed.
+    /// A robot type, or errors of its drive, with which nothing can be computed; movable objects in a build without them.
     ///
     /// # Panics
     /// If the slot is not positive.
@@ -56,7 +56,7 @@ impl Simulation {
         let made = scene.robots.iter().map(|spec| factory.robot(spec, Time::ZERO));
         let (mut robots, heard): (Vec<Robot>, Vec<_>) = made.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
         robots.iter_mut().for_each(|robot| robot.record_start(""));
-        let world = factory.world(scene, &mut robots, heard);
+        let world = factory.world(scene, &mut robots, heard)?;
         let acted = robots.iter().map(|robot| robot.id).collect();
         let recorder = Recorder::new(seed, slot, KindSet::NONE);
         Ok(Self { environment: Environment::new(world, recorder), robots, acted, now: Time::ZERO })

@@ -83,6 +83,9 @@ impl World {
     ///
     /// # Errors
     /// [`PlaceError`] for a position that is not finite or beyond 10^9 m.
+    ///
+    /// # Panics
+    /// In a build without the feature `objects`.
     pub fn add_object(
         &mut self,
         properties: Arc<Properties>,

@@ -136,7 +136,7 @@ impl Spawner {
         let made =
             scene.robots.iter().zip(&programs).map(|(spec, program)| self.make(spec, program.as_ref(), Time::ZERO));
         let (mut robots, heard): (Vec<Robot>, Vec<Radio>) = made.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
-        let world = self.factory.world(&scene, robots.iter_mut().map(|robot| &mut robot.state), heard);
+        let world = self.factory.world(&scene, robots.iter_mut().map(|robot| &mut robot.state), heard)?;
         Ok((world, robots))
     }
 

@@ -5,7 +5,7 @@
 
 use glam::DVec2;
 
-use super::floor::Velocity;
+use super::Velocity;
 
 /// A body in an island of bodies that act on each other.
 #[derive(Clone, Copy, Debug)]
