@@ -11,7 +11,7 @@ use sim_core::object::{Part, Properties, Resistance, Shape};
 use sim_core::pose::{Pose, Twist};
 use sim_core::scene::{Segment, Walls};
 use sim_core::time::Time;
-use sim_core::world::World;
+use sim_core::world::{Ray, World};
 use sim_core::{ObjectId, RobotId};
 
 const UGLY: [f64; 18] = [
@@ -182,7 +182,7 @@ fn every_number_of_a_world_is_refused_or_leaves_all_finite() {
             (DVec2::ZERO, DVec2::new(number, 0.0), 5.0),
             (DVec2::ZERO, DVec2::new(0.5, number), 5.0),
         ] {
-            let hit = world.cast(RobotId(1), origin, direction, range, world.slot_start());
+            let hit = world.cast(RobotId(1), &Ray::flat(origin, direction, range), world.slot_start());
             let is_sound = hit.is_none_or(|hit| hit.distance >= 0.0 && hit.distance.is_finite());
             assert!(is_sound, "{hit:?} from {origin} along {direction} to {range}");
         }

@@ -7,12 +7,14 @@ use accuracy::oracle::{Body, nearest_body};
 use accuracy::world::Random;
 use glam::{DVec2, DVec3};
 use sim_core::{
-    ObjectId, RobotId, math,
+    ObjectId, RobotId,
+    contact::Thing,
+    math,
     object::{Figure, Properties, Resistance, Shape, Solid},
     pose::Pose,
     scene::{Segment, Surface, WallId, Walls},
     time::Time,
-    world::{Block, Seen, Sighting, Space, World},
+    world::{Block, Face, Ray, RayHit, Space, World},
 };
 
 const ME: RobotId = RobotId(1);
@@ -21,8 +23,12 @@ fn world(walls: Walls, space: Space) -> World {
     World::new(Arc::new(walls), Time::from_millis(50), std::iter::empty()).with_space(space)
 }
 
-fn look(world: &World, origin: [f64; 3], direction: [f64; 3]) -> Option<Sighting> {
-    world.sight(ME, DVec3::from(origin), DVec3::from(direction).normalize_or_zero(), 9.0, Time::ZERO)
+fn look(world: &World, origin: [f64; 3], direction: [f64; 3]) -> Option<RayHit> {
+    world.cast(ME, &Ray::new(DVec3::from(origin), DVec3::from(direction).normalize_or_zero(), 9.0), Time::ZERO)
+}
+
+fn normal_of(met: &RayHit) -> DVec3 {
+    met.face.expect("a ray in space meets faces").normal
 }
 
 /// A random body of the oracle, and the same as a fixed body of the world.
@@ -64,17 +70,18 @@ fn rays_meet_the_bodies_that_brute_force_meets() {
             let origin =
                 corner + DVec3::new(random.between(-1.0, 9.0), random.between(-1.0, 7.0), random.between(0.0, 3.0));
             let direction = random.direction_in_space();
-            let found = world.sight(ME, origin, direction, 4.0, Time::ZERO).filter(|met| met.thing != Seen::Floor);
+            let found =
+                world.cast(ME, &Ray::new(origin, direction, 4.0), Time::ZERO).filter(|met| met.thing != Thing::Floor);
             match nearest_body(&bodies, origin, direction, 4.0, 1e-11) {
                 Some((metres, place)) => match found {
-                    Some(Sighting { distance, thing, normal, .. }) => {
+                    Some(RayHit { distance, thing, face: Some(Face { normal, .. }) }) => {
                         // Brute force stops 10 pm short, measured across the surface.
                         let close = 1e-9 + 2e-11 / normal.dot(direction).abs();
                         assert!((distance - metres).abs() < close, "{distance} for {metres}");
-                        assert!(thing == Seen::Fixed(place as u32) || distance == 0.0, "{scene}: {thing:?}");
+                        assert!(thing == Thing::Fixed(place as u32) || distance == 0.0, "{scene}: {thing:?}");
                         hits += 1;
                     }
-                    None => {
+                    _ => {
                         let point = origin + direction * metres;
                         assert!(metres > 4.0 - 1e-9 || point.z < 1e-9, "missed at {metres} m: {:?}", bodies[place]);
                     }
@@ -98,14 +105,15 @@ fn normals_are_those_of_the_distance_and_point_to_the_ray() {
         let world = world(Walls::new(Vec::new()), Space { fixed: vec![fixed], ..Space::default() });
         let origin = DVec3::new(random.between(-1.0, 5.0), random.between(-1.0, 5.0), random.between(0.0, 3.0));
         let direction = random.direction_in_space();
-        let Some(met) = world.sight(ME, origin, direction, 9.0, Time::ZERO) else { continue };
-        assert!((met.normal.length() - 1.0).abs() < 1e-12 && met.normal.dot(direction) <= 1e-12, "{met:?}");
-        if met.distance == 0.0 || met.thing == Seen::Floor {
-            assert_eq!(met.normal, if met.distance == 0.0 { -direction } else { DVec3::Z });
+        let Some(met) = world.cast(ME, &Ray::new(origin, direction, 9.0), Time::ZERO) else { continue };
+        let normal = normal_of(&met);
+        assert!((normal.length() - 1.0).abs() < 1e-12 && normal.dot(direction) <= 1e-12, "{met:?}");
+        if met.distance == 0.0 || met.thing == Thing::Floor {
+            assert_eq!(normal, if met.distance == 0.0 { -direction } else { DVec3::Z });
             continue;
         }
         // Away from the surface, the distance grows by as much as the way along the normal.
-        let outside = origin + direction * met.distance + 1e-3 * met.normal;
+        let outside = origin + direction * met.distance + 1e-3 * normal;
         assert!((body.distance(outside) - 1e-3).abs() < 1e-9, "{body:?} {met:?}");
     }
 }
@@ -123,22 +131,22 @@ fn two_walls() -> World {
 #[test]
 fn walls_end_at_their_heights_and_thick_ones_have_tops() {
     let world = two_walls();
-    let see = |origin, direction| look(&world, origin, direction).map(|met| (met.thing, met.distance, met.normal));
-    assert_eq!(see([0.0, 0.0, 0.5], [1.0, 0.0, 0.0]), Some((Seen::Wall(WallId(0)), 2.0, DVec3::NEG_X)));
-    assert_eq!(see([0.0, 0.0, 1.0], [1.0, 0.0, 0.0]), Some((Seen::Wall(WallId(0)), 2.0, DVec3::NEG_X)), "the edge");
+    let see = |origin, direction| look(&world, origin, direction).map(|met| (met.thing, met.distance, normal_of(&met)));
+    assert_eq!(see([0.0, 0.0, 0.5], [1.0, 0.0, 0.0]), Some((Thing::Wall(WallId(0)), 2.0, DVec3::NEG_X)));
+    assert_eq!(see([0.0, 0.0, 1.0], [1.0, 0.0, 0.0]), Some((Thing::Wall(WallId(0)), 2.0, DVec3::NEG_X)), "the edge");
     assert_eq!(see([0.0, 0.0, 1.0 + 1e-12], [1.0, 0.0, 0.0]), None, "both are lower");
-    assert_eq!(see([4.0, 0.0, 0.5], [-1.0, 0.0, 0.0]), Some((Seen::Wall(WallId(0)), 2.0, DVec3::X)), "from behind");
+    assert_eq!(see([4.0, 0.0, 0.5], [-1.0, 0.0, 0.0]), Some((Thing::Wall(WallId(0)), 2.0, DVec3::X)), "from behind");
     // Straight down: on the thick wall's top, beside it on the floor.
     let (thing, distance, normal) = see([5.1, 0.9, 2.0], [0.0, 0.0, -1.0]).unwrap();
     assert_eq!((distance, normal), (1.5, DVec3::Z));
-    assert!(matches!(thing, Seen::Wall(WallId(1..=4))));
-    assert_eq!(see([5.3, 0.9, 2.0], [0.0, 0.0, -1.0]), Some((Seen::Floor, 2.0, DVec3::Z)));
+    assert!(matches!(thing, Thing::Wall(WallId(1..=4))));
+    assert_eq!(see([5.3, 0.9, 2.0], [0.0, 0.0, -1.0]), Some((Thing::Floor, 2.0, DVec3::Z)));
     assert_eq!(see([5.1, 0.9, 2.0], [0.0, 0.0, 1.0]), None);
     // Down a slope of 1 in 2 over the thin wall onto the top, and onto the floor before the wall.
     let (_, distance, normal) = see([3.0, 0.0, 1.5], [2.0, 0.0, -1.0]).unwrap();
     assert!((distance - 5.0_f64.sqrt()).abs() < 1e-15 && normal == DVec3::Z);
     let (thing, distance, _) = see([1.0, 0.0, 0.25], [2.0, 0.0, -1.0]).unwrap();
-    assert!((distance - (0.5_f64 * 0.5 + 0.25 * 0.25).sqrt()).abs() < 1e-15 && thing == Seen::Floor);
+    assert!((distance - (0.5_f64 * 0.5 + 0.25 * 0.25).sqrt()).abs() < 1e-15 && thing == Thing::Floor);
 }
 
 #[test]
@@ -150,16 +158,16 @@ fn a_ray_through_the_edge_of_a_thick_wall_does_not_slip_in() {
         for edge in [DVec3::new(4.8, -1.0 + 2.0 * step, 0.5), DVec3::new(4.8 + 0.4 * step, -1.0, 0.5)] {
             let origin = DVec3::new(4.0 + 0.5 * step, -1.5, 0.7 + step);
             let direction = (edge - origin).normalize_or_zero();
-            let met = world.sight(ME, origin, direction, 9.0, Time::ZERO).expect("edge or floor");
+            let met = world.cast(ME, &Ray::new(origin, direction, 9.0), Time::ZERO).expect("edge or floor");
             let is_at_edge = (met.distance - (edge - origin).length()).abs() < 1e-12;
             let is_corner = step == 0.0 || step == 1.0;
-            assert!(is_at_edge || is_corner && met.thing == Seen::Floor, "{step}: {met:?}");
+            assert!(is_at_edge || is_corner && met.thing == Thing::Floor, "{step}: {met:?}");
             if is_corner {
                 continue;
             }
             let inward = (edge + DVec3::new(1e-9, 1e-9, -1e-9) - origin).normalize_or_zero();
-            let met = world.sight(ME, origin, inward, 9.0, Time::ZERO).expect("the edge");
-            assert!(matches!(met.thing, Seen::Wall(_)) && (met.distance - (edge - origin).length()).abs() < 1e-8);
+            let met = world.cast(ME, &Ray::new(origin, inward, 9.0), Time::ZERO).expect("the edge");
+            assert!(matches!(met.thing, Thing::Wall(_)) && (met.distance - (edge - origin).length()).abs() < 1e-8);
         }
     }
 }
@@ -205,7 +213,7 @@ fn rays_from_a_surface_along_it_and_in_a_corner() {
 #[test]
 fn what_is_no_ray_meets_nothing() {
     let world = two_walls();
-    let at = |origin, direction, range| world.sight(ME, origin, direction, range, Time::ZERO);
+    let at = |origin, direction, range| world.cast(ME, &Ray::new(origin, direction, range), Time::ZERO);
     let origin = DVec3::new(0.0, 0.0, 0.5);
     assert!(at(origin, DVec3::X, 2.0).is_some(), "the range is closed");
     assert!(at(origin, DVec3::X, 2.0 - 1e-12).is_none());
@@ -232,7 +240,7 @@ fn nearly_vertical_rays_are_no_special_case() {
         let aside = math::exp(-f64::from(exponent) * std::f64::consts::LN_10);
         let met = look(&world, [1.0, 0.0, 0.5], [aside, 0.0, -1.0]).expect("the floor");
         let expected: f64 = 0.5 * math::hypot(1.0, aside);
-        assert!(met.thing == Seen::Floor && (met.distance - expected).abs() < 1e-15, "{aside}: {met:?}");
+        assert!(met.thing == Thing::Floor && (met.distance - expected).abs() < 1e-15, "{aside}: {met:?}");
         assert_eq!(look(&world, [1.0, 0.0, 0.5], [aside * 1e-3, 0.0, 1.0]), None, "over the wall: {aside}");
     }
 }
@@ -256,8 +264,9 @@ fn objects_and_robots_have_heights() {
     let world = bare.with_space(Space { objects: vec![Arc::new(ball)], ..Space::default() });
     assert_eq!(look(&world, [0.0, 0.0, 0.3], [1.0, 0.0, 0.0]), None);
     let met = look(&world, [0.0, 0.0, 0.1], [1.0, 0.0, 0.0]).unwrap();
-    assert_eq!((met.distance, met.thing, met.surface), (1.9, Seen::Object(ObjectId(1)), Surface::SMOOTH));
-    assert_eq!(met.curvature, DVec2::splat(10.0));
+    let face = met.face.expect("a face");
+    assert_eq!((met.distance, met.thing, face.surface), (1.9, Thing::Object(ObjectId(1)), Surface::SMOOTH));
+    assert_eq!(face.curvature, DVec2::splat(10.0));
     // Half way up to its top, the ball is met later.
     let met = look(&world, [0.0, 0.0, 0.15], [1.0, 0.0, 0.0]).unwrap();
     assert!((met.distance - (2.0 - 0.75_f64.sqrt() * 0.1)).abs() < 1e-15);
@@ -273,7 +282,7 @@ fn a_circle_of_rays_meets_a_cylinder_at_one_distance() {
         let (sin_up, cos_up) = math::sin_cos(f64::from(step % 7 - 3) * 0.1 * FRAC_PI_2);
         let outward = DVec3::new(cos * cos_up, sin * cos_up, sin_up);
         let target = DVec3::new(3.0 + 0.25 * cos, 4.0 + 0.25 * sin, 0.5);
-        let met = world.sight(ME, target + outward, -outward, 3.0, Time::ZERO).expect("the cylinder");
-        assert!((met.distance - 1.0).abs() < 1e-14 && (met.normal - DVec3::new(cos, sin, 0.0)).length() < 1e-14);
+        let met = world.cast(ME, &Ray::new(target + outward, -outward, 3.0), Time::ZERO).expect("the cylinder");
+        assert!((met.distance - 1.0).abs() < 1e-14 && (normal_of(&met) - DVec3::new(cos, sin, 0.0)).length() < 1e-14);
     }
 }

@@ -6,8 +6,8 @@
 
 mod objects;
 mod presence;
+mod ray;
 mod settle;
-mod sight;
 mod space;
 mod touch;
 mod track;
@@ -21,50 +21,20 @@ use crate::{
     ObjectId, RobotId,
     contact::{Body, TOUCH, Thing},
     drive::{HISTORY, Motion, Passage},
-    object::{Properties, State, cast_disc},
+    object::{Properties, State},
     pose::{PlaceError, Pose, Pose3, Twist},
     radio::{Channel, Loss, Model},
-    scene::{Bounds, Hit, Moving, Walls},
+    scene::{Bounds, Moving, Walls},
     time::Time,
 };
 use objects::Objects;
 pub use presence::Presence;
+pub use ray::{Face, Ray, RayHit, Tilt};
 use settle::{Settling, Truth};
-pub use sight::{Seen, Sighting};
 use space::Stage;
 pub use space::{Block, Space};
 pub use touch::{Closeness, LegTouch};
 use track::Track;
-
-/// What a ray meets first.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RayHit {
-    /// Distance from the ray's origin, m; 0 when the origin lies inside a body.
-    pub distance: f64,
-    /// What was met.
-    pub thing: Thing,
-}
-
-/// How a ray rises above the floor.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Slope {
-    /// Height of its origin above the floor, m; 0 or more.
-    pub height: f64,
-    /// What it gains in height on each metre along the floor, m; negative for a ray that falls.
-    pub rise: f64,
-}
-
-impl Slope {
-    /// Height of the ray above the floor after `distance` metres along the floor, m.
-    pub fn height_at(&self, distance: f64) -> f64 {
-        self.height + self.rise * distance
-    }
-
-    /// Distance along the floor at which the ray falls onto it, m; infinite when it does not fall.
-    pub fn floor(&self) -> f64 {
-        if self.rise < 0.0 { self.height / -self.rise } else { f64::INFINITY }
-    }
-}
 
 /// A contact that began in a slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -359,69 +329,6 @@ impl World {
             twist: passage.path.twist,
             after: passage.after,
         })
-    }
-
-    /// What a ray from `origin` along the unit vector `direction` meets first within `range` metres at the instant `at`: a
-    /// wall, the body of another robot than `by`, or an object, by their public trajectories.
-    ///
-    /// Source: Koestler & Bräunl, section 4.1. A ray that starts inside another body reads 0; of a wall and a body at the
-    /// same distance the wall is met, of two bodies that of the lower id: our choice.
-    pub fn cast(&self, by: RobotId, origin: DVec2, direction: DVec2, range: f64, at: Time) -> Option<RayHit> {
-        self.cast_bodies(by, origin, direction, range, at, self.walls.cast(origin, direction, range))
-    }
-
-    /// As [`World::cast`] for a ray that rises or falls, with distances along the floor: it passes over walls that are
-    /// [lower](Walls::height) than the ray where it comes to them. Bodies are met at any height.
-    pub fn cast_sloping(
-        &self,
-        by: RobotId,
-        origin: DVec2,
-        direction: DVec2,
-        range: f64,
-        slope: Slope,
-        at: Time,
-    ) -> Option<RayHit> {
-        let wall = self.walls.cast_where(origin, direction, range, |wall, distance| {
-            slope.height_at(distance) <= self.walls.height(wall)
-        });
-        self.cast_bodies(by, origin, direction, range, at, wall)
-    }
-
-    /// What a ray meets first of this wall and the bodies.
-    fn cast_bodies(
-        &self,
-        by: RobotId,
-        origin: DVec2,
-        direction: DVec2,
-        range: f64,
-        at: Time,
-        wall: Option<Hit>,
-    ) -> Option<RayHit> {
-        let mut nearest = wall.map(|hit| RayHit { distance: hit.distance, thing: Thing::Wall(hit.wall) });
-        if self.is_for_one() && by == RobotId(1) {
-            // Nobody sees itself.
-            return nearest;
-        }
-        let reach = nearest.map_or(range, |hit| hit.distance);
-        let mut look_at = |robot: RobotId| {
-            if robot == by {
-                return;
-            }
-            let track = &self.tracks[robot.index()];
-            let Some(distance) = cast_disc(origin, direction, track.centre(at), track.radius()) else { return };
-            let thing = Thing::Robot(robot);
-            let is_nearer = |hit: RayHit| distance < hit.distance || (distance == hit.distance && thing < hit.thing);
-            if distance <= range && nearest.is_none_or(is_nearer) && track.presence.holds(at) {
-                nearest = Some(RayHit { distance, thing });
-            }
-        };
-        self.resting.along_ray(origin, direction, reach, &mut look_at);
-        self.moving.along_ray(origin, direction, reach, &mut look_at);
-        let Some(objects) = &self.objects else { return nearest };
-        let reach = nearest.map_or(range, |hit| hit.distance);
-        let object = objects.cast(origin, direction, reach, at);
-        let nearer = object.filter(|(distance, _)| nearest.is_none_or(|hit| *distance < hit.distance));
-        nearer.map(|(distance, object)| RayHit { distance, thing: Thing::Object(object) }).or(nearest)
     }
 
     /// The bodies of other robots that are in contact with `motion`'s at `at`, by their public trajectories and its own

@@ -10,7 +10,7 @@ use sim_core::{
     pose::{Pose, Twist},
     scene::{Segment, Walls},
     time::Time,
-    world::World,
+    world::{Ray, World},
 };
 
 const LONE: RobotId = RobotId(1);
@@ -49,7 +49,7 @@ impl Scene {
         let motion = &mut self.motions[0];
         let before = (now - Time(90_000)).max(Time::ZERO);
         let public = [before, now, self.world.slot_end() - Time(1)].map(|at| self.world.robot_pose(LONE, at));
-        let seen = self.world.cast(OTHER, DVec2::ZERO, ray, 5.0, now);
+        let seen = self.world.cast(OTHER, &Ray::flat(DVec2::ZERO, ray, 5.0), now);
         let truth = (motion.state(now), motion.speed(now), motion.is_active(), motion.is_stalled(now));
         let history = (motion.contacts(now), motion.impacts(before, now), motion.drive_end());
         format!("{contacts:?} {public:?} {seen:?} {truth:?} {history:?}")

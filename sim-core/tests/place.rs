@@ -12,7 +12,7 @@ use sim_core::{
     pose::{PlaceError, Pose, Twist},
     scene::{Segment, Walls},
     time::Time,
-    world::{Contact, World},
+    world::{Contact, Ray, World},
 };
 
 const RADIUS: f64 = 0.1;
@@ -114,7 +114,7 @@ impl Scene {
     }
 
     fn sees(&self, origin: DVec2, direction: DVec2, at: Time) -> (f64, Thing) {
-        let hit = self.world.cast(RobotId(9), origin, direction, 9.0, at).expect("walls all around");
+        let hit = self.world.cast(RobotId(9), &Ray::flat(origin, direction, 9.0), at).expect("walls all around");
         (hit.distance, hit.thing)
     }
 }

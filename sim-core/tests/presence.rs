@@ -12,7 +12,7 @@ use sim_core::{
     pose::{Pose, Twist},
     scene::{Segment, Surface, Walls},
     time::Time,
-    world::{Block, Presence, Space, World},
+    world::{Block, Presence, Ray, Space, World},
 };
 
 const RADIUS: f64 = 0.1;
@@ -125,9 +125,10 @@ fn look(world: &World, at: Time) -> Vec<Met> {
         let origin = DVec2::new(random.between(-2.0, 2.0), random.between(-2.0, 2.0));
         let angle = random.between(-PI, PI);
         let direction = Pose::new(0.0, 0.0, angle).heading.direction();
-        let plane = world.cast(r(u32::MAX), origin, direction, 3.0, at).map(|hit| (hit.distance, hit.thing));
+        let plane =
+            world.cast(r(u32::MAX), &Ray::flat(origin, direction, 3.0), at).map(|hit| (hit.distance, hit.thing));
         let tilted = direction.extend(random.between(-0.3, 0.3)).normalize_or(DVec3::X);
-        let space = world.sight(r(u32::MAX), origin.extend(0.2), tilted, 3.0, at).map(|seen| seen.distance);
+        let space = world.cast(r(u32::MAX), &Ray::new(origin.extend(0.2), tilted, 3.0), at).map(|seen| seen.distance);
         (plane, space)
     };
     (0..400).map(ray).collect()
@@ -311,10 +312,10 @@ fn shapes_of_newcomers_are_their_own() {
     let flat = Arc::new(Figure { solids: vec![prism], surface: Surface::default() });
     scene.world.add_object(ball(0.05), place(2.0, 0.0), Some(flat)).expect("a place");
     let at = SLOT + SLOT;
-    let sees = |x: f64, z: f64| scene.world.sight(r(9), DVec3::new(x, 0.0, z), DVec3::X, 1.0, at).is_some();
+    let sees = |x: f64, z: f64| scene.world.cast(r(9), &Ray::new(DVec3::new(x, 0.0, z), DVec3::X, 1.0), at).is_some();
     assert!(sees(0.5, 0.05) && !sees(0.5, 0.15), "a low robot");
     assert!(sees(1.5, 0.05) && !sees(1.5, 0.15), "a low object");
     assert!(sees(-1.5, 0.15), "the one from the start is as high as it takes");
-    let beside = scene.world.sight(r(9), DVec3::new(-0.5, 3.0, 9.0), DVec3::X, 1.0, at);
+    let beside = scene.world.cast(r(9), &Ray::new(DVec3::new(-0.5, 3.0, 9.0), DVec3::X, 1.0), at);
     assert!(beside.is_some(), "and so is its object");
 }

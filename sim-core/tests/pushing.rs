@@ -11,7 +11,7 @@ use sim_core::{
     pose::{Pose, Twist},
     scene::Walls,
     time::Time,
-    world::{Contact, World},
+    world::{Contact, Ray, World},
 };
 
 const RADIUS: f64 = 0.1;
@@ -230,7 +230,9 @@ fn rays_meet_objects_by_their_public_way() {
     let ball = object(Shape::Disc { radius: 0.02 }, 0.05, Resistance::Rolling(0.1), 0.5);
     let objects = vec![(ball, Pose::new(0.0, 0.5, 0.0)), (crate_(1.0, 0.5), Pose::new(1.0, 0.0, 0.0))];
     let mut scene = Scene::new(SLOT, &[Pose::new(-1.0, 0.0, 0.0)], objects);
-    let see = |scene: &Scene, from: DVec2, along: DVec2, at: Time| scene.world.cast(RobotId(1), from, along, 5.0, at);
+    let see = |scene: &Scene, from: DVec2, along: DVec2, at: Time| {
+        scene.world.cast(RobotId(1), &Ray::flat(from, along, 5.0), at)
+    };
     let hit = see(&scene, DVec2::ZERO, DVec2::X, Time::ZERO).expect("the crate");
     assert_eq!((hit.distance, hit.thing), (0.95, Thing::Object(ObjectId(2))));
     let inside = see(&scene, DVec2::new(1.01, 0.01), DVec2::Y, Time::ZERO).expect("from inside");

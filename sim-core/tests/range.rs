@@ -12,7 +12,7 @@ use sim_core::{
     scene::{Bounds, MeshIndex, Segment, Surface, WallId, Walls},
     sensor::{Beam, Echo, Fan, Link, Mount, Posture, RangeModel, RangeSensor, Reading, Scan, Sonar},
     time::Time,
-    world::{Block, Space, World},
+    world::{Block, Ray, Space, World},
 };
 
 const ME: RobotId = RobotId(1);
@@ -434,7 +434,7 @@ fn a_movable_mesh_is_seen_beyond_its_footprint() {
         .with_objects(objects)
         .with_space(Space { objects: vec![Arc::new(figure)], ..Space::default() });
     for (y, expected) in [(0.0, Some(2.0)), (0.4, Some(2.0)), (0.9, Some(2.0)), (-0.9, None), (1.1, None)] {
-        let met = world.sight(ME, DVec3::new(0.0, y, 0.3), DVec3::X, 9.0, Time::ZERO);
+        let met = world.cast(ME, &Ray::new(DVec3::new(0.0, y, 0.3), DVec3::X, 9.0), Time::ZERO);
         assert_eq!(met.map(|met| met.distance), expected, "{y}");
     }
 }

@@ -17,7 +17,7 @@ use sim_core::{
     radio::{Address, Channel, Medium, Model as RadioModel, Station},
     scene::{Ground, Segment, Surface, Walls},
     time::Time,
-    world::{Space, World},
+    world::{Ray, Space, World},
 };
 
 /// Half of the room's sides, m.
@@ -302,11 +302,11 @@ impl Simulation {
             let origin = self.world.robot_pose(motion.id(), at).position;
             for ray in 0..6 {
                 let direction = Pose::new(0.0, 0.0, f64::from(ray)).heading.direction();
-                let level = self.world.cast(motion.id(), origin, direction, 3.0, at);
+                let level = self.world.cast(motion.id(), &Ray::flat(origin, direction, 3.0), at);
                 let tilted = direction.extend(0.1 * f64::from(ray - 3)).normalize_or_zero();
                 seen.push(format!(
                     "{level:?} {:?}",
-                    self.world.sight(motion.id(), origin.extend(0.1), tilted, 3.0, at)
+                    self.world.cast(motion.id(), &Ray::new(origin.extend(0.1), tilted, 3.0), at)
                 ));
             }
         }

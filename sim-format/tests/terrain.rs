@@ -7,9 +7,10 @@ use glam::DVec3;
 use image::{DynamicImage, GrayImage, ImageFormat, Luma, RgbImage};
 use sim_core::RobotId;
 use sim_core::build;
+use sim_core::contact::Thing;
 use sim_core::scene::HeightField;
 use sim_core::time::Time;
-use sim_core::world::{Seen, World};
+use sim_core::world::{Ray, World};
 use sim_format::{FileError, Files, Loaded, Severity, load_scene};
 
 struct Folder(BTreeMap<String, Vec<u8>>);
@@ -72,10 +73,11 @@ fn rays_meet_the_terrain_as_high_as_the_scene_says() {
     let world = world.with_space(build::space(&loaded.scene));
     for step in 0..400 {
         let (x, y) = (0.0051 + 3.987 * f64::from(step) / 400.0, 0.0037 + 2.981 * f64::from(step * 37 % 400) / 400.0);
-        let down = world.sight(RobotId(1), DVec3::new(x, y, 3.0), DVec3::NEG_Z, 10.0, Time::ZERO).expect("ground");
+        let down =
+            world.cast(RobotId(1), &Ray::new(DVec3::new(x, y, 3.0), DVec3::NEG_Z, 10.0), Time::ZERO).expect("ground");
         assert!((3.0 - down.distance - field.height(x, y)).abs() < 1e-9, "at {x}, {y}");
-        assert!(down.normal.distance(field.normal(x, y)) < 1e-9, "at {x}, {y}");
-        assert_eq!(down.thing, Seen::Fixed(0));
+        assert!(down.face.expect("a face").normal.distance(field.normal(x, y)) < 1e-9, "at {x}, {y}");
+        assert_eq!(down.thing, Thing::Fixed(0));
     }
     assert_eq!(field.height(0.5, 0.5), 0.0);
     assert!(field.range().1 > 0.3);

@@ -5,13 +5,15 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use sim_core::{
-    RobotId, math,
+    RobotId,
+    contact::Thing,
+    math,
     object::{Figure as Body, Shape, Solid},
     pose::{Pose, Pose3},
     scene::{Surface, Walls},
     sensor::{Echo, Link, Posture, RangeModel, RangeSensor, incidence},
     time::Time,
-    world::{Seen, Space, World},
+    world::{Ray, Space, World},
 };
 
 /// What the three sensors read at one instant of the walk, all at one place of the leg.
@@ -72,13 +74,14 @@ pub fn walk(period: f64) -> Vec<Sample> {
             reading.distance.expect("these sensors always read a distance")
         };
         let ray = posture.world_from(&mount, Some(0));
-        let met =
-            world.sight(ROBOT, ray.position, ray.forward(), 9.0, Time::ZERO).expect("the ray falls onto something");
+        let met = world
+            .cast(ROBOT, &Ray::new(ray.position, ray.forward(), 9.0), Time::ZERO)
+            .expect("the ray falls onto something");
         Sample {
             seconds,
             exact: met.distance,
-            incidence: incidence(ray.forward(), met.normal),
-            is_on_step: met.thing != Seen::Floor,
+            incidence: incidence(ray.forward(), met.face.expect("a ray in space meets faces").normal),
+            is_on_step: met.thing != Thing::Floor,
             laser: read(RangeModel::Laser(Echo::LASER)),
             ultrasonic: read(RangeModel::Ultrasonic(Echo::ULTRASONIC)),
             reflectance: read(RangeModel::Reflectance(Echo::REFLECTANCE)),

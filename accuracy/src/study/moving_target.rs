@@ -13,7 +13,7 @@ use sim_core::drive::{Command, Motion};
 use sim_core::pose::{Pose, Twist};
 use sim_core::scene::Walls;
 use sim_core::time::Time;
-use sim_core::world::World;
+use sim_core::world::{Ray, World};
 
 use super::{Effort, Outcome, Row, Study, nanoseconds};
 use crate::course::model;
@@ -109,7 +109,7 @@ fn errors(slot: Time, span: Time, sight: Sight) -> Errors {
                 Sight::Plan => at,
                 Sight::Frozen => start,
             };
-            let hit = world.cast(RobotId(1), DVec2::ZERO, DVec2::X, RANGE, seen_at);
+            let hit = world.cast(RobotId(1), &Ray::flat(DVec2::ZERO, DVec2::X, RANGE), seen_at);
             let seen = hit.expect("the target stays within range").distance;
             let truth = target.pose(at).position.x - model.body_radius;
             errors.add(seen - truth);

@@ -13,7 +13,7 @@ use sim_core::pose::Pose3;
 use sim_core::scene::{Segment, Surface, Walls};
 use sim_core::sensor::{Sonar, incidence};
 use sim_core::time::Time;
-use sim_core::world::{Space, World};
+use sim_core::world::{Ray, Space, World};
 use sim_core::{RobotId, sensor::RangeModel};
 
 use super::{Effort, Figure, Mark, Outcome, Row, Scale, Series, Study, nanoseconds};
@@ -105,10 +105,10 @@ fn rays_alone(case: &Case, sonar: &Sonar) -> Option<f64> {
         let angle = angle_of(ray, sonar.rays);
         let (sin, cos) = math::sin_cos(angle);
         let direction = rotation.x_axis * cos + rotation.y_axis * sin;
-        let Some(met) = case.world.sight(ME, position, direction, nearest.unwrap_or(sonar.max), Time::ZERO) else {
-            continue;
-        };
-        let energy = sonar.energy(angle.abs(), &met, incidence(direction, met.normal));
+        let ray = Ray::new(position, direction, nearest.unwrap_or(sonar.max));
+        let Some(met) = case.world.cast(ME, &ray, Time::ZERO) else { continue };
+        let face = met.face.expect("a ray in space meets faces");
+        let energy = sonar.energy(angle.abs(), met.distance, &face, incidence(direction, face.normal));
         if met.distance >= sonar.min && energy >= sonar.threshold {
             nearest = Some(met.distance);
         }

@@ -25,11 +25,16 @@ pub const TOUCH: f64 = SKIN + 1e-9;
 /// 0.1 mm a day.
 pub const APPROACH: f64 = 1e-9;
 
-/// What a body or a ray meets.
+/// What a body, a leg or a ray meets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Thing {
-    /// A static wall.
+    /// A static wall; for rays of a thick one, one of its sides, also for its upper face.
     Wall(WallId),
+    /// The floor, or for legs the ground: met by rays and legs alone.
+    Floor,
+    /// A body that never moves, by its place in [`Space::fixed`](crate::world::Space::fixed): met by rays and legs alone; in the plane
+    /// its outlines are walls.
+    Fixed(u32),
     /// The body of a robot.
     Robot(RobotId),
     /// A movable object.

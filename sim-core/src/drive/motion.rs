@@ -425,7 +425,7 @@ impl Motion {
     pub fn blocker(&self) -> Option<RobotId> {
         self.last().blocker().and_then(|obstacle| match obstacle.thing {
             Thing::Robot(id) => Some(id),
-            Thing::Wall(_) | Thing::Object(_) => None,
+            _ => None,
         })
     }
 

@@ -88,12 +88,19 @@ impl<K: Copy + Ord> Moving<K> {
             stretch.map(|(entry, _)| entry)
         };
         if 2.0 * doubt(origin, grid.bounds()) < self.margin {
+            // Most bodies of a cell lie aside of the ray's line, which is told without a division.
+            let aside = direction.perp();
+            let is_aside = |bounds: &Bounds| {
+                let (middle, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
+                (middle - origin).dot(aside).abs() > half.dot(aside.abs()) + 2.0 * self.margin
+            };
             let mut last_exit = f64::NEG_INFINITY;
             grid.walk(origin, direction, range, |cell, exit| {
                 for &place in self.cells.of(cell) {
                     let (id, bounds) = &self.bodies[place as usize];
                     // A body that lies in several cells is reported by the one in which the ray enters its rectangle.
-                    if entry_of(bounds).is_some_and(|entry| entry > last_exit && entry <= exit) {
+                    let is_entered = |entry| entry > last_exit && entry <= exit;
+                    if !is_aside(bounds) && entry_of(bounds).is_some_and(is_entered) {
                         visit(*id);
                     }
                 }

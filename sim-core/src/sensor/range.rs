@@ -3,7 +3,7 @@ use crate::{
     RobotId,
     pose::{Pose, Pose3},
     time::Time,
-    world::World,
+    world::{Ray, World},
 };
 
 /// What a range sensor makes of the surfaces before it.
@@ -69,8 +69,8 @@ impl RangeModel {
     pub fn read(&self, world: &World, by: RobotId, world_from_sensor: &Pose3, at: Time, noise: f64) -> Reading {
         let met = |range: f64| {
             let direction = world_from_sensor.forward();
-            let sighting = world.sight(by, world_from_sensor.position, direction, range, at)?;
-            Some((sighting.distance, incidence(direction, sighting.normal)))
+            let hit = world.cast(by, &Ray::new(world_from_sensor.position, direction, range), at)?;
+            Some((hit.distance, incidence(direction, hit.face?.normal)))
         };
         match self {
             Self::Psd { range } => Reading::of_distance(met(*range).map(|(distance, _)| distance), noise),
@@ -135,10 +135,8 @@ impl RangeSensor {
             let forward = posture.world_from_robot.heading.direction();
             let origin = posture.world_from_robot.position + forward.rotate(self.mount.position.truncate());
             let direction = forward.rotate(self.mount.forward().truncate());
-            let hit = world.cast(by, origin, direction, range, at).map(|hit| hit.distance);
-            let (origin, direction) = (origin.extend(self.mount.position.z + posture.lift), direction.extend(0.0));
-            let mesh = world.sight_off_plane(by, origin, direction, hit.unwrap_or(range), at);
-            return Reading::of_distance(mesh.map(|mesh| mesh.distance).or(hit), noise);
+            let ray = Ray::flat(origin, direction, range).at_height(self.mount.position.z + posture.lift);
+            return Reading::of_distance(world.cast(by, &ray, at).map(|hit| hit.distance), noise);
         }
         self.model.read(world, by, &self.world_from_sensor(posture), at, noise)
     }

@@ -1,6 +1,11 @@
 use glam::DVec2;
 
-use crate::{RobotId, pose::Pose, time::Time, world::RayHit, world::World};
+use crate::{
+    RobotId,
+    pose::Pose,
+    time::Time,
+    world::{Ray, RayHit, World},
+};
 
 /// Where a sensor sits on the body and looks: a pose in the robot's frame (origin at the centre, x forward, y left).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -41,7 +46,7 @@ impl Beam {
     /// Source: Koestler & Bräunl, section 4.1; nothing within range gives `None`: our choice.
     pub fn sight(&self, world: &World, by: RobotId, world_from_robot: &Pose, at: Time) -> Option<RayHit> {
         let (origin, direction) = self.mount.ray(world_from_robot);
-        world.cast(by, origin, direction, self.range, at)
+        world.cast(by, &Ray::flat(origin, direction, self.range), at)
     }
 
     /// Distance along the beam to what the sensor sees first, m.

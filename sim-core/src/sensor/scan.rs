@@ -4,10 +4,10 @@ use glam::{DVec2, DVec3};
 
 use super::Mount;
 use crate::{
-    RobotId, math,
+    RobotId,
     pose::{Pose, Pose3},
     time::Time,
-    world::{Slope, World},
+    world::{Ray, Tilt, World},
 };
 
 /// A laser scanner: a fan of rays in the robot's frame, from left to right.
@@ -25,11 +25,8 @@ pub struct Scan {
     mount: Mount,
     spacing: f64,
     range: f64,
-    slope: Slope,
-    /// Horizontal distance over distance along a ray.
-    cos_tilt: f64,
-    /// Gain in height over distance along a ray.
-    sin_tilt: f64,
+    height: f64,
+    tilt: Tilt,
     /// Unit vectors in the sensor's frame.
     rays: Vec<DVec2>,
 }
@@ -61,11 +58,10 @@ impl Scan {
         let is_closed = sweep >= TAU - 1e-9;
         let spacings = if is_closed || points.is_multiple_of(2) { points } else { points - 1 };
         let spacing = if spacings > 0 { sweep / f64::from(spacings) } else { 0.0 };
-        let tilt = tilt.clamp(-STEEPEST, STEEPEST);
-        let slope = Slope { height: height.max(0.0), rise: math::tan(tilt) };
+        let tilt = Tilt::new(tilt.clamp(-STEEPEST, STEEPEST));
         let bearing = |ray| bearing(points, spacing, ray);
         let rays = (0..points).map(|ray| Pose::new(0.0, 0.0, bearing(ray)).heading.direction()).collect();
-        Self { mount, spacing, range, slope, cos_tilt: math::cos(tilt), sin_tilt: math::sin(tilt), rays }
+        Self { mount, spacing, range, height: height.max(0.0), tilt, rays }
     }
 
     /// How far it sees along a ray, m; may be infinite.
@@ -100,7 +96,7 @@ impl Scan {
 
     /// Height of the scanner above the floor where it sits on the body, m.
     pub fn height(&self) -> f64 {
-        self.slope.height
+        self.height
     }
 
     /// Direction of ray `ray` in the sensor's frame, a unit vector: x along the line of sight, z up.
@@ -108,41 +104,32 @@ impl Scan {
     /// # Panics
     /// If there is no such ray.
     pub fn direction(&self, ray: u32) -> DVec3 {
-        DVec3::from((self.rays[ray as usize] * self.cos_tilt, self.sin_tilt))
+        self.tilt.direction(self.rays[ray as usize])
     }
 
     /// What each ray of the scanner of robot `by`, whose centre is at `world_from_robot` at the instant `at`, measures:
     /// metres along the ray to what it meets first, `None` when nothing lies within range. All rays belong to one instant.
     ///
-    /// Walls, other robots and objects are met as by [`World::cast`]; its own robot is not. A ray passes over walls that
-    /// end below it, or falls onto their upper faces; robots and objects count as high as it takes (our choice), meshes
-    /// where they are. Where it falls onto the floor within range before it meets anything else, the floor is measured,
-    /// unless a body is the ground. Noise is added by the caller.
+    /// Each ray is one of [`Ray::tilted`] (our choice); it does not meet its own robot. Noise is added by the caller.
     pub fn distances(&self, world: &World, by: RobotId, world_from_robot: &Pose, at: Time) -> Vec<Option<f64>> {
         let (origin, ahead) = self.mount.ray(world_from_robot);
-        let floor = if world.floor_surface().is_some() { self.slope.floor() } else { f64::INFINITY };
-        let reach = (self.range * self.cos_tilt).min(floor);
-        let is_floor_in_range = floor / self.cos_tilt <= self.range;
+        let origin = origin.extend(self.height);
         let measure = |ray: &DVec2| {
-            let direction = ahead.rotate(*ray);
-            let hit = world.cast_sloping(by, origin, direction, reach, self.slope, at);
-            let horizontal = hit.map(|hit| hit.distance).or(is_floor_in_range.then_some(floor));
-            let distance = horizontal.map(|horizontal| (horizontal / self.cos_tilt).min(self.range));
-            let (start, way) = (origin.extend(self.slope.height), (direction * self.cos_tilt).extend(self.sin_tilt));
-            let nearer = world.sight_off_plane(by, start, way, distance.unwrap_or(self.range), at);
-            nearer.map(|met| met.distance).or(distance)
+            let ray = Ray::tilted(origin, ahead.rotate(*ray), &self.tilt, self.range);
+            world.cast(by, &ray, at).map(|hit| hit.distance)
         };
         self.rays.iter().map(measure).collect()
     }
 
     /// As [`Scan::distances`] of a scanner that sits at `world_from_sensor`, rolled and pitched as it may be, instead of at
-    /// its mount: each ray meets what [`World::sight`] says, bodies up to their heights too.
+    /// its mount: each ray is one of [`Ray::new`], which meets bodies up to their heights.
     ///
     /// The rays of the fan, tilt included, are those of the sensor's frame.
     pub fn distances_from(&self, world: &World, by: RobotId, world_from_sensor: &Pose3, at: Time) -> Vec<Option<f64>> {
         let measure = |ray: &DVec2| {
-            let direction = world_from_sensor.rotation * DVec3::from(((*ray * self.cos_tilt), self.sin_tilt));
-            world.sight(by, world_from_sensor.position, direction, self.range, at).map(|sighting| sighting.distance)
+            let direction = world_from_sensor.rotation * self.tilt.direction(*ray);
+            let ray = Ray::new(world_from_sensor.position, direction, self.range);
+            world.cast(by, &ray, at).map(|hit| hit.distance)
         };
         self.rays.iter().map(measure).collect()
     }

@@ -8,7 +8,7 @@ use crate::{
     pose::Pose3,
     scene::Surface,
     time::Time,
-    world::{Sighting, World},
+    world::{Face, Ray, RayHit, World},
 };
 
 /// A mirror's echo returns to the sensor when the ray meets it head on within this angle, rad: far above rounding, and a
@@ -93,12 +93,12 @@ impl Sonar {
     ///
     /// Source: France et al. 1999, sections 3.2 and 3.3 (loss with distance; diffuse and specular surfaces). That a wall
     /// larger than the beam returns 1 / d^2, be it a mirror or rough, and the spreading: geometrical acoustics.
-    pub fn energy(&self, angle: f64, sighting: &Sighting, alpha: f64) -> f64 {
-        let Surface { reflectivity, specular } = sighting.surface;
-        let spread = 1.0 + sighting.distance * sighting.curvature;
+    pub fn energy(&self, angle: f64, distance: f64, face: &Face, alpha: f64) -> f64 {
+        let Surface { reflectivity, specular } = face.surface;
+        let spread = 1.0 + distance * face.curvature;
         let mirrored = if alpha <= HEAD_ON { specular / (spread.x * spread.y) } else { 0.0 };
         let scattered = (1.0 - specular) * math::cos(alpha).max(0.0);
-        let ratio = self.gain(angle) / sighting.distance;
+        let ratio = self.gain(angle) / distance;
         ratio * ratio * reflectivity * (mirrored + scattered)
     }
 
@@ -155,20 +155,22 @@ struct Ear<'a> {
 
 impl Ear<'_> {
     /// Listens along `direction`, `angle` rad from the line of sight. What is met there, if it may be heard at all.
-    fn try_angle(&mut self, direction: DVec3, angle: f64) -> Option<Sighting> {
+    fn try_angle(&mut self, direction: DVec3, angle: f64) -> Option<Face> {
         let range = self.sonar.reach(angle).min(self.distance);
         if range < self.sonar.min {
             return None;
         }
-        let sighting = self.world.sight(self.by, self.world_from_sensor.position, direction, range, self.at)?;
-        if sighting.distance < self.sonar.min || sighting.distance == self.distance && self.energy > 0.0 {
+        let RayHit { distance, face, .. } =
+            self.world.cast(self.by, &Ray::new(self.world_from_sensor.position, direction, range), self.at)?;
+        let face = face?;
+        if distance < self.sonar.min || distance == self.distance && self.energy > 0.0 {
             return None;
         }
-        let energy = self.sonar.energy(angle, &sighting, incidence(direction, sighting.normal));
+        let energy = self.sonar.energy(angle, distance, &face, incidence(direction, face.normal));
         if energy >= self.sonar.threshold && energy > 0.0 {
-            (self.distance, self.energy) = (sighting.distance, energy);
+            (self.distance, self.energy) = (distance, energy);
         }
-        Some(sighting)
+        Some(face)
     }
 
     fn try_nearest_points(&mut self) {

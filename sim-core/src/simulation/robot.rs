@@ -17,7 +17,7 @@ use crate::record::{Event, Journal, Numbers, Obstacle};
 use crate::sensor::Reading;
 use crate::spec::RobiSpec;
 use crate::time::Time;
-use crate::world::{Contact, LegTouch, Seen, World};
+use crate::world::{Contact, LegTouch, World};
 
 use super::Placement;
 
@@ -63,7 +63,7 @@ pub struct WalkRecord {
     /// The posture that was recorded last.
     posture: Option<(f64, Vec<f64>)>,
     /// What its parts touched when that was looked at last, and when that was.
-    touching: Vec<(Touching, Seen)>,
+    touching: Vec<(Touching, Thing)>,
     looked_at: Time,
     /// How often a foot has come down.
     pub footfalls: u64,
@@ -267,12 +267,7 @@ impl Robot {
             for LegTouch { part, thing, point } in &touches {
                 if !self.walk.touching.contains(&(*part, *thing)) {
                     let part = self.part_name(*part);
-                    let with = match thing {
-                        Seen::Wall(_) | Seen::Fixed(_) => Obstacle::Wall,
-                        Seen::Floor => Obstacle::Terrain,
-                        Seen::Robot(id) => Obstacle::Robot(id.0),
-                        Seen::Object(id) => Obstacle::Object(id.0),
-                    };
+                    let with = obstacle(*thing);
                     let event = Event::Touch { part: &part, with, x_m: point.x, y_m: point.y, z_m: point.z };
                     self.journal.record(at, &event);
                     self.walk.touches += 1;
@@ -297,11 +292,7 @@ impl Robot {
 
     /// Records a contact that began in the present slot.
     pub fn record_contact(&mut self, contact: &Contact) {
-        let with = match contact.with {
-            Thing::Wall(_) => Obstacle::Wall,
-            Thing::Robot(id) => Obstacle::Robot(id.0),
-            Thing::Object(id) => Obstacle::Object(id.0),
-        };
+        let with = obstacle(contact.with);
         let event = Event::Contact { at_s: contact.time.seconds(), with, x_m: contact.point.x, y_m: contact.point.y };
         self.journal.record(contact.time, &event);
     }
@@ -334,4 +325,14 @@ fn measure_range(devices: &Devices, motion: &mut Motion, world: &World, index: u
     let Devices { ranges, servos, switches, .. } = devices;
     let is_on = switches.is_on(Sensor::Range(index));
     if is_on { ranges.read(index, servos, motion, world, at) } else { ranges.nothing(index) }
+}
+
+/// What was met, as it is recorded.
+fn obstacle(thing: Thing) -> Obstacle {
+    match thing {
+        Thing::Wall(_) | Thing::Fixed(_) => Obstacle::Wall,
+        Thing::Floor => Obstacle::Terrain,
+        Thing::Robot(id) => Obstacle::Robot(id.0),
+        Thing::Object(id) => Obstacle::Object(id.0),
+    }
 }

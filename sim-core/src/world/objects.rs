@@ -173,21 +173,6 @@ impl Objects {
         !self.unsettled.is_empty() || self.bodies.awake().any(|object| !self.bodies.state(object).is_resting())
     }
 
-    /// The first object that a ray meets, nearer than `reach` or at it, and at equal distances that of the lower id.
-    pub fn cast(&self, origin: DVec2, direction: DVec2, reach: f64, at: Time) -> Option<(f64, ObjectId)> {
-        let mut nearest: Option<(f64, ObjectId)> = None;
-        self.index.along_ray(origin, direction, reach, |object| {
-            let Some(distance) = self.properties(object).cast(&self.pose(object, at), origin, direction) else {
-                return;
-            };
-            let is_there = || self.presence(object).holds(at);
-            if distance <= reach && nearest.is_none_or(|first| (distance, object) < first) && is_there() {
-                nearest = Some((distance, object));
-            }
-        });
-        nearest
-    }
-
     /// Visits each object that is there at `at` whose public rectangle meets a ray, once.
     pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, at: Time, mut visit: impl FnMut(ObjectId)) {
         self.index.along_ray(origin, direction, range, |object| self.visit_if_there(object, at, &mut visit));

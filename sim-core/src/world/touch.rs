@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
-use super::{Seen, World};
+use super::World;
 use crate::{
     RobotId,
+    contact::Thing,
     drive::{Motion, legged::Touching},
     object::Figure,
     pose::Pose,
@@ -21,8 +22,8 @@ const ROUNDS: u32 = 70;
 pub struct LegTouch {
     /// The part.
     pub part: Touching,
-    /// What it touches; the terrain is [`Seen::Floor`].
-    pub thing: Seen,
+    /// What it touches; the terrain is [`Thing::Floor`].
+    pub thing: Thing,
     /// Where, in the world, m: a point of what is touched, on the ground below the part's axis.
     pub point: DVec3,
 }
@@ -60,7 +61,7 @@ impl World {
         let (_, highest) = ground.range_in(underside.truncate(), radius);
         clearance = clearance.min(underside.z - highest);
         if underside.z <= highest {
-            touches.push(LegTouch { part: Touching::Body, thing: Seen::Floor, point: underside.with_z(highest) });
+            touches.push(LegTouch { part: Touching::Body, thing: Thing::Floor, point: underside.with_z(highest) });
         }
         for limb in legs.limbs(&stance, &world_from_robot) {
             let Capsule { ends: [upper, lower], radius } = limb.capsule;
@@ -73,7 +74,7 @@ impl World {
             if distance < 0.0 {
                 let (_, point) = ground.least_gap(piece);
                 let point = point.with_z(ground.height(point.truncate()));
-                touches.push(LegTouch { part: limb.part, thing: Seen::Floor, point });
+                touches.push(LegTouch { part: limb.part, thing: Thing::Floor, point });
             }
             let things = self.touched(by, &limb.capsule, at);
             touches.extend(things.into_iter().map(|(thing, point)| LegTouch { part: limb.part, thing, point }));
@@ -82,46 +83,46 @@ impl World {
         Some(Closeness { touches, clearance })
     }
 
-    /// What a capsule, part of robot `by`, touches at `at`, and a point of each where it does; in the order of [`Seen`] and each
+    /// What a capsule, part of robot `by`, touches at `at`, and a point of each where it does; in the order of [`Thing`] and each
     /// once: walls up to their heights, fixed bodies, the bodies of other robots, movable objects, by their public
     /// trajectories. The ground is not among them.
     ///
     /// Exact to 10^-9 m for walls, boxes, cylinders, spheres and capsules; bodies that are meshes count where the capsule's
     /// axis goes through their surface.
-    pub fn touched(&self, by: RobotId, capsule: &Capsule, at: Time) -> Vec<(Seen, DVec3)> {
+    pub fn touched(&self, by: RobotId, capsule: &Capsule, at: Time) -> Vec<(Thing, DVec3)> {
         let Capsule { ends: [from, to], radius } = *capsule;
         let near = Bounds::of_points([from.truncate(), to.truncate()]).grown(radius);
         let mut things = Vec::new();
-        let mut note = |thing: Seen, point: Option<DVec3>| things.extend(point.map(|point| (thing, point)));
+        let mut note = |thing: Thing, point: Option<DVec3>| things.extend(point.map(|point| (thing, point)));
         self.walls.for_each_in(near, |wall, segment| {
             let height = self.walls.height(wall);
             let nearest = |point: DVec3| segment.nearest_point(point.truncate()).extend(point.z.clamp(0.0, height));
             if self.stage.is_wall(wall) {
-                note(Seen::Wall(wall), touch_convex(capsule, nearest));
+                note(Thing::Wall(wall), touch_convex(capsule, nearest));
             }
         });
         self.stage.blocks.for_each_in(near, |place| {
             let block = &self.stage.space.blocks[place as usize];
-            note(Seen::Wall(block.wall), touch_figure(&block.figure, &block.world_from_block, capsule));
+            note(Thing::Wall(block.wall), touch_figure(&block.figure, &block.world_from_block, capsule));
         });
         self.stage.fixed.for_each_in(near, |place| {
             // Without a floor the first of them is the ground.
             let is_ground = place == 0 && self.stage.space.floor.is_none();
             if !is_ground {
                 let (pose, figure) = &self.stage.space.fixed[place as usize];
-                note(Seen::Fixed(place), touch_figure(figure, pose, capsule));
+                note(Thing::Fixed(place), touch_figure(figure, pose, capsule));
             }
         });
         self.for_each_near(near, at, |robot| {
             if robot != by {
                 let (pose, figure) = self.robot_figure(robot, at);
-                note(Seen::Robot(robot), touch_figure(&figure, &pose, capsule));
+                note(Thing::Robot(robot), touch_figure(&figure, &pose, capsule));
             }
         });
         if let Some(objects) = &self.objects {
             objects.for_each_in(near, at, |object| {
                 let touch = touch_figure(&self.object_figure(object), &objects.pose(object, at), capsule);
-                note(Seen::Object(object), touch);
+                note(Thing::Object(object), touch);
             });
         }
         things.sort_by_key(|(thing, _)| *thing);

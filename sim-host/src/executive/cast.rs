@@ -75,7 +75,7 @@ pub fn check(action: &Action, at: Time, run: &Run, world: &World) -> Result<Chan
 
 fn in_the_way(thing: Thing) -> String {
     let what = match thing {
-        Thing::Wall(_) => "a wall or a fixed object is".to_owned(),
+        Thing::Wall(_) | Thing::Floor | Thing::Fixed(_) => "a wall or a fixed object is".to_owned(),
         Thing::Robot(id) => format!("robot {} is", id.0),
         Thing::Object(id) => format!("movable object {} is", id.0),
     };

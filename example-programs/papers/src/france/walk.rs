@@ -6,11 +6,12 @@ use anyhow::{Context as _, bail, ensure};
 use glam::{DVec2, DVec3};
 use sim_core::RobotId;
 use sim_core::build;
+use sim_core::contact;
 use sim_core::pose::{Pose, Pose3};
 use sim_core::sensor::{Link, Posture, RangeSensor, incidence, link_pose};
 use sim_core::spec::{RobiSpec, SceneSpec};
 use sim_core::time::Time;
-use sim_core::world::{Seen, World};
+use sim_core::world::{Ray, World};
 use sim_format::load_scene;
 use sim_host::files::{DiskFiles, slashed};
 
@@ -243,23 +244,24 @@ impl Truth {
     /// What the sensor's ray meets.
     pub fn met(&self, ray: &Pose3) -> Met {
         let direction = ray.forward();
-        let Some(sighting) = self.world.sight(RobotId(ROBOT), ray.position, direction, FAR, Time::ZERO) else {
+        let Some(hit) = self.world.cast(RobotId(ROBOT), &Ray::new(ray.position, direction, FAR), Time::ZERO) else {
             let (distance, point) = (f64::INFINITY, DVec2::NAN);
             return Met { distance, incidence: 0.0, point, thing: Thing::Nothing };
         };
-        let point = self.ahead(ray.position + direction * sighting.distance);
+        let point = self.ahead(ray.position + direction * hit.distance);
         // The furniture stands beside the way: within the obstacle's length and height there is nothing but it.
         let size = self.obstacle_size;
         let is_obstacle = point.x >= self.obstacle_at - 1e-6
             && point.x <= self.obstacle_at + size.x + 1e-6
             && point.y <= size.z + 1e-6
-            && sighting.thing != Seen::Floor;
-        let thing = match sighting.thing {
-            Seen::Floor => Thing::Floor,
+            && hit.thing != contact::Thing::Floor;
+        let thing = match hit.thing {
+            contact::Thing::Floor => Thing::Floor,
             _ if is_obstacle => Thing::Obstacle,
             _ => Thing::Other,
         };
-        Met { distance: sighting.distance, incidence: incidence(direction, sighting.normal), point, thing }
+        let normal = hit.face.expect("a ray in space meets faces").normal;
+        Met { distance: hit.distance, incidence: incidence(direction, normal), point, thing }
     }
 
     /// A point of the world in the upright plane of the walk: ahead of the start, above the floor.

@@ -33,12 +33,12 @@ fn world() -> World {
     World::new(walls(), Time::from_millis(10), []).with_space(Space { fixed, ..Space::default() })
 }
 
-fn touched(ends: [[f64; 3]; 2], radius: f64) -> Vec<Seen> {
+fn touched(ends: [[f64; 3]; 2], radius: f64) -> Vec<Thing> {
     things(&world(), &Capsule { ends: ends.map(DVec3::from), radius })
 }
 
 /// What a capsule touches; the points lie on it and on the capsule.
-fn things(world: &World, capsule: &Capsule) -> Vec<Seen> {
+fn things(world: &World, capsule: &Capsule) -> Vec<Thing> {
     let touched = world.touched(RobotId(1), capsule, Time::ZERO);
     for (thing, point) in &touched {
         let distance = crate::scene::distance::segment_to_segment(capsule.ends, [*point; 2]);
@@ -50,17 +50,17 @@ fn things(world: &World, capsule: &Capsule) -> Vec<Seen> {
 #[test]
 fn walls_are_touched_up_to_their_heights() {
     let upright = |y: f64, z: f64| touched([[1.0, y, z], [1.0, y, z + 0.5]], 0.05);
-    assert_eq!(upright(0.951, 0.1), [Seen::Wall(WallId(0))]);
+    assert_eq!(upright(0.951, 0.1), [Thing::Wall(WallId(0))]);
     assert_eq!(upright(0.949, 0.1), []);
-    assert_eq!(upright(1.0, 0.349), [Seen::Wall(WallId(0))]);
+    assert_eq!(upright(1.0, 0.349), [Thing::Wall(WallId(0))]);
     assert_eq!(upright(1.0, 0.351), []);
     // Over the edge at 45 degrees.
     let aside = 0.05 * std::f64::consts::FRAC_1_SQRT_2;
-    assert_eq!(upright(1.0 - aside + 1e-6, 0.3 + aside), [Seen::Wall(WallId(0))]);
+    assert_eq!(upright(1.0 - aside + 1e-6, 0.3 + aside), [Thing::Wall(WallId(0))]);
     assert_eq!(upright(1.0 - aside - 1e-6, 0.3 + aside), []);
     // Through the wall, and through one without end far up.
-    assert_eq!(touched([[1.0, 0.5, 0.2], [1.0, 1.5, 0.2]], 0.01), [Seen::Wall(WallId(0))]);
-    assert_eq!(touched([[2.5, 1.0, 50.0], [3.5, 1.0, 50.0]], 1e-6), [Seen::Wall(WallId(1))]);
+    assert_eq!(touched([[1.0, 0.5, 0.2], [1.0, 1.5, 0.2]], 0.01), [Thing::Wall(WallId(0))]);
+    assert_eq!(touched([[2.5, 1.0, 50.0], [3.5, 1.0, 50.0]], 1e-6), [Thing::Wall(WallId(1))]);
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn bodies_are_touched_as_brute_force_finds() {
         };
         let things = things(&world, &capsule);
         for number in 0..2 {
-            let (distance, is_touched) = (distance(number), things.contains(&Seen::Fixed(number)));
+            let (distance, is_touched) = (distance(number), things.contains(&Thing::Fixed(number)));
             if distance <= capsule.radius {
                 touching += 1;
                 assert!(is_touched, "{capsule:?} is {distance} m from body {number}");
@@ -108,7 +108,7 @@ fn the_ground_is_not_among_what_is_touched() {
         let world = World::new(walls(), Time::from_millis(10), []).with_space(space(floor));
         things(&world, &capsule)
     };
-    assert_eq!(of(Some(Surface::SMOOTH)), [Seen::Fixed(0)]);
+    assert_eq!(of(Some(Surface::SMOOTH)), [Thing::Fixed(0)]);
     assert_eq!(of(None), []);
 }
 
@@ -179,20 +179,20 @@ fn legs_that_stand_on_the_floor_touch_nothing() {
 
 #[test]
 fn parts_touch_the_ground_and_what_stands_on_it() {
-    let parts = |position, ground| -> Vec<(Touching, Seen)> {
+    let parts = |position, ground| -> Vec<(Touching, Thing)> {
         closeness(position, ground).touches.iter().map(|touch| (touch.part, touch.thing)).collect()
     };
     // The knees lie ahead of the hips, by less than 0.2 m. A block 0.3 m high stands between knees and shanks of the left leg.
     let beside = |from: f64, to: f64, height| block([8.0 + from, -7.85], [8.0 + to, -7.75], height);
     assert_eq!(parts([8.0, -8.0], beside(0.25, 0.4, 0.6)), []);
-    assert_eq!(parts([8.0, -8.0], beside(0.11, 0.4, 0.3)), [(Touching::Shank(0), Seen::Floor)]);
-    let high = [(Touching::Thigh(0), Seen::Floor), (Touching::Shank(0), Seen::Floor)];
+    assert_eq!(parts([8.0, -8.0], beside(0.11, 0.4, 0.3)), [(Touching::Shank(0), Thing::Floor)]);
+    let high = [(Touching::Thigh(0), Thing::Floor), (Touching::Shank(0), Thing::Floor)];
     assert_eq!(parts([8.0, -8.0], beside(0.11, 0.4, 0.6)), high);
     // A block under the body only, higher than its underside.
     let under = block([7.95, -8.05], [8.05, -7.95], 0.71);
-    assert_eq!(parts([8.0, -8.0], under), [(Touching::Body, Seen::Floor)]);
+    assert_eq!(parts([8.0, -8.0], under), [(Touching::Body, Thing::Floor)]);
     let low = closeness([8.0, -8.0], block([7.95, -8.05], [8.05, -7.95], 0.66));
     assert!(low.touches.is_empty() && (low.clearance - 0.04).abs() < 1e-9, "{low:?}");
     // The left leg stands in a wall that is 0.3 m high.
-    assert_eq!(parts([1.0, 0.8], Ground::Flat), [(Touching::Shank(0), Seen::Wall(WallId(0)))]);
+    assert_eq!(parts([1.0, 0.8], Ground::Flat), [(Touching::Shank(0), Thing::Wall(WallId(0)))]);
 }

@@ -1,0 +1,392 @@
+//! Rays: what they meet first of walls, floor, bodies and objects.
+
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+
+use super::World;
+use crate::{
+    ObjectId, RobotId,
+    contact::Thing,
+    math,
+    object::{Figure, Met, cast_disc},
+    pose::Pose,
+    scene::{Bounds, Segment, Surface},
+    time::Time,
+};
+
+/// What a ray meets first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayHit {
+    /// Distance from the ray's origin, m; 0 when the origin lies inside a body.
+    pub distance: f64,
+    /// What is met.
+    pub thing: Thing,
+    /// The surface where it is met; `None` for a ray of which only the distance is asked: see [`Ray::flat`] and [`Ray::tilted`].
+    pub face: Option<Face>,
+}
+
+/// A surface where a ray meets it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Face {
+    /// Unit vector perpendicular to the surface, on the side from which the ray comes; against the ray when its origin lies
+    /// inside.
+    pub normal: DVec3,
+    /// What the surface is made of.
+    pub surface: Surface,
+    /// Principal curvatures of the surface, 1/m: 0 where it is plane, 1 over the radius where it bulges.
+    pub curvature: DVec2,
+}
+
+/// The angle of a ray above the horizontal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tilt {
+    cos: f64,
+    sin: f64,
+    tan: f64,
+}
+
+impl Tilt {
+    /// That of `angle` rad, less than a right angle up or down.
+    pub fn new(angle: f64) -> Self {
+        Self { cos: math::cos(angle), sin: math::sin(angle), tan: math::tan(angle) }
+    }
+
+    /// The ray of this angle over the unit vector `trace`, a unit vector.
+    pub fn direction(&self, trace: DVec2) -> DVec3 {
+        (trace * self.cos).extend(self.sin)
+    }
+}
+
+/// What a ray takes for as high as it takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Endless {
+    /// Walls, robots and objects.
+    All,
+    /// Robots and objects.
+    Bodies,
+    /// Nothing.
+    Nothing,
+}
+
+/// A ray in space, with its trace on the floor.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    origin: DVec3,
+    direction: DVec3,
+    /// Unit vector of the trace; that of x for a vertical ray.
+    trace: DVec2,
+    /// Distance along the trace over distance along the ray.
+    level: f64,
+    /// Gain in height on each metre of the trace.
+    rise: f64,
+    /// Distance along the ray at which it falls onto the floor; infinite when it does not.
+    floor: f64,
+    range: f64,
+    endless: Endless,
+}
+
+/// Factor on a range along the floor that keeps what lies at its very end; distances are compared again along the ray.
+const END: f64 = 1.0 + 4.0 * f64::EPSILON;
+
+impl Ray {
+    /// The ray from `origin` along the unit vector `direction` that meets what lies within `range` metres, that included.
+    ///
+    /// Walls are faces up to their heights, met from either side; bodies are full, and read 0 from inside. The floor is met
+    /// by falling rays alone, at 0 from below it. Any direction will do, straight up and down too. A ray meets nothing that is
+    /// none: a coordinate or range that is NaN, a direction whose length is not 1 within 10^-6.
+    ///
+    /// Source: France et al. 1999, section 4.1 (one ray, the first surface, its normal); the rest: our choice.
+    pub fn new(origin: DVec3, direction: DVec3, range: f64) -> Self {
+        let is_ray = (direction.length_squared() - 1.0).abs() < 1e-6 && origin.is_finite();
+        let across = direction.truncate();
+        // A level ray is its own trace, to the bit.
+        let level = if direction.z == 0.0 { 1.0 } else { across.length() };
+        let trace = if level > 0.0 { across / level } else { DVec2::X };
+        // Of a vertical ray, there is only the origin: no height to gain.
+        let rise = Some(direction.z / level).filter(|rise| rise.is_finite()).unwrap_or_default();
+        let floor = if direction.z < 0.0 { (origin.z / -direction.z).max(0.0) } else { f64::INFINITY };
+        let range = if is_ray { range } else { f64::NAN };
+        Self { origin, direction, trace, level, rise, floor, range, endless: Endless::Nothing }
+    }
+
+    /// The ray in the plane from `origin` along the unit vector `direction`: walls, robots and objects are as high as it takes, a
+    /// fixed body is its outline, meshes are not met.
+    ///
+    /// Source: Koestler & Bräunl, section 4.1. A ray that starts inside another body reads 0: our choice.
+    pub fn flat(origin: DVec2, direction: DVec2, range: f64) -> Self {
+        Self {
+            origin: origin.extend(f64::NAN),
+            direction: direction.extend(0.0),
+            trace: direction,
+            level: 1.0,
+            rise: 0.0,
+            floor: f64::INFINITY,
+            range,
+            endless: Endless::All,
+        }
+    }
+
+    /// This ray in the plane at this height above the floor, m: meshes are met where they are.
+    pub fn at_height(mut self, height: f64) -> Self {
+        self.origin.z = height;
+        self
+    }
+
+    /// As [`Ray::at_height`] for a ray that rises or falls by `tilt` over `trace`, a unit vector: it passes over walls that are
+    /// [lower](crate::scene::Walls::height) than the ray where it comes to them, or falls onto their upper faces or the floor. Robots
+    /// and objects are met at any height.
+    pub fn tilted(origin: DVec3, trace: DVec2, tilt: &Tilt, range: f64) -> Self {
+        let floor = if tilt.tan < 0.0 { origin.z / -tilt.tan / tilt.cos } else { f64::INFINITY };
+        let direction = tilt.direction(trace);
+        Self { origin, direction, trace, level: tilt.cos, rise: tilt.tan, floor, range, endless: Endless::Bodies }
+    }
+
+    /// Height above the floor after `distance` metres of the trace, m.
+    fn height_at(&self, distance: f64) -> f64 {
+        self.origin.z + self.rise * distance
+    }
+
+    /// Distance along the ray of a point of the trace.
+    fn along(&self, distance: f64) -> f64 {
+        if distance > 0.0 { distance / self.level } else { 0.0 }
+    }
+}
+
+/// A ray on its way, with what it has met so far.
+struct Search<'a> {
+    world: &'a World,
+    ray: &'a Ray,
+    by: RobotId,
+    at: Time,
+    /// How far it is followed: the range, or the distance of the nearest thing so far.
+    range: f64,
+    nearest: Option<RayHit>,
+}
+
+impl World {
+    /// What a ray of robot `by` meets first at the instant `at`: a wall, the floor, a fixed body, the body of another robot, or a
+    /// movable object, by their public trajectories. At equal distances the thing that comes first in [`Thing`] is met: our choice.
+    pub fn cast(&self, by: RobotId, ray: &Ray, at: Time) -> Option<RayHit> {
+        let mut search = Search { world: self, ray, by, at, range: ray.range, nearest: None };
+        search.meet_floor();
+        search.meet_walls();
+        search.meet_fixed();
+        search.meet_robots();
+        search.meet_objects();
+        search.nearest
+    }
+
+    /// The shape of a robot's body, and where it is; what it looks like from which side does not matter.
+    pub(super) fn robot_figure(&self, robot: RobotId, at: Time) -> (Pose, Arc<Figure>) {
+        let body = self.body(robot, at);
+        let pose = Pose { position: body.centre, ..Pose::default() };
+        let figure = self.stage.space.robots.get(robot.index()).map(Arc::clone);
+        (pose, figure.unwrap_or_else(|| Arc::new(Figure::upright(body.radius))))
+    }
+
+    pub(super) fn object_figure(&self, object: ObjectId) -> Arc<Figure> {
+        let figure = self.stage.space.objects.get(object.index()).map(Arc::clone);
+        figure.unwrap_or_else(|| Figure::endless(self.objects().properties(object), Surface::default()))
+    }
+
+    /// Whether all that a level ray at the height `z` may meet stands upright and reaches up to it, so that nothing above
+    /// or below a thing is nearer than the thing itself at that height; of the floor, see [`Space::floor`](super::Space).
+    pub(crate) fn is_upright_at(&self, z: f64) -> bool {
+        z >= 0.0 && z <= self.stage.plain_below
+    }
+
+    /// Whether there is a mesh among the bodies.
+    pub(crate) fn has_meshes(&self) -> bool {
+        self.stage.has_meshes
+    }
+
+    /// What the floor is made of; `None` where a body is the ground.
+    pub(crate) fn floor_surface(&self) -> Option<Surface> {
+        self.stage.space.floor
+    }
+
+    /// Visits the point nearest to `point` of the floor, and of each wall and of each part of a body, but meshes, that may come within
+    /// `reach` metres of it, at the instant `at`, in a fixed order.
+    pub(crate) fn for_each_nearest(
+        &self,
+        by: RobotId,
+        point: DVec3,
+        reach: f64,
+        at: Time,
+        mut visit: impl FnMut(DVec3),
+    ) {
+        let near = Bounds::of_disc(point.truncate(), reach);
+        if self.stage.space.floor.is_some() {
+            visit(point.with_z(point.z.min(0.0)));
+        }
+        self.walls.for_each_in(near, |wall, segment| {
+            if self.stage.is_wall(wall) {
+                let height = self.walls.height(wall);
+                visit(segment.nearest_point(point.truncate()).extend(point.z.clamp(0.0, height)));
+            }
+        });
+        self.stage.blocks.for_each_in(near, |place| {
+            let block = &self.stage.space.blocks[place as usize];
+            block.figure.for_each_nearest(&block.world_from_block, point, &mut visit);
+        });
+        self.stage.fixed.for_each_in(near, |place| {
+            let (pose, figure) = &self.stage.space.fixed[place as usize];
+            figure.for_each_nearest(pose, point, &mut visit);
+        });
+        self.for_each_near(near, at, |robot| {
+            if robot != by {
+                let (pose, figure) = self.robot_figure(robot, at);
+                figure.for_each_nearest(&pose, point, &mut visit);
+            }
+        });
+        let Some(objects) = &self.objects else { return };
+        objects.for_each_in(near, at, |object| {
+            self.object_figure(object).for_each_nearest(&objects.pose(object, at), point, &mut visit);
+        });
+    }
+}
+
+impl Search<'_> {
+    /// How far the trace is followed, m.
+    fn reach(&self) -> f64 {
+        let level = self.ray.level;
+        if self.range == f64::INFINITY && level > 0.0 { f64::INFINITY } else { self.range * level * END }
+    }
+
+    /// Takes what is met into account, if it is nearest.
+    fn meet(&mut self, distance: f64, thing: Thing, face: impl FnOnce() -> Option<Face>) {
+        let is_nearer = match &self.nearest {
+            Some(nearest) => (distance, thing) < (nearest.distance, nearest.thing),
+            None => distance <= self.range,
+        };
+        if is_nearer {
+            self.range = distance;
+            self.nearest = Some(RayHit { distance, thing, face: face() });
+        }
+    }
+
+    fn meet_surface(&mut self, met: Option<Met>, thing: Thing, surface: Surface) {
+        if let Some(Met { distance, normal, curvature }) = met {
+            self.meet(distance, thing, || Some(Face { normal, surface, curvature }));
+        }
+    }
+
+    fn meet_floor(&mut self) {
+        if let Some(surface) = self.world.stage.space.floor.filter(|_| self.ray.floor < f64::INFINITY) {
+            self.meet_surface(Some(plane(self.ray.floor, DVec3::Z)), Thing::Floor, surface);
+        }
+    }
+
+    fn meet_walls(&mut self) {
+        let (world, ray, reach) = (self.world, self.ray, self.reach());
+        let (walls, stage, origin) = (&world.walls, &world.stage, ray.origin.truncate());
+        let hit = match ray.endless {
+            Endless::All => walls.cast(origin, ray.trace, reach),
+            Endless::Bodies => walls
+                .cast_where(origin, ray.trace, reach, |wall, distance| ray.height_at(distance) <= walls.height(wall)),
+            Endless::Nothing => walls.cast_where(origin, ray.trace, reach, |wall, distance| {
+                stage.is_wall(wall) && ray.height_at(distance) <= walls.height(wall)
+            }),
+        };
+        if let Some(hit) = hit {
+            self.meet(ray.along(hit.distance), Thing::Wall(hit.wall), || {
+                let normal = wall_normal(walls.segment(hit.wall), origin, ray.trace);
+                let face = Face { normal, surface: stage.wall_surface(hit.wall), curvature: DVec2::ZERO };
+                (ray.endless == Endless::Nothing).then_some(face)
+            });
+        }
+        // Without a slope, the sides are all there is to meet.
+        if ray.direction.z != 0.0 && !stage.blocks.is_empty() {
+            stage.blocks.along_ray(origin, ray.trace, self.reach(), |place| {
+                let block = &stage.space.blocks[place as usize];
+                let met = block.figure.cast_hollow(&block.world_from_block, ray.origin, ray.direction);
+                self.meet_surface(met, Thing::Wall(block.wall), stage.wall_surface(block.wall));
+            });
+        }
+    }
+
+    /// Whether figures are met, and not only what they cover of the floor.
+    fn meets_figures(&self) -> bool {
+        self.ray.endless == Endless::Nothing || self.world.stage.has_meshes && !self.ray.origin.z.is_nan()
+    }
+
+    /// What it meets of a body of this shape: meshes alone, where bodies are as high as it takes.
+    fn meet_figure(&mut self, thing: Thing, pose: &Pose, figure: &Figure) {
+        let cast = if self.ray.endless == Endless::Nothing { Figure::cast } else { Figure::cast_meshes };
+        let met = cast(figure, pose, self.ray.origin, self.ray.direction, self.range);
+        self.meet_surface(met, thing, figure.surface);
+    }
+
+    fn meet_fixed(&mut self) {
+        if self.meets_figures() {
+            let stage = &self.world.stage;
+            stage.fixed.along_ray(self.ray.origin.truncate(), self.ray.trace, self.reach(), |place| {
+                let (pose, figure) = &stage.space.fixed[place as usize];
+                self.meet_figure(Thing::Fixed(place), pose, figure);
+            });
+        }
+    }
+
+    fn meet_robots(&mut self) {
+        let (world, ray, at, reach) = (self.world, self.ray, self.at, self.reach());
+        if world.tracks.len() == 1 && self.by == RobotId::from_index(0) {
+            // Nobody sees itself.
+            return;
+        }
+        let (origin, meets_figures) = (ray.origin.truncate(), self.meets_figures());
+        let mut look_at = |robot: RobotId| {
+            if robot == self.by {
+                return;
+            }
+            let (thing, track) = (Thing::Robot(robot), &world.tracks[robot.index()]);
+            if ray.endless != Endless::Nothing
+                && let Some(distance) = cast_disc(origin, ray.trace, track.centre(at), track.radius())
+                && track.presence.holds(at)
+            {
+                self.meet(ray.along(distance), thing, || None);
+            }
+            if meets_figures && track.presence.holds(at) {
+                let (pose, figure) = world.robot_figure(robot, at);
+                self.meet_figure(thing, &pose, &figure);
+            }
+        };
+        world.resting.along_ray(origin, ray.trace, reach, &mut look_at);
+        world.moving.along_ray(origin, ray.trace, reach, &mut look_at);
+    }
+
+    fn meet_objects(&mut self) {
+        let (world, ray, at) = (self.world, self.ray, self.at);
+        let Some(objects) = &world.objects else { return };
+        let origin = ray.origin.truncate();
+        objects.along_ray(origin, ray.trace, self.reach(), at, |object| {
+            let (thing, pose) = (Thing::Object(object), objects.pose(object, at));
+            if ray.endless != Endless::Nothing {
+                if let Some(distance) = objects.properties(object).cast(&pose, origin, ray.trace) {
+                    self.meet(ray.along(distance), thing, || None);
+                }
+            } else {
+                let figure = world.object_figure(object);
+                if !figure.has_mesh() {
+                    self.meet_figure(thing, &pose, &figure);
+                }
+            }
+        });
+        let meets_meshes = self.meets_figures();
+        let meshes = world.stage.mesh_objects.iter().filter(|_| meets_meshes);
+        for object in meshes.filter(|object| objects.presence(**object).holds(at)) {
+            self.meet_figure(Thing::Object(*object), &objects.pose(*object, at), &world.object_figure(*object));
+        }
+    }
+}
+
+fn plane(distance: f64, normal: DVec3) -> Met {
+    Met { distance, normal, curvature: DVec2::ZERO }
+}
+
+/// The normal of a wall on the side from which the ray comes; against the ray, where the wall has no length.
+fn wall_normal(segment: &Segment, origin: DVec2, trace: DVec2) -> DVec3 {
+    let normal = (segment.b - segment.a).perp().normalize_or(-trace);
+    let side = normal.dot(origin - segment.a);
+    (if side < 0.0 || side == 0.0 && normal.dot(trace) > 0.0 { -normal } else { normal }).extend(0.0)
+}
