@@ -1,10 +1,12 @@
 //! Rays a second against walls that stand still: the 2D index, and brute force beside it.
 
+use accuracy::course::model;
 use accuracy::oracle;
 use benches::Ray;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec2;
 use sim_core::RobotId;
+use sim_core::drive::Motion;
 use sim_core::pose::Pose;
 use sim_core::scene::{Segment, Walls};
 use sim_core::sensor::{Fan, Mount, Scan};
@@ -55,21 +57,35 @@ fn build(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Whole scans as `LIDARGet` takes them: of walls alone, and the same rays one by one.
-fn scans(criterion: &mut Criterion) {
+/// The walls, and among them as many robots.
+fn world(robots: u32) -> World {
     let walls = Arc::new(Walls::new(benches::walls()));
-    let world = World::new(Arc::clone(&walls), Time::from_millis(50), std::iter::empty());
+    let places = benches::psd_rays(robots as usize);
+    let motion = |place: usize| {
+        let start = Pose { position: places[place].origin, ..Pose::default() };
+        Motion::new(RobotId::from_index(place), Arc::new(model()), Arc::clone(&walls), start)
+    };
+    let mut motions: Vec<Motion> = (0..places.len()).map(motion).collect();
+    World::new(Arc::clone(&walls), Time::from_millis(50), &mut motions)
+}
+
+/// Whole scans as `LIDARGet` takes them: of walls alone, and among robots.
+fn scans(criterion: &mut Criterion) {
+    let (walls, crowd) = (world(0), world(100));
     let rays = benches::lidar_rays(28);
     let poses: Vec<Pose> =
         rays.iter().step_by(360).map(|ray| Pose { position: ray.origin, ..Pose::default() }).collect();
     let scan = |tilt| Scan::new(Mount::default(), Fan { sweep: TAU, points: 360, tilt, height: 0.1, range: 30.0 });
     let mut group = criterion.benchmark_group("rays/scan");
     group.throughput(Throughput::Elements(rays.len() as u64));
-    for (name, scan) in [("level", scan(0.0)), ("tilted", scan(0.1))] {
+    let (level, tilted) = (scan(0.0), scan(0.1));
+    let cases = [("level", &walls, &level), ("tilted", &walls, &tilted)];
+    let among_robots = [("crowd-level", &crowd, &level), ("crowd-tilted", &crowd, &tilted)];
+    for (name, world, scan) in cases.into_iter().chain(among_robots) {
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
                 for pose in &poses {
-                    black_box(scan.distances(&world, RobotId(1), pose, Time::ZERO));
+                    black_box(scan.distances(world, RobotId(1), pose, Time::ZERO));
                 }
             });
         });
