@@ -30,8 +30,7 @@ pub use shape::*;
 pub use span::*;
 pub use world::*;
 
-/// Largest coordinate or size that a file may have, in metres.
-pub const MAX_LENGTH: f64 = 1e6;
+pub use crate::unit::MAX_LENGTH;
 
 /// A file named in another file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

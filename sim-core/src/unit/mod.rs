@@ -7,7 +7,7 @@ mod quantity;
 
 use std::f64::consts::PI;
 
-pub use quantity::Quantity;
+pub use quantity::{MAX_LENGTH, Quantity};
 
 /// Metres from millimetres.
 pub fn metres_from_mm(mm: f64) -> f64 {

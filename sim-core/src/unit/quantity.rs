@@ -1,7 +1,5 @@
 //! Numbers as people write them: in millimetres, degrees and percent, within bounds.
 
-use crate::spec::MAX_LENGTH;
-
 /// What a number in a file stands for, with its unit and bounds in that unit.
 #[derive(Clone, Copy, Debug)]
 pub struct Quantity {
@@ -14,6 +12,9 @@ pub struct Quantity {
     /// The scene is the same without it, so that a value out of bounds is only warned about.
     is_minor: bool,
 }
+
+/// Largest coordinate or size that a file may have, in metres.
+pub const MAX_LENGTH: f64 = 1e6;
 
 const MAX_LENGTH_MM: f64 = MAX_LENGTH * 1000.0;
 /// Smallest size that is not absurd, in millimetres.
