@@ -3,11 +3,14 @@
 //! The world frame has x to the right, y up and angles counter-clockwise from x; a robot's frame has x forward and y left.
 //! In space z points up in both.
 
+mod link;
+
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec2, DVec3};
 
 use crate::math;
+pub use link::{Link, link_pose};
 
 /// A direction that remembers its whole turns, so that the remainder never loses digits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]

@@ -8,9 +8,9 @@ use glam::{DVec2, DVec3};
 use sim_core::{
     RobotId, math,
     object::{Figure, Part, Properties, Resistance, Shape, Solid},
-    pose::{Pose, Pose3},
+    pose::{Link, Pose, Pose3},
     scene::{Bounds, MeshIndex, Segment, Surface, WallId, Walls},
-    sensor::{Beam, Echo, Fan, Link, Mount, Posture, RangeModel, RangeSensor, Reading, Scan, Sonar},
+    sensor::{Beam, Echo, Fan, Mount, Posture, RangeModel, RangeSensor, Reading, Scan, Sonar},
     time::Time,
     world::{Block, Ray, Space, World},
 };

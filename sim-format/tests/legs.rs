@@ -12,9 +12,9 @@ use sim_core::{
         legged::{Foot, Gait, Leg, LegCommand, LegCommandError, Legs, Stance, natural_angles},
     },
     math,
-    pose::{Pose, Pose3, Twist},
+    pose::{Link, Pose, Pose3, Twist, link_pose},
     scene::{Ground, HeightField, Walls},
-    sensor::{Link, Posture, link_pose},
+    sensor::Posture,
     time::Time,
 };
 use sim_format::{print, read_companion, read_robi, same};

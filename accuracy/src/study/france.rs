@@ -9,9 +9,9 @@ use sim_core::{
     contact::Thing,
     math,
     object::{Figure as Body, Shape, Solid},
-    pose::{Pose, Pose3},
+    pose::{Link, Pose, Pose3},
     scene::{Surface, Walls},
-    sensor::{Echo, Link, Posture, RangeModel, RangeSensor, incidence},
+    sensor::{Echo, Posture, RangeModel, RangeSensor, incidence},
     time::Time,
     world::{Ray, Space, World},
 };

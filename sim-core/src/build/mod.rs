@@ -11,9 +11,9 @@ use glam::DVec3;
 use crate::drive::legged::{Gait, Leg, Legs};
 use crate::drive::{DriveKind, Model};
 use crate::object::{Figure, Part, Properties, Resistance, Shape, Solid};
-use crate::pose::{Pose, Pose3};
+use crate::pose::{Link, Pose, Pose3};
 use crate::scene::{Ground, HeightField, Mesh, MeshIndex, Segment, Surface, WallId, Walls};
-use crate::sensor::{Link, RangeModel, RangeSensor};
+use crate::sensor::{RangeModel, RangeSensor};
 use crate::spec::{
     self, Axis, Collider, DEFAULT_DUTY, DEFAULT_PERIOD, GaitSpec, LegSpec, LegsSpec, LidarSpec, LinkSpec, MountSpec,
     ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec, TerrainShape, WorldSpec,

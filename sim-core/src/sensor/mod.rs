@@ -6,7 +6,6 @@
 mod bumper;
 mod compass;
 mod echo;
-mod link;
 mod range;
 mod ray;
 mod scan;
@@ -15,7 +14,6 @@ mod sonar;
 pub use bumper::Bumper;
 pub use compass::bearing_from_north;
 pub use echo::{Echo, PAPER_SIGMA, incidence, recovered_distance, reflected_signal};
-pub use link::{Link, link_pose};
 pub use range::{Posture, RangeModel, RangeSensor, Reading};
 pub use ray::{Beam, Mount};
 pub use scan::{Fan, Scan};

@@ -1,7 +1,7 @@
-use super::{Echo, Link, Sonar, incidence, link_pose};
+use super::{Echo, Sonar, incidence};
 use crate::{
     RobotId,
-    pose::{Pose, Pose3},
+    pose::{Link, Pose, Pose3, link_pose},
     time::Time,
     world::{Ray, World},
 };

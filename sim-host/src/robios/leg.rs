@@ -7,8 +7,7 @@ use glam::DVec2;
 use robios_sys::{Out, OutFloats};
 use sim_core::drive::Command;
 use sim_core::drive::legged::{Leg, LegCommand, Legs};
-use sim_core::pose::Twist;
-use sim_core::sensor::link_pose;
+use sim_core::pose::{Twist, link_pose};
 use sim_core::unit;
 use sim_core::world::World;
 

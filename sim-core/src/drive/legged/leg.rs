@@ -4,7 +4,10 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 
-use crate::{math, pose::Pose3, sensor::Link};
+use crate::{
+    math,
+    pose::{Link, Pose3},
+};
 
 /// How far a leg stretches, as a share of thigh and shank in one line: the knee stays bent by 7.2 degrees, or a
 /// millimetre of height would turn it by any angle. Our choice.
@@ -181,7 +184,7 @@ impl Joints {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::link_pose;
+    use crate::pose::link_pose;
 
     fn leg(foot: Option<Foot>) -> Leg {
         Leg { name: "LEFT".to_owned(), hip: DVec3::new(0.1, 0.2, 0.8), thigh: 0.4, shank: 0.5, foot, wheel: None }

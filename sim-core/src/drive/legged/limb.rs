@@ -4,9 +4,8 @@ use glam::DVec3;
 
 use super::{Legs, Stance};
 use crate::{
-    pose::{Pose, Pose3},
+    pose::{Pose, Pose3, link_pose},
     scene::Capsule,
-    sensor::link_pose,
 };
 
 /// So many radii of a limb above its lower end the ground may be as near as it likes: see [`Limb::bare`].

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 
 use super::motion::Motion;
-use crate::{math, scene::Ground, sensor::Link, time::Time};
+use crate::{math, pose::Link, scene::Ground, time::Time};
 use curve::Natural;
 pub use curve::natural_angles;
 pub use gait::Gait;

@@ -1,6 +1,8 @@
+//! Chains of links: rigid parts that turn about joints.
+
 use glam::DVec3;
 
-use crate::pose::Pose3;
+use super::Pose3;
 
 /// A rigid part of a robot that turns about an axis, on the body or on another part: a pan head, a tibia.
 #[derive(Clone, Copy, Debug, PartialEq)]
