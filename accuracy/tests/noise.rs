@@ -7,9 +7,11 @@ use std::sync::Arc;
 
 use accuracy::statistics::{Moments, binomial, chi_squared, kolmogorov, normal_cdf, uncorrelated};
 use sim_core::RobotId;
-use sim_core::drive::{self, Command, DriveKind, Imperfection, Model, TwistNoise};
+use sim_core::drive::{self, Command, DriveKind, Imperfection, Model};
 use sim_core::math::{hypot, sin};
-use sim_core::noise::{Angle, AngleErrors, Events, Image, ImageErrors, Motion, Purpose, Range, RangeErrors, RangeKind};
+use sim_core::noise::{
+    Angle, AngleErrors, Events, Image, ImageErrors, Motion, Purpose, Range, RangeErrors, RangeKind, TwistNoise,
+};
 use sim_core::pose::{Pose, Twist};
 use sim_core::scene::Walls;
 use sim_core::spec::Preset;

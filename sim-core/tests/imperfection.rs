@@ -7,8 +7,9 @@ use glam::DVec2;
 use sim_core::{
     ObjectId, RobotId,
     contact::{SKIN, Thing},
-    drive::{Command, DriveKind, Gains, Imperfection, Model, Motion, Resolution, TwistNoise, Wheels},
+    drive::{Command, DriveKind, Gains, Imperfection, Model, Motion, Wheels},
     math,
+    noise::{Resolution, TwistNoise},
     object::{Part, Properties, Resistance, Shape},
     pose::{Pose, Twist},
     scene::{Segment, Walls},

@@ -6,7 +6,8 @@ use accuracy::{course::model, world::Random};
 use glam::DVec2;
 use sim_core::{
     RobotId,
-    drive::{Command, Gains, Imperfection, Model, Motion, TwistNoise},
+    drive::{Command, Gains, Imperfection, Model, Motion},
+    noise::TwistNoise,
     pose::{Pose, Twist},
     scene::{Segment, Walls},
     time::Time,

@@ -8,10 +8,10 @@ use proptest::prelude::*;
 use sim_core::{
     ObjectId, RobotId,
     drive::{
-        Command, DriveKind, Imperfection, Model, Motion, TwistNoise,
+        Command, DriveKind, Imperfection, Model, Motion,
         legged::{Gait, Leg, Legs},
     },
-    noise::Radio,
+    noise::{Radio, TwistNoise},
     object::{Figure, Part, Properties, Resistance, Shape},
     pose::{Pose, Twist},
     radio::{Address, Channel, Medium, Model as RadioModel, Station},

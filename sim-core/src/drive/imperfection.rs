@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     RobotId,
-    noise::{Events, Purpose, Stream},
+    noise::{self, Events, Purpose, Resolution, Stream, TwistNoise},
     pose::{Pose, Twist},
     time::{TICK, Time},
 };
@@ -41,31 +41,35 @@ pub struct Imperfection {
     pub resolution: Resolution,
 }
 
-/// Gaussian noise of mean 0 on a twist, drawn for each tick of 10 ms and held until the next.
-///
-/// The standard deviation of each component is sqrt(a^2 + (b x)^2), with the absolute part a and the share b of what the
-/// wheels tell of it, x. A straight drive of N ticks of h = 10 ms at v m/s that starts on a tick ends, to first order in
-/// the noise, with the variances h^2 N speed^2 of its way, h^2 N turn^2 of its heading, and v^2 h^4 turn^2 (N^3 / 3 - N / 12)
-/// across.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TwistNoise {
-    /// Absolute part for the speed, m/s; for an omni drive along both axes.
-    pub speed: f64,
-    /// Part that grows with the speed, a share of it.
-    pub speed_share: f64,
-    /// Absolute part for the turning speed, rad/s.
-    pub turn: f64,
-    /// Part that grows with the turning speed, a share of it.
-    pub turn_share: f64,
-}
+/// Smallest true diameter of a wheel, as a share of the nominal one.
+const SMALLEST: f64 = 0.1;
 
-/// Steps to the nearest of which a pose is rounded as it is read; 0 for none.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Resolution {
-    /// Of a position, m.
-    pub length: f64,
-    /// Of a heading, rad.
-    pub angle: f64,
+impl noise::Motion {
+    /// The imperfection of the drive of `robot`, of this kind, in a run with `seed`.
+    ///
+    /// Each wheel's diameter is the nominal one times 1 + `left` or `right` + `diameter_sigma` G, G standard normal and
+    /// drawn once for each wheel; at least a tenth of the nominal one, at most twice. The one motor of a car drives what is
+    /// on the left.
+    pub fn imperfection(&self, kind: DriveKind, seed: u64, robot: RobotId) -> Imperfection {
+        let sides = match kind {
+            DriveKind::Differential => [Some(self.left), Some(self.right), None, None],
+            DriveKind::Ackermann => [Some(self.left), None, None, None],
+            DriveKind::Omni => [self.left, self.right, self.left, self.right].map(Some),
+            DriveKind::Legged => [None; 4],
+        };
+        let mut made = Events::new(seed, robot, Purpose::Make, "").at(0);
+        let diameters = sides.map(|side| {
+            side.map_or(0.0, |share| (share + self.diameter_sigma * made.normal()).clamp(SMALLEST - 1.0, 1.0))
+        });
+        Imperfection {
+            diameters,
+            slip: self.slip,
+            slip_deviation: self.slip_sigma,
+            command: self.command,
+            odometry: self.odometry,
+            resolution: self.resolution,
+        }
+    }
 }
 
 impl Imperfection {
@@ -223,4 +227,63 @@ impl Errors {
 /// Standard normal numbers of one tick.
 fn normals<const N: usize>(mut stream: Stream) -> [f64; N] {
     std::array::from_fn(|_| stream.normal())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::Motion;
+
+    #[test]
+    fn without_errors_a_drive_is_perfect() {
+        for kind in [DriveKind::Differential, DriveKind::Ackermann, DriveKind::Omni] {
+            assert_eq!(Motion::default().imperfection(kind, 7, RobotId(1)), Imperfection::default());
+        }
+    }
+
+    #[test]
+    fn sides_are_given_to_the_wheels_of_each_drive() {
+        let motion = Motion { left: 0.1, right: -0.2, ..Motion::default() };
+        let of = |kind| motion.imperfection(kind, 7, RobotId(1)).diameters;
+        assert_eq!(of(DriveKind::Differential), [0.1, -0.2, 0.0, 0.0]);
+        assert_eq!(of(DriveKind::Ackermann), [0.1, 0.0, 0.0, 0.0]);
+        assert_eq!(of(DriveKind::Omni), [0.1, -0.2, 0.1, -0.2]);
+    }
+
+    #[test]
+    fn diameters_are_drawn_for_each_wheel_and_robot() {
+        let motion = Motion { diameter_sigma: 0.01, ..Motion::default() };
+        let of = |robot| motion.imperfection(DriveKind::Omni, 7, RobotId(robot)).diameters;
+        assert_eq!(of(1), of(1));
+        let mut all: Vec<f64> = (1..=2_500).flat_map(of).collect();
+        let variance = all.iter().map(|share| share * share).sum::<f64>() / 1e4;
+        // The variance of 10,000 draws has a standard deviation of sqrt(2 / 10,000), 1.4 %.
+        assert!((variance / 1e-4 - 1.0).abs() < 0.06, "{variance}");
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        assert_eq!(all.len(), 10_000, "no two are alike");
+        let far = Motion { diameter_sigma: 10.0, ..Motion::default() };
+        let range = SMALLEST - 1.0..=1.0;
+        assert!(
+            (1..100)
+                .flat_map(|robot| far.imperfection(DriveKind::Omni, 7, RobotId(robot)).diameters)
+                .all(|share| range.contains(&share))
+        );
+    }
+
+    #[test]
+    fn what_a_profile_may_say_is_accepted() {
+        let most = TwistNoise { speed: 100.0, speed_share: 10.0, turn: 873.0, turn_share: 10.0 };
+        let motion = Motion {
+            left: 1.0,
+            right: -0.5,
+            diameter_sigma: 0.05,
+            slip: -1.0,
+            slip_sigma: 1.0,
+            command: most,
+            odometry: most,
+            resolution: Resolution { length: 1e3, angle: 6.3 },
+        };
+        assert_eq!(motion.imperfection(DriveKind::Omni, 7, RobotId(1)).check(), Ok(()));
+    }
 }

@@ -308,7 +308,7 @@ impl Motion {
     }
 
     /// The pose of the axle's midpoint that the robot believes in at `at`, as it is read: in the steps of its
-    /// [`Resolution`](super::Resolution).
+    /// [`Resolution`](crate::noise::Resolution).
     pub fn odometry(&mut self, at: Time) -> Pose {
         let odometry = self.state(at).odometry;
         match &self.vehicle.errors {

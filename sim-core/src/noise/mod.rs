@@ -1,4 +1,5 @@
-//! Randomness: keyed streams, so that no reader, robot or device changes what another one draws, and the error models on top.
+//! Randomness: keyed streams, so that no reader, robot or device changes what another one draws, distributions, and the errors that a
+//! profile describes, as far as they are numbers alone; what they do to drives and to readings of sensors is theirs.
 
 mod angle;
 mod blur;
@@ -15,7 +16,7 @@ mod stream;
 pub use angle::{Angle, AngleErrors};
 pub use blur::blur;
 pub use image::{Image, ImageErrors};
-pub use motion::Motion;
+pub use motion::{Motion, Resolution, TwistNoise};
 pub use normal::normal_quantile;
 pub use parameter::{Parameter, ParameterError};
 pub use profile::{Place, Profile, RangeKind};

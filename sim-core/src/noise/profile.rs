@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use super::{Angle, Image, Motion, Radio, Range};
-use crate::sensor::RangeModel;
 
 /// Kinds of devices that measure distances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -40,18 +39,6 @@ impl RangeKind {
             Self::Reflectance => "reflectance",
             Self::Sonar => "sonar",
             Self::Lidar => "lidar",
-        }
-    }
-}
-
-impl From<&RangeModel> for RangeKind {
-    fn from(model: &RangeModel) -> Self {
-        match model {
-            RangeModel::Psd { .. } => Self::Psd,
-            RangeModel::Laser(_) => Self::Laser,
-            RangeModel::Ultrasonic(_) => Self::Ultrasonic,
-            RangeModel::Reflectance(_) => Self::Reflectance,
-            RangeModel::Sonar(_) => Self::Sonar,
         }
     }
 }

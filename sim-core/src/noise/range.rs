@@ -3,7 +3,6 @@
 use super::{Events, Purpose, Stream};
 use crate::RobotId;
 use crate::math;
-use crate::sensor::{RangeModel, Reading};
 use crate::time::Time;
 
 /// How the readings of a distance sensor differ from the truth. The default: not at all.
@@ -92,26 +91,17 @@ impl RangeErrors {
         self.model.device * (sigma * self.signals.at(index).normal() + mean)
     }
 
+    /// Whether all its readings are exact.
+    pub fn is_exact(&self) -> bool {
+        self.is_exact
+    }
+
     /// What the sensor reads at `at` where `exact` is true, in metres; `None` is nothing. A reading lies within `range`, unless there
     /// are no errors at all: then it is `exact`.
     ///
     /// A reading is a function of all this and of its [index](Events::index).
     pub fn reading(&self, index: u64, at: Time, range: [f64; 2], exact: Option<f64>) -> Option<f64> {
         self.scan(index, at, range).point(exact)
-    }
-
-    /// The same for a sensor of which more is known than a distance: `exact` is what its `model` reads there.
-    ///
-    /// A reading without a signal is one of nothing, and the other way round; an outlier where nothing is has the signal 1.
-    pub fn reading_of(&self, index: u64, at: Time, model: &RangeModel, exact: Reading) -> Reading {
-        if self.is_exact {
-            return exact;
-        }
-        let seen = exact.distance.filter(|_| exact.signal > 0.0);
-        match self.reading(index, at, model.limits(), seen) {
-            None => model.nothing(),
-            distance => Reading { distance, signal: if seen.is_some() { exact.signal } else { 1.0 } },
-        }
     }
 
     /// What a lidar reads: its points in order, each with errors of its own; the error of all its readings is the same.

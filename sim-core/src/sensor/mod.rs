@@ -6,6 +6,7 @@
 mod bumper;
 mod compass;
 mod echo;
+mod errors;
 mod range;
 mod ray;
 mod scan;
