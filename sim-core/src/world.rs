@@ -4,6 +4,7 @@
 //! [`World::touching`]), each at its own virtual time. At the end of the slot [`World::advance`] settles the contacts
 //! between bodies, makes public what has changed, and goes on to the next slot.
 
+mod near;
 mod objects;
 mod presence;
 mod ray;

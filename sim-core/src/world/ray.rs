@@ -1,17 +1,15 @@
 //! Rays: what they meet first of walls, floor, bodies and objects.
 
-use std::sync::Arc;
-
 use glam::{DVec2, DVec3};
 
 use super::World;
 use crate::{
-    ObjectId, RobotId,
+    RobotId,
     contact::Thing,
     math,
     object::{Figure, Met, cast_disc},
     pose::Pose,
-    scene::{Bounds, Segment, Surface},
+    scene::{Segment, Surface},
     time::Time,
 };
 
@@ -175,75 +173,6 @@ impl World {
         search.meet_robots();
         search.meet_objects();
         search.nearest
-    }
-
-    /// The shape of a robot's body, and where it is; what it looks like from which side does not matter.
-    pub(super) fn robot_figure(&self, robot: RobotId, at: Time) -> (Pose, Arc<Figure>) {
-        let body = self.body(robot, at);
-        let pose = Pose { position: body.centre, ..Pose::default() };
-        let figure = self.stage.space.robots.get(robot.index()).map(Arc::clone);
-        (pose, figure.unwrap_or_else(|| Arc::new(Figure::upright(body.radius))))
-    }
-
-    pub(super) fn object_figure(&self, object: ObjectId) -> Arc<Figure> {
-        let figure = self.stage.space.objects.get(object.index()).map(Arc::clone);
-        figure.unwrap_or_else(|| Figure::endless(self.objects().properties(object), Surface::default()))
-    }
-
-    /// Whether all that a level ray at the height `z` may meet stands upright and reaches up to it, so that nothing above
-    /// or below a thing is nearer than the thing itself at that height; of the floor, see [`Space::floor`](super::Space).
-    pub(crate) fn is_upright_at(&self, z: f64) -> bool {
-        z >= 0.0 && z <= self.stage.plain_below
-    }
-
-    /// Whether there is a mesh among the bodies.
-    pub(crate) fn has_meshes(&self) -> bool {
-        self.stage.has_meshes
-    }
-
-    /// What the floor is made of; `None` where a body is the ground.
-    pub(crate) fn floor_surface(&self) -> Option<Surface> {
-        self.stage.space.floor
-    }
-
-    /// Visits the point nearest to `point` of the floor, and of each wall and of each part of a body, but meshes, that may come within
-    /// `reach` metres of it, at the instant `at`, in a fixed order.
-    pub(crate) fn for_each_nearest(
-        &self,
-        by: RobotId,
-        point: DVec3,
-        reach: f64,
-        at: Time,
-        mut visit: impl FnMut(DVec3),
-    ) {
-        let near = Bounds::of_disc(point.truncate(), reach);
-        if self.stage.space.floor.is_some() {
-            visit(point.with_z(point.z.min(0.0)));
-        }
-        self.walls.for_each_in(near, |wall, segment| {
-            if self.stage.is_wall(wall) {
-                let height = self.walls.height(wall);
-                visit(segment.nearest_point(point.truncate()).extend(point.z.clamp(0.0, height)));
-            }
-        });
-        self.stage.blocks.for_each_in(near, |place| {
-            let block = &self.stage.space.blocks[place as usize];
-            block.figure.for_each_nearest(&block.world_from_block, point, &mut visit);
-        });
-        self.stage.fixed.for_each_in(near, |place| {
-            let (pose, figure) = &self.stage.space.fixed[place as usize];
-            figure.for_each_nearest(pose, point, &mut visit);
-        });
-        self.for_each_near(near, at, |robot| {
-            if robot != by {
-                let (pose, figure) = self.robot_figure(robot, at);
-                figure.for_each_nearest(&pose, point, &mut visit);
-            }
-        });
-        let Some(objects) = &self.objects else { return };
-        objects.for_each_in(near, at, |object| {
-            self.object_figure(object).for_each_nearest(&objects.pose(object, at), point, &mut visit);
-        });
     }
 }
 

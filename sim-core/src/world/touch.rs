@@ -2,13 +2,11 @@
 
 use glam::DVec3;
 
-use super::World;
+use super::{World, near::Geometry};
 use crate::{
     RobotId,
     contact::Thing,
     drive::{Motion, legged::Touching},
-    object::Figure,
-    pose::Pose,
     scene::{Bounds, Capsule},
     time::Time,
 };
@@ -93,53 +91,28 @@ impl World {
         let Capsule { ends: [from, to], radius } = *capsule;
         let near = Bounds::of_points([from.truncate(), to.truncate()]).grown(radius);
         let mut things = Vec::new();
-        let mut note = |thing: Thing, point: Option<DVec3>| things.extend(point.map(|point| (thing, point)));
-        self.walls.for_each_in(near, |wall, segment| {
-            let height = self.walls.height(wall);
-            let nearest = |point: DVec3| segment.nearest_point(point.truncate()).extend(point.z.clamp(0.0, height));
-            if self.stage.is_wall(wall) {
-                note(Thing::Wall(wall), touch_convex(capsule, nearest));
-            }
-        });
-        self.stage.blocks.for_each_in(near, |place| {
-            let block = &self.stage.space.blocks[place as usize];
-            note(Thing::Wall(block.wall), touch_figure(&block.figure, &block.world_from_block, capsule));
-        });
-        self.stage.fixed.for_each_in(near, |place| {
-            // Without a floor the first of them is the ground.
-            let is_ground = place == 0 && self.stage.space.floor.is_none();
+        self.for_each_geometry(by, near, at, |thing, geometry| {
+            // Without a floor the first of the fixed bodies is the ground.
+            let is_ground = thing == Thing::Fixed(0) && self.stage.space.floor.is_none();
             if !is_ground {
-                let (pose, figure) = &self.stage.space.fixed[place as usize];
-                note(Thing::Fixed(place), touch_figure(figure, pose, capsule));
+                things.extend(touch_geometry(geometry, capsule).map(|point| (thing, point)));
             }
         });
-        self.for_each_near(near, at, |robot| {
-            if robot != by {
-                let (pose, figure) = self.robot_figure(robot, at);
-                note(Thing::Robot(robot), touch_figure(&figure, &pose, capsule));
-            }
-        });
-        if let Some(objects) = &self.objects {
-            objects.for_each_in(near, at, |object| {
-                let touch = touch_figure(&self.object_figure(object), &objects.pose(object, at), capsule);
-                note(Thing::Object(object), touch);
-            });
-        }
         things.sort_by_key(|(thing, _)| *thing);
         things.dedup_by_key(|(thing, _)| *thing);
         things
     }
 }
 
-/// Where a body of this shape at `world_from_body` comes as near to the capsule's axis as its radius, if it does.
-fn touch_figure(figure: &Figure, world_from_body: &Pose, capsule: &Capsule) -> Option<DVec3> {
-    // The parts of a figure are always visited in the same order.
+/// Where a thing of this geometry comes as near to the capsule's axis as its radius, if it does.
+fn touch_geometry(geometry: &Geometry<'_>, capsule: &Capsule) -> Option<DVec3> {
+    // The parts are always visited in the same order.
     let mut count = 0;
-    figure.for_each_nearest(world_from_body, capsule.ends[0], |_| count += 1);
+    geometry.for_each_nearest(capsule.ends[0], |_| count += 1);
     let touch_part = |part: usize| {
         touch_convex(capsule, |point| {
             let (mut number, mut found) = (0, point);
-            figure.for_each_nearest(world_from_body, point, |nearest| {
+            geometry.for_each_nearest(point, |nearest| {
                 if number == part {
                     found = nearest;
                 }
@@ -149,9 +122,10 @@ fn touch_figure(figure: &Figure, world_from_body: &Pose, capsule: &Capsule) -> O
         })
     };
     (0..count).find_map(touch_part).or_else(|| {
+        let Geometry::Body(pose, figure) = geometry else { return None };
         let way = capsule.ends[1] - capsule.ends[0];
         let direction = way.try_normalize().filter(|_| figure.has_mesh())?;
-        let met = figure.cast_meshes(world_from_body, capsule.ends[0], direction, way.length())?;
+        let met = figure.cast_meshes(pose, capsule.ends[0], direction, way.length())?;
         Some(capsule.ends[0] + met.distance * direction)
     })
 }

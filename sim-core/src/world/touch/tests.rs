@@ -6,7 +6,8 @@ use super::*;
 use crate::drive::legged::{Gait, Leg, Legs};
 use crate::drive::{DriveKind, Model};
 use crate::noise::{Purpose, Stream};
-use crate::object::{Shape, Solid};
+use crate::object::{Figure, Shape, Solid};
+use crate::pose::Pose;
 use crate::scene::{self, Ground, Segment, Steps, Surface, WallId, Walls};
 use crate::world::Space;
 
