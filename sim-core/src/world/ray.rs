@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::World;
+use super::{World, objects::Objects};
 use crate::{
     RobotId,
     contact::Thing,
@@ -169,9 +169,17 @@ impl World {
         let mut search = Search { world: self, ray, by, at, range: ray.range, nearest: None };
         search.meet_floor();
         search.meet_walls();
-        search.meet_fixed();
-        search.meet_robots();
-        search.meet_objects();
+        if search.meets_figures() {
+            search.meet_fixed();
+        }
+        // Nobody sees itself.
+        let is_alone = self.tracks.len() <= usize::from(by == RobotId::from_index(0));
+        if !is_alone {
+            search.meet_robots();
+        }
+        if let Some(objects) = &self.objects {
+            search.meet_objects(objects);
+        }
         search.nearest
     }
 }
@@ -210,13 +218,13 @@ impl Search<'_> {
     fn meet_walls(&mut self) {
         let (world, ray, reach) = (self.world, self.ray, self.reach());
         let (walls, stage, origin) = (&world.walls, &world.stage, ray.origin.truncate());
-        let hit = match ray.endless {
-            Endless::All => walls.cast(origin, ray.trace, reach),
-            Endless::Bodies => walls
-                .cast_where(origin, ray.trace, reach, |wall, distance| ray.height_at(distance) <= walls.height(wall)),
-            Endless::Nothing => walls.cast_where(origin, ray.trace, reach, |wall, distance| {
-                stage.is_wall(wall) && ray.height_at(distance) <= walls.height(wall)
-            }),
+        let hit = if ray.endless == Endless::All {
+            walls.cast(origin, ray.trace, reach)
+        } else {
+            walls.cast_where(origin, ray.trace, reach, |wall, distance| {
+                let is_met = ray.endless == Endless::Bodies || stage.is_wall(wall);
+                is_met && ray.height_at(distance) <= walls.height(wall)
+            })
         };
         if let Some(hit) = hit {
             self.meet(ray.along(hit.distance), Thing::Wall(hit.wall), || {
@@ -248,21 +256,15 @@ impl Search<'_> {
     }
 
     fn meet_fixed(&mut self) {
-        if self.meets_figures() {
-            let stage = &self.world.stage;
-            stage.fixed.along_ray(self.ray.origin.truncate(), self.ray.trace, self.reach(), |place| {
-                let (pose, figure) = &stage.space.fixed[place as usize];
-                self.meet_figure(Thing::Fixed(place), pose, figure);
-            });
-        }
+        let stage = &self.world.stage;
+        stage.fixed.along_ray(self.ray.origin.truncate(), self.ray.trace, self.reach(), |place| {
+            let (pose, figure) = &stage.space.fixed[place as usize];
+            self.meet_figure(Thing::Fixed(place), pose, figure);
+        });
     }
 
     fn meet_robots(&mut self) {
         let (world, ray, at, reach) = (self.world, self.ray, self.at, self.reach());
-        if world.tracks.len() == 1 && self.by == RobotId::from_index(0) {
-            // Nobody sees itself.
-            return;
-        }
         let (origin, meets_figures) = (ray.origin.truncate(), self.meets_figures());
         let mut look_at = |robot: RobotId| {
             if robot == self.by {
@@ -284,9 +286,8 @@ impl Search<'_> {
         world.moving.along_ray(origin, ray.trace, reach, &mut look_at);
     }
 
-    fn meet_objects(&mut self) {
+    fn meet_objects(&mut self, objects: &Objects) {
         let (world, ray, at) = (self.world, self.ray, self.at);
-        let Some(objects) = &world.objects else { return };
         let origin = ray.origin.truncate();
         objects.along_ray(origin, ray.trace, self.reach(), at, |object| {
             let (thing, pose) = (Thing::Object(object), objects.pose(object, at));
