@@ -16,6 +16,11 @@ pub use command::{Command, CommandError, arc_to};
 pub use control::{Gains, Pid};
 pub use imperfection::Imperfection;
 pub use model::{DriveKind, Model, ModelError, Wheels};
-pub use motion::{HISTORY, Impact, Motion};
+pub use motion::{Impact, Motion};
 pub(crate) use motion::{Passage, Thrust};
 pub use piece::{Cause, Piece, Rates, State};
+
+use crate::time::Time;
+
+/// How far back a motion and the world remember.
+pub const HISTORY: Time = Time::from_millis(100);

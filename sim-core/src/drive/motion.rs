@@ -1,14 +1,17 @@
 //! A robot's motion: the chain of its pieces, from the commands that it is given.
 
+mod legs;
+
 use std::{collections::VecDeque, sync::Arc};
 
 use glam::DVec2;
 
 use super::{
+    HISTORY,
     command::{Command, CommandError, Orders, Pending, check_wheel},
     control::{Actuation, Controllers, Gains, Pid},
     imperfection::{Errors, Imperfection, Vehicle},
-    legged::{Course, Walk},
+    legged::Walk,
     model::{Model, ModelError, Wheels},
     piece::{Cause, State},
     stage::{Grip, Stage, centre_of},
@@ -21,9 +24,6 @@ use crate::{
     scene::Walls,
     time::{TICK, Time},
 };
-
-/// How far back a motion and the world remember.
-pub const HISTORY: Time = Time::from_millis(100);
 
 /// Number of impacts that a motion remembers.
 const IMPACTS: usize = 32;
@@ -126,7 +126,7 @@ pub struct Motion {
     /// Revision and answer of the last [`Motion::drive_end`].
     drive_end: Option<(u64, Option<Time>)>,
     /// The feet of a robot with legs.
-    pub(super) walk: Option<Box<Walk>>,
+    walk: Option<Box<Walk>>,
 }
 
 impl Motion {
@@ -468,20 +468,6 @@ impl Motion {
             });
             first += 1;
         }
-    }
-
-    /// The pieces of motion since the one in force just before `from`, until `to`.
-    pub(super) fn courses(&mut self, from: Time, to: Time) -> Vec<Course> {
-        let last = self.index_at(to);
-        let first = self.stages.iter().rposition(|stage| stage.piece.start <= from).unwrap_or(0).min(last);
-        for index in first..last {
-            let until = self.stages[index + 1].piece.start;
-            let stage = &mut self.stages[index];
-            stage.explore(&self.vehicle.model, &self.walls, (until - stage.piece.start).seconds());
-        }
-        let axis_offset = self.vehicle.model.axis_offset;
-        let course = |stage: &Stage| Course { piece: stage.piece, axis_offset, is_placed: stage.is_placed };
-        self.stages.range(first..=last).map(course).collect()
     }
 
     /// Stops the body at `obstacle` `seconds` after `base`, an instant of the present slot; forgets what was planned after.

@@ -3,11 +3,11 @@
 use glam::DVec2;
 
 use super::{
+    HISTORY,
     command::{Orders, Pending},
     control::{self, Actuation},
     imperfection::{Erring, Vehicle},
     model::Model,
-    motion::HISTORY,
     piece::{Cause, Piece, Rates, State},
 };
 use crate::{

@@ -11,18 +11,15 @@ mod leg;
 mod limb;
 mod walk;
 
-use std::sync::Arc;
-
 use glam::{DVec2, DVec3};
 
-use super::motion::Motion;
-use crate::{math, pose::Link, scene::Ground, time::Time};
+use crate::{math, pose::Link, time::Time};
 use curve::Natural;
 pub use curve::natural_angles;
 pub use gait::Gait;
 pub use leg::{Foot, Joints, Leg, Sole};
 pub use limb::{Limb, Touching};
-pub(in crate::drive) use walk::{Course, Walk};
+pub(in crate::drive) use walk::{Course, Plan, Walk};
 
 /// How fast a natural gait goes at most, as a multiple of the source's speed. Our choice.
 const FASTEST: f64 = 1.2;
@@ -176,59 +173,5 @@ impl Legs {
         // A foot does not turn by more than 45 degrees to either side either.
         let by_angle = std::f64::consts::FRAC_PI_2 / (gait.duty * gait.period.seconds());
         by_angle.min(self.greatest_speed(gait) / radius)
-    }
-}
-
-impl Motion {
-    /// This motion, not yet commanded, of a robot that walks on `ground` with `legs`.
-    pub fn with_legs(mut self, legs: Arc<Legs>, ground: Arc<Ground>) -> Self {
-        self.walk = Some(Box::new(Walk::new(legs, ground)));
-        self
-    }
-
-    /// The robot's legs, if it has any.
-    pub fn legs(&self) -> Option<&Legs> {
-        self.walk.as_ref().map(|walk| walk.legs())
-    }
-
-    /// What the robot's legs walk on; `None` without legs.
-    pub fn ground(&self) -> Option<&Ground> {
-        self.walk.as_ref().map(|walk| walk.ground())
-    }
-
-    /// The gait in force at `at`, counted from 0; 0 without legs.
-    pub fn gait(&self, at: Time) -> usize {
-        self.walk.as_ref().map_or(0, |walk| walk.orders_at(at).gait)
-    }
-
-    /// Tells the legs something at `at`, not before the command before.
-    ///
-    /// # Errors
-    /// A [`LegCommandError`] for what these legs cannot do; nothing changes then.
-    pub fn command_legs(&mut self, at: Time, command: LegCommand) -> Result<(), LegCommandError> {
-        let walk = self.walk.as_mut().ok_or(LegCommandError::NoLegs)?;
-        walk.command(at, command)
-    }
-
-    /// Feet, joints and height of the body at `at`; for a robot without legs nothing and 0.
-    pub fn stance(&mut self, at: Time) -> Stance {
-        let Some(mut walk) = self.walk.take() else { return Stance::default() };
-        let world_from_robot = self.pose(at);
-        let stance = walk.stance(self, at, &world_from_robot);
-        self.walk = Some(walk);
-        stance
-    }
-
-    /// Height of the robot's frame above the plane z = 0 at `at`, m; 0 without legs.
-    pub fn lift(&mut self, at: Time) -> f64 {
-        self.stance(at).lift
-    }
-
-    /// The feet that have come down before `until`, since this was asked last; in the order of time, then of legs.
-    pub fn take_footfalls(&mut self, until: Time) -> Vec<Footfall> {
-        let Some(mut walk) = self.walk.take() else { return Vec::new() };
-        let footfalls = walk.take_footfalls(self, until);
-        self.walk = Some(walk);
-        footfalls
     }
 }

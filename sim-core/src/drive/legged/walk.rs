@@ -17,7 +17,7 @@ use super::{
     leg::{Foot, LOWEST_HIP, Leg, Sole},
 };
 use crate::{
-    drive::{HISTORY, Motion, piece::Piece},
+    drive::{HISTORY, Piece},
     math,
     pose::{Heading, Pose, Twist},
     scene::Ground,
@@ -55,6 +55,15 @@ pub(in crate::drive) struct Course {
     pub axis_offset: f64,
     /// The robot was put here.
     pub is_placed: bool,
+}
+
+/// The planned motion of the body, as far as its legs follow it.
+pub(in crate::drive) trait Plan {
+    /// Number of its changes so far.
+    fn revision(&self) -> u64;
+
+    /// The pieces of motion since the one in force just before `from`, until `to`.
+    fn courses(&mut self, from: Time, to: Time) -> Vec<Course>;
 }
 
 impl Course {
@@ -223,15 +232,15 @@ impl Walk {
         Ok(())
     }
 
-    pub fn stance(&mut self, motion: &mut Motion, at: Time, world_from_robot: &Pose) -> Stance {
-        self.extend(motion, at);
+    pub fn stance(&mut self, plan: &mut impl Plan, at: Time, world_from_robot: &Pose) -> Stance {
+        self.extend(plan, at);
         let steps = if at <= self.firm.until { &self.firm } else { self.ahead_steps() };
         steps.stance(&self.legs, &self.natural, &self.ground, at, world_from_robot)
     }
 
-    pub fn take_footfalls(&mut self, motion: &mut Motion, until: Time) -> Vec<Footfall> {
+    pub fn take_footfalls(&mut self, plan: &mut impl Plan, until: Time) -> Vec<Footfall> {
         let last = until - Time(1);
-        self.extend(motion, last);
+        self.extend(plan, last);
         let steps = if last <= self.firm.until { &self.firm } else { self.ahead_steps() };
         let footfalls = steps.footfalls(self.taken, until);
         self.taken = self.taken.max(until);
@@ -239,12 +248,12 @@ impl Walk {
     }
 
     /// What happened before `end`, the end of the present slot, stands.
-    pub fn commit(&mut self, motion: &mut Motion, end: Time) {
+    pub fn commit(&mut self, plan: &mut impl Plan, end: Time) {
         let last = end - Time(1);
         if last <= self.firm.until {
             return;
         }
-        self.decide(motion, last, true);
+        self.decide(plan, last, true);
         let past = self.taken.min(end - HISTORY);
         self.firm.forget(past);
         while self.orders.len() > 1 && self.orders[1].0 <= past {
@@ -257,21 +266,21 @@ impl Walk {
         self.ahead.as_ref().map_or(&self.firm, |(_, steps)| steps)
     }
 
-    fn extend(&mut self, motion: &mut Motion, at: Time) {
+    fn extend(&mut self, plan: &mut impl Plan, at: Time) {
         if at > self.firm.until {
-            self.decide(motion, at, false);
+            self.decide(plan, at, false);
         }
     }
 
     /// Decides all until `at`: for good, or for the present plan.
-    fn decide(&mut self, motion: &mut Motion, at: Time, is_firm: bool) {
-        let key = (motion.revision(), self.revision);
+    fn decide(&mut self, plan: &mut impl Plan, at: Time, is_firm: bool) {
+        let key = (plan.revision(), self.revision);
         let mut steps = match self.ahead.take() {
             Some((known, steps)) if known == key && !(is_firm && steps.until > at) => steps,
             _ => self.firm.clone(),
         };
         if steps.until < at {
-            let courses = motion.courses(steps.until, at);
+            let courses = plan.courses(steps.until, at);
             let Self { legs, ground, natural, orders, .. } = self;
             let around = Around { legs, ground, natural, orders };
             steps.extend(&around, &courses, at);

@@ -1,0 +1,83 @@
+//! The legs of a robot's motion.
+
+use std::sync::Arc;
+
+use super::{Motion, Stage};
+use crate::{
+    drive::legged::{Course, Footfall, LegCommand, LegCommandError, Legs, Plan, Stance, Walk},
+    scene::Ground,
+    time::Time,
+};
+
+impl Motion {
+    /// This motion, not yet commanded, of a robot that walks on `ground` with `legs`.
+    pub fn with_legs(mut self, legs: Arc<Legs>, ground: Arc<Ground>) -> Self {
+        self.walk = Some(Box::new(Walk::new(legs, ground)));
+        self
+    }
+
+    /// The robot's legs, if it has any.
+    pub fn legs(&self) -> Option<&Legs> {
+        self.walk.as_ref().map(|walk| walk.legs())
+    }
+
+    /// What the robot's legs walk on; `None` without legs.
+    pub fn ground(&self) -> Option<&Ground> {
+        self.walk.as_ref().map(|walk| walk.ground())
+    }
+
+    /// The gait in force at `at`, counted from 0; 0 without legs.
+    pub fn gait(&self, at: Time) -> usize {
+        self.walk.as_ref().map_or(0, |walk| walk.orders_at(at).gait)
+    }
+
+    /// Tells the legs something at `at`, not before the command before.
+    ///
+    /// # Errors
+    /// A [`LegCommandError`] for what these legs cannot do; nothing changes then.
+    pub fn command_legs(&mut self, at: Time, command: LegCommand) -> Result<(), LegCommandError> {
+        let walk = self.walk.as_mut().ok_or(LegCommandError::NoLegs)?;
+        walk.command(at, command)
+    }
+
+    /// Feet, joints and height of the body at `at`; for a robot without legs nothing and 0.
+    pub fn stance(&mut self, at: Time) -> Stance {
+        let Some(mut walk) = self.walk.take() else { return Stance::default() };
+        let world_from_robot = self.pose(at);
+        let stance = walk.stance(self, at, &world_from_robot);
+        self.walk = Some(walk);
+        stance
+    }
+
+    /// Height of the robot's frame above the plane z = 0 at `at`, m; 0 without legs.
+    pub fn lift(&mut self, at: Time) -> f64 {
+        self.stance(at).lift
+    }
+
+    /// The feet that have come down before `until`, since this was asked last; in the order of time, then of legs.
+    pub fn take_footfalls(&mut self, until: Time) -> Vec<Footfall> {
+        let Some(mut walk) = self.walk.take() else { return Vec::new() };
+        let footfalls = walk.take_footfalls(self, until);
+        self.walk = Some(walk);
+        footfalls
+    }
+}
+
+impl Plan for Motion {
+    fn revision(&self) -> u64 {
+        Motion::revision(self)
+    }
+
+    fn courses(&mut self, from: Time, to: Time) -> Vec<Course> {
+        let last = self.index_at(to);
+        let first = self.stages.iter().rposition(|stage| stage.piece.start <= from).unwrap_or(0).min(last);
+        for index in first..last {
+            let until = self.stages[index + 1].piece.start;
+            let stage = &mut self.stages[index];
+            stage.explore(&self.vehicle.model, &self.walls, (until - stage.piece.start).seconds());
+        }
+        let axis_offset = self.vehicle.model.axis_offset;
+        let course = |stage: &Stage| Course { piece: stage.piece, axis_offset, is_placed: stage.is_placed };
+        self.stages.range(first..=last).map(course).collect()
+    }
+}
