@@ -260,8 +260,8 @@ impl Truth {
             _ if is_obstacle => Thing::Obstacle,
             _ => Thing::Other,
         };
-        let normal = hit.face.expect("a ray in space meets faces").normal;
-        Met { distance: hit.distance, incidence: incidence(direction, normal), point, thing }
+        let incidence = hit.face.map_or(0.0, |face| incidence(direction, face.normal));
+        Met { distance: hit.distance, incidence, point, thing }
     }
 
     /// A point of the world in the upright plane of the walk: ahead of the start, above the floor.
