@@ -211,7 +211,8 @@ impl Search<'_> {
 
     fn meet_floor(&mut self) {
         if let Some(surface) = self.world.stage.space.floor.filter(|_| self.ray.floor < f64::INFINITY) {
-            self.meet_surface(Some(plane(self.ray.floor, DVec3::Z)), Thing::Floor, surface);
+            let face = Face { normal: DVec3::Z, surface, curvature: DVec2::ZERO };
+            self.meet(self.ray.floor, Thing::Floor, || Some(face));
         }
     }
 
@@ -308,10 +309,6 @@ impl Search<'_> {
             self.meet_figure(Thing::Object(*object), &objects.pose(*object, at), &world.object_figure(*object));
         }
     }
-}
-
-fn plane(distance: f64, normal: DVec3) -> Met {
-    Met { distance, normal, curvature: DVec2::ZERO }
 }
 
 /// The normal of a wall on the side from which the ray comes; against the ray, where the wall has no length.
