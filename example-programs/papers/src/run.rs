@@ -100,9 +100,7 @@ impl Job {
                 has_failed.fetch_or(result.is_err(), Ordering::Relaxed);
                 let seconds = begin.elapsed().as_secs_f64();
                 self.tell(&format!("{} ({} of {}): {seconds:.1} s", run.name, place + 1, runs.len()));
-                if let Ok(mut slot) = done[place].lock() {
-                    *slot = Some(result);
-                }
+                *done[place].lock() = Some(result);
             }
         };
         thread::scope(|scope| {
@@ -110,7 +108,7 @@ impl Job {
             (0..AT_ONCE.min(runs.len())).try_for_each(|number| spawn(number).map(|_| ()))
         })
         .context("a thread cannot be started")?;
-        let results = done.into_iter().filter_map(|slot| slot.into_inner().ok().flatten());
+        let results = done.into_iter().filter_map(Mutex::into_inner);
         let read: Vec<T> = results.collect::<anyhow::Result<_>>()?;
         anyhow::ensure!(
             read.len() == runs.len(),
