@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
 use sim_core::build;
-use sim_core::noise::{Profile, Radio};
+use sim_core::noise::Radio;
 use sim_core::pose::Pose;
 use sim_core::spec::{ObjectSpec, ObjectType, RobiSpec, RobotSpec, SceneSpec};
 use sim_core::time::Time;
@@ -20,6 +20,7 @@ use crate::program::load::Loader;
 use crate::program::prepare::Prepared;
 use crate::record::frame::Frames;
 use crate::robios::Robios;
+use crate::robios::camera::Imaging;
 use crate::robios::irtv::Remote;
 use crate::robios::key::{Keys, Press};
 use crate::robios::robot::Robot;
@@ -249,10 +250,7 @@ impl Maker {
         robios.remote = Remote::scripted(remote.iter().filter_map(|press| Some((press.at, press.touch.remote_key()?))));
         robios.storage = Storage::new(&self.folder);
         robios.os.may_execute = self.may_execute;
-        robios.camera = robios.camera.in_run(Arc::clone(&self.scenery), self.frames.clone());
-        if state.noise().camera != Profile::default().camera {
-            robios.camera.set_errors(state.noise(), state.seed(), state.id);
-        }
+        robios.imaging = Imaging { scenery: Arc::clone(&self.scenery), frames: self.frames.clone() };
         let name = program.map(|program| program.name.clone()).unwrap_or_default();
         let mut robot = Robot::new(state, robios, name);
         robot.record_start();

@@ -4,6 +4,8 @@
 //! drive robots themselves. Programs, threads and files are not known here: whoever runs programs lets each robot act within the slot,
 //! at its own virtual time, and ends the slot.
 
+mod actuator;
+mod camera;
 mod environment;
 mod factory;
 mod placement;

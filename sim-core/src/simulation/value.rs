@@ -1,9 +1,13 @@
 //! A whole simulation as one value: owned, advanced, looked at, copied and set back by its caller.
 
 use std::convert::Infallible;
+use std::sync::Arc;
 
 use super::{Environment, FactoryError, Robot, RobotFactory};
 use crate::RobotId;
+use crate::build::Visuals;
+use crate::camera::{Label, Picture};
+use crate::device::camera::{CameraError, Setting};
 use crate::drive::{Command, CommandError};
 use crate::pose::Pose;
 use crate::record::{Digest, KindSet, Record, Recorder};
@@ -27,6 +31,8 @@ pub struct Simulation {
     /// Robots that may have acted in the present slot.
     acted: Vec<RobotId>,
     now: Time,
+    /// What cameras see, once somebody has said it.
+    visuals: Option<Arc<Visuals>>,
 }
 
 /// What a simulation is told beside its scene.
@@ -59,7 +65,7 @@ impl Simulation {
         let world = factory.world(scene, &mut robots, heard);
         let acted = robots.iter().map(|robot| robot.id).collect();
         let recorder = Recorder::new(seed, slot, KindSet::NONE);
-        Ok(Self { environment: Environment::new(world, recorder), robots, acted, now: Time::ZERO })
+        Ok(Self { environment: Environment::new(world, recorder), robots, acted, now: Time::ZERO, visuals: None })
     }
 
     /// The present time, that of all robots.
@@ -129,6 +135,55 @@ impl Simulation {
     /// If there is no such robot.
     pub fn odometry(&mut self, id: RobotId) -> Pose {
         self.robots[id.index()].motion.odometry(self.now)
+    }
+
+    /// Lets cameras see this from now on; all copies share it. Without it there are no images.
+    pub fn set_visuals(&mut self, visuals: Visuals) {
+        self.visuals = Some(Arc::new(visuals));
+    }
+
+    /// The image that a program of robot `id` would get now: red, green and blue of each pixel, 0 to 255, with the camera's errors,
+    /// exposed [a read-out](crate::device::camera::READ_OUT) ago. It counts and is recorded as a program's.
+    ///
+    /// A camera that is off is switched on first, for images of 320 x 240 pixels; another [`Setting`] is set by
+    /// [`Simulation::with_robot`] and [`Camera::switch_on`](crate::device::camera::Camera::switch_on).
+    ///
+    /// # Errors
+    /// [`CameraError`] for a robot without a camera, and before [`Simulation::set_visuals`].
+    ///
+    /// # Panics
+    /// If there is no such robot.
+    pub fn image(&mut self, id: RobotId) -> Result<Picture<[u8; 3]>, CameraError> {
+        let visuals = self.visuals.clone().ok_or(CameraError::NoScenery)?;
+        self.with_robot(id, |robot, world| {
+            if robot.camera_setting() == Err(CameraError::Off) {
+                robot.devices.camera.switch_on(Setting::default());
+            }
+            robot.take_colour(world, visuals.scenery())
+        })
+    }
+
+    /// How far away what each pixel of the last image of robot `id` shows is, without errors: m along the line of sight through
+    /// the pixel's middle; infinite for the sky.
+    ///
+    /// # Errors
+    /// [`CameraError`], [`NotTaken`](CameraError::NotTaken) before a first image.
+    ///
+    /// # Panics
+    /// If there is no such robot.
+    pub fn depth(&mut self, id: RobotId) -> Result<Picture<f32>, CameraError> {
+        self.robots[id.index()].take_depth()
+    }
+
+    /// What each pixel of the last image of robot `id` shows, without errors: sky, ground, a wall, an object or a robot.
+    ///
+    /// # Errors
+    /// [`CameraError`], [`NotTaken`](CameraError::NotTaken) before a first image.
+    ///
+    /// # Panics
+    /// If there is no such robot.
+    pub fn labels(&mut self, id: RobotId) -> Result<Picture<Label>, CameraError> {
+        self.robots[id.index()].take_labels()
     }
 
     /// Goes on to `time`; nothing happens if that is not later than [`Simulation::now`].

@@ -28,7 +28,6 @@ pub mod key;
 pub mod latch;
 pub mod lcd;
 mod leg;
-mod level;
 pub mod lidar;
 pub mod motor;
 mod motor7;
@@ -102,8 +101,8 @@ pub struct Robios {
     pub quads: handle::Handles,
     /// Servos.
     pub servos: servo::Servos,
-    /// The camera.
-    pub camera: camera::Camera,
+    /// What its camera sees, and where images go.
+    pub imaging: camera::Imaging,
     /// What a program of RoBIOS 6 has set of it.
     pub camera6: camera6::Settings,
     /// The driving interface.

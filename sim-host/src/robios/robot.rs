@@ -3,8 +3,6 @@
 use std::ops::{Deref, DerefMut};
 
 use robios_sys::{Robios6Call, SupportCall};
-use sim_core::drive::ModelError;
-use sim_core::noise::Profile;
 use sim_core::record::Event;
 use sim_core::simulation;
 use sim_core::time::Time;
@@ -122,16 +120,6 @@ impl Robot {
             None => self.robios.keys.press(at, touch),
         }
         self.tasks.look_at_input(at);
-    }
-
-    /// From `at` on, the start of the present slot, it has these errors; those of its radio are the channel's.
-    ///
-    /// # Errors
-    /// The first number that makes no sense for its drive; nothing changes then.
-    pub fn set_noise(&mut self, at: Time, profile: &Profile) -> Result<(), ModelError> {
-        self.state.set_noise(at, profile)?;
-        self.robios.camera.set_errors(profile, self.state.seed(), self.state.id);
-        Ok(())
     }
 
     /// Tells the user when the program has ended before a drive that it commanded.
