@@ -7,6 +7,7 @@ pub mod camera;
 pub mod compass;
 pub mod cycle;
 pub mod encoder;
+pub mod key;
 pub mod level;
 pub mod psd;
 pub mod range;
@@ -37,6 +38,10 @@ pub struct Devices {
     pub compass: compass::Compass,
     /// The camera.
     pub camera: camera::Camera,
+    /// The keys below the display, and touches of it.
+    pub keys: key::Presses,
+    /// The keys of a remote control.
+    pub remote: key::Presses,
     /// Which sensors are off.
     pub switches: switch::Switches,
 }
@@ -53,6 +58,12 @@ impl Devices {
         self.camera.set_errors(profile.camera, seed, robot);
         let compass = spec.compass.as_ref();
         self.compass.errors = compass.map(|it| AngleErrors::new(profile.compass, seed, robot, &it.name));
+    }
+
+    /// Somebody presses a key, touches the display or uses a remote control at `at`.
+    pub fn press(&mut self, at: Time, touch: key::Touch) {
+        let presses = if matches!(touch, key::Touch::Remote(_)) { &mut self.remote } else { &mut self.keys };
+        presses.press(at, touch);
     }
 
     /// When a measurement is to be computed next that the world would forget; [`Time::NEVER`] if there is none.

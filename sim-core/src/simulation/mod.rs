@@ -8,14 +8,18 @@ mod actuator;
 mod camera;
 mod environment;
 mod factory;
+mod intervention;
 mod placement;
 mod robot;
+mod roster;
 mod station;
 mod traffic;
 mod value;
 
 pub use environment::{Environment, SlotEnd};
 pub use factory::{FactoryError, RobotFactory};
+pub use intervention::{Effect, Intervention, Refusal, Robots, cannot_grow};
 pub use placement::{Placeable, Placement};
 pub use robot::{Robot, WalkRecord};
+pub use roster::{MOST_OBJECTS, MOST_ROBOTS, Roster, Types};
 pub use value::{DEFAULT_SLOT, Options, Simulation};

@@ -3,14 +3,14 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use super::{Environment, FactoryError, Robot, RobotFactory};
+use super::{Environment, FactoryError, Intervention, Refusal, Robot, RobotFactory, Roster};
 use crate::RobotId;
-use crate::build::Visuals;
+use crate::build::{Newcomer, NoMeshes, Visuals};
 use crate::camera::{Label, Picture};
 use crate::device::camera::{CameraError, Setting};
 use crate::drive::{Command, CommandError};
 use crate::pose::Pose;
-use crate::record::{Digest, KindSet, Record, Recorder};
+use crate::record::{Action, Digest, KindSet, Record, Recorder};
 use crate::spec::SceneSpec;
 use crate::time::Time;
 use crate::world::World;
@@ -33,6 +33,9 @@ pub struct Simulation {
     now: Time,
     /// What cameras see, once somebody has said it.
     visuals: Option<Arc<Visuals>>,
+    /// Who is in it, and what more of them are made of.
+    roster: Arc<Roster>,
+    factory: Arc<RobotFactory>,
 }
 
 /// What a simulation is told beside its scene.
@@ -63,9 +66,18 @@ impl Simulation {
         let (mut robots, heard): (Vec<Robot>, Vec<_>) = made.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
         robots.iter_mut().for_each(|robot| robot.record_start(""));
         let world = factory.world(scene, &mut robots, heard);
+        let environment = Environment::new(world, Recorder::new(seed, slot, KindSet::NONE));
+        Ok(Self::of(environment, robots, Roster::of(scene), factory))
+    }
+
+    /// The simulation of these robots, in the order of their ids, in their environment, at the start of its present slot: copies of
+    /// those of a run, with what more of them are made of.
+    pub fn of(environment: Environment, mut robots: Vec<Robot>, roster: Roster, factory: RobotFactory) -> Self {
+        let now = environment.world.slot_start();
+        robots.iter_mut().for_each(|robot| robot.now = now);
         let acted = robots.iter().map(|robot| robot.id).collect();
-        let recorder = Recorder::new(seed, slot, KindSet::NONE);
-        Ok(Self { environment: Environment::new(world, recorder), robots, acted, now: Time::ZERO, visuals: None })
+        let (roster, factory) = (Arc::new(roster), Arc::new(factory));
+        Self { environment, robots, acted, now, visuals: None, roster, factory }
     }
 
     /// The present time, that of all robots.
@@ -111,6 +123,66 @@ impl Simulation {
     /// If there is no such robot.
     pub fn command(&mut self, id: RobotId, command: Command) -> Result<(), CommandError> {
         self.with_robot(id, |robot, world| robot.command(world, command))
+    }
+
+    /// Carries out an intervention now, at the start of a slot, and records it, as [runs with programs](Action) do.
+    ///
+    /// Robots that come have no program; they and objects are of the types of the scene, and of those that were
+    /// [added](Simulation::roster_mut). A robot that is removed stays known by its id and is not in the world any more.
+    ///
+    /// # Errors
+    /// [`Refusal`] for what is not there or makes no sense, [within a slot](Refusal::WithinSlot), and for what only a run with
+    /// programs can do: programs of robots that come, and its end. Nothing changes then.
+    pub fn act(&mut self, action: &Action) -> Result<(), Refusal> {
+        if self.now != self.world().slot_start() {
+            return Err(Refusal::WithinSlot(self.world().slot_end()));
+        }
+        if let Action::AddRobot { kind, program_of, x_m, y_m, phi_rad } = action {
+            if program_of.is_some() {
+                return Err(Refusal::Other("a simulation runs no programs: who hosts them does".to_owned()));
+            }
+            let spec = self.roster.robot(kind, None, [*x_m, *y_m, *phi_rad], self.world())?;
+            let made = Arc::make_mut(&mut self.factory).robot(&spec, self.now);
+            let (mut robot, heard) = made.map_err(|error| Refusal::Other(error.to_string()))?;
+            robot.record_start("");
+            self.environment.record_intervention(self.now, action);
+            self.environment.admit(&mut robot, heard);
+            self.show(Newcomer::Robot(robot.id, Arc::clone(&spec.robi)));
+            self.acted.push(robot.id);
+            self.robots.push(robot);
+            Arc::make_mut(&mut self.roster).keep_robot(spec);
+            return Ok(());
+        }
+        let robots = &mut self.robots[..];
+        let intervention = Intervention::validate(action, robots, Some(&self.roster), &self.environment.world)?;
+        self.environment.record_intervention(self.now, action);
+        if let Intervention::RemoveRobot(id) = intervention {
+            self.with_robot(id, Robot::halt);
+        }
+        let effect = self.environment.intervene(&intervention, &mut self.robots[..]);
+        self.acted.extend(effect.robots);
+        if let (Intervention::AddObject(spec), Some(id)) = (intervention, effect.came) {
+            self.show(Newcomer::Object(id, Arc::clone(&spec.kind)));
+            Arc::make_mut(&mut self.roster).keep_object(*spec);
+        }
+        Ok(())
+    }
+
+    /// Lets cameras see somebody who has come: as others of the type look, else as its colliders are.
+    fn show(&mut self, newcomer: Newcomer) {
+        if let Some(visuals) = &mut self.visuals {
+            Arc::make_mut(visuals).add([newcomer], &mut NoMeshes);
+        }
+    }
+
+    /// Who is in it, and the types of which more can be added.
+    pub fn roster(&self) -> &Roster {
+        &self.roster
+    }
+
+    /// The same, so that types can be added.
+    pub fn roster_mut(&mut self) -> &mut Roster {
+        Arc::make_mut(&mut self.roster)
     }
 
     /// What range sensor `index` of robot `id` reads now, with its errors, m; `None` when nothing is within its reach.
@@ -225,7 +297,7 @@ impl Simulation {
     fn pass_to(&mut self, time: Time) {
         let Self { environment, robots, now, .. } = self;
         let slot_end = environment.world.slot_end();
-        for robot in robots {
+        for robot in robots.iter_mut().filter(|robot| !robot.is_removed) {
             while robot.devices.due() <= time && robot.devices.due() < slot_end {
                 robot.now = robot.now.max(robot.devices.due());
                 robot.settle(&environment.world);
@@ -252,7 +324,8 @@ impl Simulation {
         if world.is_object_moving() || self.environment.is_robot_moving() {
             return;
         }
-        let due = self.robots.iter().map(|robot| robot.devices.due()).fold(self.environment.message_due(), Time::min);
+        let present = self.robots.iter().filter(|robot| !robot.is_removed);
+        let due = present.map(|robot| robot.devices.due()).fold(self.environment.message_due(), Time::min);
         let next = due.min(time).floor_to(world.slot()).max(following);
         if next > following {
             self.environment.world.advance_to(next);

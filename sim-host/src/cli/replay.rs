@@ -37,7 +37,7 @@ use crate::record::{RecordError, Recorded, Sink, TraceReader};
 use crate::scenery::{LazyScenery, Newcomer};
 use crate::window::recording::recording;
 use crate::window::scene::{ObjectSubject, RobotSubject, Subject};
-use crate::workshop::Types;
+use crate::workshop::roster_of;
 
 /// Arguments of `eyesim replay`.
 #[derive(Args)]
@@ -123,18 +123,18 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
     let mut robots: Vec<RobotSubject> = spec.robots.iter().map(subject_of_robot).collect();
     let mut objects: Vec<ObjectSubject> =
         (1..).map(ObjectId).zip(build::movable(&spec)).map(subject_of_object).collect();
-    let types = Types::of(&spec);
+    let roster = roster_of(&spec);
     for (_, action) in &recorded.interventions {
         match action {
             Action::AddRobot { kind, x_m, y_m, .. } => {
-                let robi = types.robot(kind).map_err(anyhow::Error::msg)?;
+                let robi = roster.robot_types.find(kind)?;
                 let id = RobotId::from_index(robots.len());
                 scenery.add(Newcomer::Robot(id, Arc::clone(&robi)));
                 let position = DVec2::new(*x_m, *y_m);
                 robots.push(RobotSubject { id, robi, program: String::new(), position, has_colours: false });
             }
             Action::AddObject { kind, x_m, y_m, .. } => {
-                let kind = types.object(kind).map_err(anyhow::Error::msg)?;
+                let kind = roster.object_types.find(kind)?;
                 let id = ObjectId::from_index(objects.len());
                 scenery.add(Newcomer::Object(id, Arc::clone(&kind)));
                 objects.push(ObjectSubject { id, kind, position: DVec2::new(*x_m, *y_m) });

@@ -89,8 +89,6 @@ pub struct Robios {
     pub lcd: lcd::Lcd,
     /// The colour display; none of a robot whose program is of RoBIOS 6.
     pub screen: Option<Box<Screen>>,
-    /// The keys under it.
-    pub keys: key::Keys,
     /// Loudspeaker and microphone.
     pub audio: audio::Audio,
     /// PSD distance sensors that the program has opened.
@@ -127,22 +125,20 @@ pub struct Robios {
     pub irtv: Option<irtv::Settings>,
     /// Which robots and objects there are.
     pub census: Arc<truth::Census>,
-    /// Keys of a remote control.
-    pub remote: irtv::Remote,
     /// Hints that the program was given.
     pub hints: hint::Hints,
 }
 
 impl Robios {
-    /// That of a robot of this type, whose keys are pressed as `keys` says.
-    pub fn new(spec: &RobiSpec, keys: key::Keys) -> Self {
+    /// That of a robot of this type.
+    pub fn new(spec: &RobiSpec) -> Self {
         let serial = serial::Serial::new(&spec.serials);
-        Self { table: table::Table::new(spec), keys, serial, ..Self::default() }
+        Self { table: table::Table::new(spec), serial, ..Self::default() }
     }
 
     /// The same for a program of RoBIOS-7.
-    pub fn of_robios7(spec: &RobiSpec, keys: key::Keys) -> Self {
-        Self { screen: Some(new_screen(spec)), ..Self::new(spec, keys) }
+    pub fn of_robios7(spec: &RobiSpec) -> Self {
+        Self { screen: Some(new_screen(spec)), ..Self::new(spec) }
     }
 
     /// The display.

@@ -3,13 +3,13 @@
 use std::ops::{Deref, DerefMut};
 
 use robios_sys::{Robios6Call, SupportCall};
+use sim_core::device::key::Touch;
 use sim_core::record::Event;
 use sim_core::simulation;
 use sim_core::time::Time;
 
 use super::Robios;
 use super::caller::Call;
-use super::key::Touch;
 use super::support::Generators;
 use super::task::{TaskWait, Tasks};
 use super::timer::Timers;
@@ -115,10 +115,7 @@ impl Robot {
 
     /// Somebody presses a key, touches the display or uses a remote control at `at`, the start of a slot.
     pub fn press(&mut self, at: Time, touch: Touch) {
-        match touch.remote_key() {
-            Some(code) => self.robios.remote.press(at, code),
-            None => self.robios.keys.press(at, touch),
-        }
+        self.state.devices.press(at, touch);
         self.tasks.look_at_input(at);
     }
 

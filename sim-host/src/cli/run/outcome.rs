@@ -61,7 +61,7 @@ impl Ran {
 /// All robots and movable objects that ever were in the run, in order of their ids.
 fn cast(scene: &SceneSpec, ended: &Ended) -> (Vec<RobotSpec>, Vec<ObjectSpec>) {
     match &*ended.run.workshop() {
-        Some(workshop) => (workshop.robots().to_vec(), workshop.objects().to_vec()),
+        Some(workshop) => (workshop.roster().robots().to_vec(), workshop.roster().objects().to_vec()),
         None => (scene.robots.clone(), build::movable(scene).cloned().collect()),
     }
 }
