@@ -253,6 +253,25 @@ fn a_run_that_is_dropped_lets_its_programs_leave() {
     }
 }
 
+/// The digest of the run so far.
+#[derive(Default)]
+struct LastDigest(Option<Digest>);
+
+impl Sink for LastDigest {
+    fn interest(&self) -> KindSet {
+        KindSet::NONE
+    }
+
+    fn record(&mut self, _: &Record<'_>) -> Result<(), RecordError> {
+        Ok(())
+    }
+
+    fn end_slot(&mut self, _: Time, digest: Option<Digest>) -> Result<(), RecordError> {
+        self.0 = digest.or(self.0);
+        Ok(())
+    }
+}
+
 /// A run whose robots have no programs goes on as a copy of it does: what a person does to either is the same to the bit.
 #[test]
 fn a_run_without_programs_lends_a_simulation() {
@@ -265,7 +284,8 @@ fn a_run_without_programs_lends_a_simulation() {
     (args.quiet, args.is_silent) = (true, true);
     let ready = Built::new(&args, |_| Ok(())).and_then(|built| built.load(&args));
     let ready = ready.unwrap_or_else(|error| panic!("{error:#}"));
-    let company = Company { is_quiet: true, ..Company::default() };
+    let last = Arc::new(Mutex::new(LastDigest::default()));
+    let company = Company { sinks: vec![Box::new(Arc::clone(&last))], is_quiet: true, ..Company::default() };
     let mut running = ready.start(&args, company).unwrap_or_else(|error| panic!("{error:#}"));
     let run = &mut running.scheduler;
     let place = Action::PlaceObject { object: 1, x_m: 0.62, y_m: 0.5, phi_rad: 1.0 };
@@ -287,6 +307,7 @@ fn a_run_without_programs_lends_a_simulation() {
     let states = |world: &World| [1, 2].map(|id| format!("{:?}", world.object_state(ObjectId(id))));
     assert_eq!(states(&run.run().world()), states(simulation.world()));
     assert_eq!(run.run().robot(RobotId(1)).motion.pose(end), simulation.pose(RobotId(1)));
+    assert_eq!(last.lock().0, Some(simulation.digest()), "what was recorded is the same");
 }
 
 #[test]

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::level::Levels;
 use super::servo::Servos;
 use crate::RobotId;
-use crate::camera::{Camera as Renderer, Label, Lens, Picture, Scenery, View, ViewError};
+use crate::camera::{Camera as Renderer, Lens, Picture, Scenery, Still, View, ViewError};
 use crate::drive::HISTORY;
 use crate::math;
 use crate::noise::{Image, ImageErrors};
@@ -170,32 +170,22 @@ impl Camera {
         self.workspace.0.get_or_insert_default()
     }
 
-    /// How far away what each pixel of the last image of `robot` shows is, m along the line of sight; infinite for the sky.
+    /// What `render` makes of the last exposure; `nothing` everywhere where the camera was dark.
     ///
     /// # Errors
     /// [`CameraError::NotTaken`].
-    pub fn depth(&mut self, robot: RobotId) -> Result<Picture<f32>, CameraError> {
+    pub(crate) fn render_last<T: Copy>(
+        &mut self,
+        nothing: T,
+        render: impl FnOnce(&mut Renderer, &Still<'_>, &View) -> Picture<T>,
+    ) -> Result<Picture<T>, CameraError> {
         let exposure = Arc::clone(self.last.as_ref().ok_or(CameraError::NotTaken)?);
         let still = exposure.scenery.standing(exposure.poses.clone());
-        let mut depth = self.renderer().depth(&still, &exposure.view, Some(robot));
+        let mut picture = render(self.renderer(), &still, &exposure.view);
         if exposure.is_dark {
-            depth.pixels_mut().fill(f32::INFINITY);
+            picture.pixels_mut().fill(nothing);
         }
-        Ok(depth)
-    }
-
-    /// What each pixel of the last image of `robot` shows.
-    ///
-    /// # Errors
-    /// [`CameraError::NotTaken`].
-    pub fn labels(&mut self, robot: RobotId) -> Result<Picture<Label>, CameraError> {
-        let exposure = Arc::clone(self.last.as_ref().ok_or(CameraError::NotTaken)?);
-        let still = exposure.scenery.standing(exposure.poses.clone());
-        let mut labels = self.renderer().labels(&still, &exposure.view, Some(robot));
-        if exposure.is_dark {
-            labels.pixels_mut().fill(Label::Sky);
-        }
-        Ok(labels)
+        Ok(picture)
     }
 }
 

@@ -99,7 +99,8 @@ impl Robot {
     /// [`CameraError`] where there is no image.
     pub fn take_depth(&mut self) -> Result<Picture<f32>, CameraError> {
         self.camera_setting()?;
-        self.devices.camera.depth(self.id)
+        let by = Some(self.id);
+        self.devices.camera.render_last(f32::INFINITY, |renderer, still, view| renderer.depth(still, view, by))
     }
 
     /// What each pixel of the last image shows.
@@ -108,7 +109,8 @@ impl Robot {
     /// [`CameraError`] where there is no image.
     pub fn take_labels(&mut self) -> Result<Picture<Label>, CameraError> {
         self.camera_setting()?;
-        self.devices.camera.labels(self.id)
+        let by = Some(self.id);
+        self.devices.camera.render_last(Label::Sky, |renderer, still, view| renderer.labels(still, view, by))
     }
 
     /// Records the last image, or what it shows: `bytes` in this form.

@@ -309,7 +309,8 @@ impl Simulation {
 
     fn end_slot(&mut self) {
         let Self { environment, robots, acted, .. } = self;
-        let concerned = environment.concerned(std::mem::take(acted), |id, act| act(&mut robots[id.index()]));
+        let concerned = environment.concerned(acted, &mut robots[..]);
+        acted.clear();
         // The robots and their ids are in the same order.
         let mut next = concerned.iter().copied().peekable();
         let is_concerned = |robot: &&mut Robot| next.next_if_eq(&robot.id).is_some();

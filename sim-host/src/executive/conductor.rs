@@ -16,7 +16,7 @@ use sim_core::simulation::{self, Environment, SlotEnd};
 use sim_core::time::Time;
 use sim_core::world::World;
 
-use super::intervene::{self, Effect, Refusal};
+use super::intervene::{self, Effect, Members, Refusal};
 use super::run::Run;
 use crate::record::{RecordError, Sinks};
 use crate::robios::robot::Robot;
@@ -419,7 +419,8 @@ impl Conductor {
 
     /// Ends the slot for all robots that it concerns, and gives the sinks what it brought.
     fn end_slot(&mut self, run: &Run, environment: &mut Environment) -> Result<(), RecordError> {
-        let active = environment.concerned(std::mem::take(&mut self.ran), |id, act| act(&mut run.robot(id).state));
+        let active = environment.concerned(&self.ran, &mut Members(run));
+        self.ran.clear();
         let mut robots: Vec<MutexGuard<'_, Robot>> = active.iter().map(|id| run.robot(*id)).collect();
         save_files(&mut robots);
         let SlotEnd { at, heard } = {

@@ -39,7 +39,7 @@ pub struct Effect {
 }
 
 /// The robots of a run as the simulation knows them.
-struct Members<'a>(&'a Run);
+pub(super) struct Members<'a>(pub &'a Run);
 
 impl Robots for Members<'_> {
     fn with<R>(&mut self, id: RobotId, act: impl FnOnce(&mut simulation::Robot) -> R) -> R {
