@@ -1,5 +1,9 @@
 //! The simulation as a pure library: no files, threads, clock or `unsafe`, and no knowledge of RoBIOS.
 //!
+//! [`Simulation`](simulation::Simulation) is a whole simulation as one value: its owner steps it, commands its robots, reads their devices and
+//! looks through their cameras, copies it, and sets it back. What it is made of can be used on its own: a [`world`] of bodies, the
+//! motion of a [`drive`](mod@drive), a [`sensor`], what a [`camera`] sees, the [`device`]s of a robot.
+//!
 //! SI units and `f64` throughout; the frames and signs are those of `docs/conventions.md`. Millimetres and degrees exist
 //! only in [`mod@unit`] and in what people are told. Scenes come as plain data ([`mod@spec`]), which `sim-format` reads from texts.
 #![forbid(unsafe_code)]

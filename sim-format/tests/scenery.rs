@@ -5,7 +5,7 @@ use std::io::Cursor;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use sim_core::build::{Looks, scenery};
+use sim_core::build::{Newcomer, Visuals, scenery};
 use sim_core::camera::{Camera, Label, Lens, Light, Part, Picture, Place, Scenery, Sky, View};
 use sim_core::math;
 use sim_core::pose::Pose3;
@@ -149,7 +149,16 @@ fn types() -> Vec<RobiSpec> {
 
 /// The body of the first robot, of this type.
 fn looks(robi: &RobiSpec) -> Arc<Mesh> {
-    Looks::default().robot(RobotId(1), &Arc::new(robi.clone()), &mut MeshReader::new(&memory([]))).mesh
+    alone_in_nothing(Newcomer::Robot(RobotId(1), Arc::new(robi.clone())))
+}
+
+/// The first part of what cameras see of a newcomer.
+fn alone_in_nothing(newcomer: Newcomer) -> Arc<Mesh> {
+    let files = memory([]);
+    let mut reader = MeshReader::new(&files);
+    let mut visuals = Visuals::new(&SceneSpec::default(), &mut reader);
+    visuals.add([newcomer], &mut reader);
+    Arc::clone(&visuals.scenery().parts()[0].mesh)
 }
 
 #[test]
@@ -172,7 +181,7 @@ fn a_part_in_the_air_would_be_found() {
         let collider = |z: &f64| Collider::Box { centre: DVec3::new(0.0, 0.0, *z), size: DVec3::splat(0.1) };
         let kind =
             ObjectType { colliders: heights.iter().map(collider).collect(), ..ObjectType::with_defaults("a.esObj") };
-        Looks::default().object(ObjectId(1), &Arc::new(kind), &mut MeshReader::new(&memory([]))).mesh
+        alone_in_nothing(Newcomer::Object(ObjectId(1), Arc::new(kind)))
     };
     assert!(stands(&boxes(&[0.05, 0.13])));
     assert!(!stands(&boxes(&[0.05, 0.16])));

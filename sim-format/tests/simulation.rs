@@ -3,15 +3,18 @@
 use std::sync::{Arc, LazyLock};
 
 use proptest::prelude::*;
-use sim_core::RobotId;
+use sim_core::build::{NoMeshes, Visuals};
+use sim_core::camera::Label;
+use sim_core::device::camera::Setting;
 use sim_core::drive::Command;
 use sim_core::pose::Twist;
 use sim_core::radio::Address;
-use sim_core::record::{Event, KindSet, Record};
-use sim_core::simulation::{Options, Robot, Simulation};
+use sim_core::record::{Action, Event, KindSet, Record};
+use sim_core::simulation::{Options, Refusal, Robot, Simulation};
 use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 use sim_core::world::World;
+use sim_core::{ObjectId, RobotId};
 use sim_format::{MemoryFiles, load_scene};
 
 /// Robots of several kinds with errors, a radio that loses messages, and things to push.
@@ -77,9 +80,16 @@ fn scene(text: &str) -> Arc<SceneSpec> {
 
 static CROWD: LazyLock<Arc<SceneSpec>> = LazyLock::new(|| scene(SCENE));
 
+/// What cameras see of it, built once.
+static VISUALS: LazyLock<Visuals> = LazyLock::new(|| Visuals::new(&CROWD, &mut NoMeshes));
+
 fn simulation(seed: u64, slot_ms: i64) -> Simulation {
     let options = Options { seed: Some(seed), slot: Some(Time::from_millis(slot_ms)) };
-    Simulation::new(&CROWD, &options).expect("robots that can be simulated")
+    let mut simulation = Simulation::new(&CROWD, &options).expect("robots that can be simulated");
+    simulation.set_visuals(VISUALS.clone());
+    let size = Setting { size: [24, 18], ..Setting::default() };
+    simulation.with_robot(RobotId(1), |robot, _| robot.devices.camera.switch_on(size));
+    simulation
 }
 
 /// What a robot does in step `step`: drives, reads, sends and receives.
@@ -93,22 +103,51 @@ fn act(robot: &mut Robot, world: &World, step: u64) {
         let measured_s = robot.now.seconds();
         robot.record(Event::Distance { device: "PSD", distance_m, measured_s });
     }
+    if step.is_multiple_of(7) && robot.camera_setting().is_ok() {
+        robot.take_grey(world, VISUALS.scenery()).expect("an image");
+    }
+    let _ = robot.devices.keys.take_any(robot.now).map(|key| robot.record(Event::Key { key: &key.to_string() }));
     match step % 4 {
         0 if robot.radio_member().is_none() => robot.switch_radio_on(world, robot.id.0, 9_600),
         1 => {
             robot.devices.psds.start(0b111, step.is_multiple_of(8), robot.now);
         }
-        2 => drop(robot.send_message(world, Address::All, &step.to_le_bytes())),
+        2 if robot.radio_member().is_some() => drop(robot.send_message(world, Address::All, &step.to_le_bytes())),
         _ => while robot.receive_message().is_some() {},
     }
+}
+
+/// What people do at the start of step `step`, if that is the start of a slot.
+fn intervention(step: u64) -> Option<Action> {
+    let [x_m, y_m, phi_rad] = [0.5 + 0.1 * (step % 30) as f64, 0.4 + 0.1 * (step % 20) as f64, step as f64];
+    let named = |name: &str| name.to_owned();
+    Some(match step % 18 {
+        0 => Action::PlaceObject { object: 1 + (step % 3) as u32, x_m, y_m, phi_rad },
+        2 => Action::SetNoise { robot: None, parameter: named("psd.sigma_mm"), value: step as f64 },
+        4 => Action::SwitchSensor { robot: 1, sensor: named("CAMERA"), on: step.is_multiple_of(4) },
+        6 => Action::AddObject { kind: named("Can"), x_m, y_m, phi_rad },
+        8 => Action::PlaceRobot { robot: 2, x_m, y_m, phi_rad },
+        10 => Action::Press { robot: 1, key: named("KEY2") },
+        12 => Action::AddRobot { kind: named("S4"), program_of: None, x_m, y_m, phi_rad },
+        14 => Action::RemoveObject { object: 4 },
+        16 => Action::RemoveRobot { robot: 4 },
+        _ => return None,
+    })
 }
 
 /// Steps it by 30 ms, from its step `from` on to before `to`.
 fn steps(simulation: &mut Simulation, from: u64, to: u64) {
     for step in from..to {
+        // What is refused, since nobody is there or there is no room, is refused to a copy, too.
+        let _ = intervention(step).map(|action| simulation.act(&action));
         for id in (0..simulation.robot_count()).map(RobotId::from_index) {
             // What has no room in the station's buffer is a part of the run, too.
-            simulation.with_robot(id, |robot, world| act(robot, world, step));
+            if !simulation.robot(id).is_removed {
+                simulation.with_robot(id, |robot, world| act(robot, world, step));
+            }
+        }
+        if step.is_multiple_of(5) {
+            simulation.image(RobotId(1)).expect("an image");
         }
         simulation.advance_to(Time::from_millis(30 * (step as i64 + 1)));
     }
@@ -118,19 +157,24 @@ fn steps(simulation: &mut Simulation, from: u64, to: u64) {
 fn seen(simulation: &Simulation) -> String {
     let robots = (0..simulation.robot_count()).map(|index| {
         let mut robot = simulation.robot(RobotId::from_index(index)).clone();
+        let labels = robot.take_labels().map(|labels| labels.pixels().to_vec());
+        let depth = robot.take_depth().map(|depth| depth.pixels().to_vec());
         let (now, position) = (robot.now, robot.motion.pose(robot.now));
-        format!("{now} {position:?} {:?} {:?}", robot.motion.odometry(robot.now), robot.radio_waiting())
+        format!(
+            "{now} {position:?} {labels:?} {depth:?} {:?} {:?}",
+            robot.motion.odometry(robot.now),
+            robot.radio_waiting()
+        )
     });
     let world = simulation.world();
-    let objects =
-        (1..=world.object_count() as u32).map(|id| format!("{:?}", world.object_state(sim_core::ObjectId(id))));
+    let objects = (1..=world.object_count() as u32).map(|id| format!("{:?}", world.object_state(ObjectId(id))));
     format!("{} {:?}", simulation.digest(), robots.chain(objects).collect::<Vec<_>>())
 }
 
 const STEPS: u64 = 60;
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn a_copy_goes_on_as_its_original_and_disturbs_nothing(
@@ -238,4 +282,64 @@ fn time_in_which_nothing_happens_is_skipped() {
     assert_eq!(fresh.now(), Time::from_millis(50), "it stands at the end of the slot that could not be shown");
     let full = simulation.advance_with(Time::from_millis(1_000_000_100), |_| Err("nothing is recorded"));
     assert_eq!(full, Ok(()));
+}
+
+#[test]
+fn interventions_are_refused_with_reasons() {
+    let mut simulation = simulation(1, 50);
+    simulation.advance_to(Time(120_000));
+    let end = Action::End {};
+    assert_eq!(simulation.act(&end), Err(Refusal::WithinSlot(Time(150_000))));
+    simulation.advance_to(Time(150_000));
+    let digest = simulation.digest();
+    let refused = |action: &Action, simulation: &mut Simulation| simulation.act(action).unwrap_err().to_string();
+    let [kind, sensor, key] = ["Tank", "SONAR", "KEY9"].map(str::to_owned);
+    let parameter = "psd.sigma".to_owned();
+    let s4 = |program_of| Action::AddRobot { kind: "S4".to_owned(), program_of, x_m: 0.8, y_m: 0.8, phi_rad: 0.0 };
+    for (action, reason) in [
+        (end, "a simulation ends where its owner leaves it"),
+        (s4(Some(1)), "a simulation runs no programs"),
+        (s4(None), "there is no room for a robot: robot 1 is in its place"),
+        (
+            Action::AddObject { kind, x_m: 1.0, y_m: 1.0, phi_rad: 0.0 },
+            "there is no type of movable objects `Tank`, accepted: ",
+        ),
+        (Action::SwitchSensor { robot: 2, sensor, on: false }, "robot 2 has no sensor `SONAR`: it has `PSD_FRONT`"),
+        (Action::Press { robot: 1, key }, "`KEY9` is no key"),
+        (Action::RemoveRobot { robot: 7 }, "there is no robot 7"),
+        (Action::RemoveObject { object: 0 }, "there is no movable object 0"),
+        (
+            Action::PlaceRobot { robot: 1, x_m: f64::NAN, y_m: 0.0, phi_rad: 0.0 },
+            "x NaN m, y 0 m, phi 0 rad is no place",
+        ),
+        (Action::SetNoise { robot: None, parameter, value: 1.0 }, "`psd.sigma`"),
+    ] {
+        let found = refused(&action, &mut simulation);
+        assert!(found.contains(reason), "{found}");
+    }
+    simulation.advance_to(Time(200_000));
+    let mut alone = self::simulation(1, 50);
+    alone.advance_to(Time(200_000));
+    assert_eq!(simulation.digest(), alone.digest(), "nothing has changed since {digest}");
+}
+
+#[test]
+fn who_comes_is_seen_and_who_leaves_is_not() {
+    let mut simulation = simulation(1, 50);
+    simulation.advance_to(Time::from_millis(50));
+    let sees = |simulation: &mut Simulation, label: Label| {
+        simulation.advance_to(simulation.now() + Time::from_millis(100));
+        simulation.image(RobotId(1)).expect("an image");
+        simulation.labels(RobotId(1)).expect("labels").pixels().contains(&label)
+    };
+    let [robot, object] = [Label::Robot(RobotId(4)), Label::Object(ObjectId(4))];
+    assert_eq!([sees(&mut simulation, robot), sees(&mut simulation, object)], [false, false]);
+    let [s4, can] = ["S4", "Can"].map(str::to_owned);
+    let act = |simulation: &mut Simulation, action| simulation.act(&action).expect("it is done");
+    act(&mut simulation, Action::AddRobot { kind: s4, program_of: None, x_m: 1.4, y_m: 1.1, phi_rad: 0.0 });
+    act(&mut simulation, Action::AddObject { kind: can, x_m: 1.3, y_m: 0.6, phi_rad: 0.0 });
+    assert_eq!([sees(&mut simulation, robot), sees(&mut simulation, object)], [true, true]);
+    act(&mut simulation, Action::RemoveRobot { robot: 4 });
+    act(&mut simulation, Action::RemoveObject { object: 4 });
+    assert_eq!([sees(&mut simulation, robot), sees(&mut simulation, object)], [false, false]);
 }

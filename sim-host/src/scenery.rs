@@ -3,10 +3,10 @@
 use std::sync::{Arc, OnceLock};
 
 use parking_lot::Mutex;
-use sim_core::build::{self, Looks};
+pub use sim_core::build::Newcomer;
+use sim_core::build::Visuals;
 use sim_core::camera::{Light, Scenery, Sky};
-use sim_core::spec::{ObjectType, RobiSpec, SceneSpec};
-use sim_core::{ObjectId, RobotId};
+use sim_core::spec::SceneSpec;
 use sim_format::{Diagnostic, Files, InputFile, MeshReader};
 
 /// The scenery of a run, which a run without cameras never builds: no mesh or image is read for it then.
@@ -41,21 +41,9 @@ pub struct Built {
 /// What can be seen now.
 #[derive(Default)]
 struct Present {
-    scenery: Option<Arc<Scenery>>,
-    looks: Looks,
+    visuals: Option<Visuals>,
     /// Those who have come into the run since it was built.
     newcomers: Vec<Newcomer>,
-    /// The types by whose addresses `looks` tells them apart.
-    types: Vec<Newcomer>,
-}
-
-/// Somebody who has come into a run.
-#[derive(Clone)]
-pub enum Newcomer {
-    /// A robot.
-    Robot(RobotId, Arc<RobiSpec>),
-    /// A movable object.
-    Object(ObjectId, Arc<ObjectType>),
 }
 
 impl LazyScenery {
@@ -74,38 +62,28 @@ impl LazyScenery {
     /// What can be seen; whoever asks first builds it, and who asks meanwhile waits.
     pub fn get(&self) -> Arc<Scenery> {
         let mut present = self.present.lock();
-        let Present { scenery, looks, newcomers, types } = &mut *present;
-        let scenery = scenery.get_or_insert_with(|| Arc::new(self.build(looks)));
-        if let (false, Some(source)) = (newcomers.is_empty(), &self.source) {
+        let Present { visuals, newcomers } = &mut *present;
+        let visuals = visuals.get_or_insert_with(|| self.build());
+        if let Some(source) = &self.source {
             // Their types are built in, or were read for the scene: there is nothing new to be told.
-            let mut reader = MeshReader::new(&*source.files);
-            let parts_of = |newcomer: &Newcomer| match newcomer {
-                Newcomer::Robot(id, robi) => {
-                    let body = looks.robot(*id, robi, &mut reader);
-                    [vec![body], looks.legs(*id, robi)].concat()
-                }
-                Newcomer::Object(id, kind) => vec![looks.object(*id, kind, &mut reader)],
-            };
-            let parts = newcomers.iter().flat_map(parts_of).collect();
-            *scenery = Arc::new((**scenery).clone().with_parts(parts));
+            visuals.add(newcomers.drain(..), &mut MeshReader::new(&*source.files));
         }
-        types.append(newcomers);
-        Arc::clone(scenery)
+        Arc::clone(visuals.scenery())
     }
 
-    fn build(&self, looks: &mut Looks) -> Scenery {
+    fn build(&self) -> Visuals {
         let Some(Source { scene, files, told }) = &self.source else {
             self.built.get_or_init(|| Built { diagnostics: Vec::new(), inputs: Vec::new() });
             let light = Light { towards: glam::DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
             let sky = Sky { horizon: [0; 3], zenith: [0; 3] };
-            return Scenery::new(Vec::new(), None, light, sky);
+            return Visuals::of(Scenery::new(Vec::new(), None, light, sky));
         };
         let mut reader = MeshReader::new(&**files);
-        let scenery = build::scenery_with(scene, looks, &mut reader);
+        let visuals = Visuals::new(scene, &mut reader);
         let (mut diagnostics, inputs) = reader.finish();
         diagnostics.retain(|diagnostic| !told.contains(diagnostic));
         self.built.get_or_init(|| Built { diagnostics, inputs });
-        scenery
+        visuals
     }
 
     /// Somebody has come into the run, who is seen from now on.

@@ -6,11 +6,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use parking_lot::Mutex;
-use sim_core::RobotId;
 use sim_core::record::{Action, Digest, Event, Kind, KindSet, Outcome, Record};
 use sim_core::time::Time;
+use sim_core::world::World;
+use sim_core::{ObjectId, RobotId};
 use sim_host::executive::conductor::{Boundary, End};
-use sim_host::executive::scheduler::{Ended, Progress, Scheduler};
+use sim_host::executive::scheduler::{Ended, Progress, Scheduler, SnapshotError};
 use sim_host::launch::{Observers, Options, Ready, Scene};
 use sim_host::record::{RecordError, Sink};
 
@@ -244,4 +245,72 @@ fn a_run_that_is_dropped_lets_its_programs_leave() {
             std::thread::yield_now();
         }
     }
+}
+
+/// The digest of the run so far.
+#[derive(Default)]
+struct LastDigest(Option<Digest>);
+
+impl Sink for LastDigest {
+    fn interest(&self) -> KindSet {
+        KindSet::NONE
+    }
+
+    fn record(&mut self, _: &Record<'_>) -> Result<(), RecordError> {
+        Ok(())
+    }
+
+    fn end_slot(&mut self, _: Time, digest: Option<Digest>) -> Result<(), RecordError> {
+        self.0 = digest.or(self.0);
+        Ok(())
+    }
+}
+
+/// A run whose robots have no programs goes on as a copy of it does: what a person does to either is the same to the bit.
+#[test]
+fn a_run_without_programs_lends_a_simulation() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = "[world]\nfloor_mm = [4000, 4000]\n[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500\n\
+                 [[object]]\ntype = \"Can\"\nx_mm = 800\ny_mm = 500\n";
+    let path = folder.path().join("still.scene.toml");
+    std::fs::write(&path, scene).expect("a file");
+    let last = Arc::new(Mutex::new(LastDigest::default()));
+    let sinks: Vec<Box<dyn Sink>> = vec![Box::new(Arc::clone(&last))];
+    let ready = Scene::open(&path, Options::default()).and_then(Scene::load);
+    let running = ready.and_then(|ready| ready.start(Observers { sinks, ..Observers::default() }));
+    let mut running = running.unwrap_or_else(|error| panic!("{error}"));
+    let run = &mut running.scheduler;
+    let place = Action::PlaceObject { object: 1, x_m: 0.62, y_m: 0.5, phi_rad: 1.0 };
+    run.act(Time::ZERO, &place).expect("a place");
+    run.advance_to(Time::from_millis(400));
+
+    let at = run.boundary().following;
+    let mut simulation = run.snapshot().expect("nobody has a program");
+    assert_eq!(simulation.now(), at);
+    let robot = Action::PlaceRobot { robot: 1, x_m: 1.0, y_m: 1.0, phi_rad: 0.5 };
+    let object = Action::AddObject { kind: "Can".to_owned(), x_m: 1.12, y_m: 1.0, phi_rad: 0.0 };
+    for action in [robot, object] {
+        simulation.act(&action).expect("it is done");
+        run.act(at, &action).expect("it is done");
+    }
+    let end = at + Time::from_millis(500);
+    simulation.advance_to(end);
+    run.advance_to(end);
+    let states = |world: &World| [1, 2].map(|id| format!("{:?}", world.object_state(ObjectId(id))));
+    assert_eq!(states(&run.run().world()), states(simulation.world()));
+    assert_eq!(run.run().robot(RobotId(1)).motion.pose(end), simulation.pose(RobotId(1)));
+    assert_eq!(last.lock().0, Some(simulation.digest()), "what was recorded is the same");
+}
+
+#[test]
+fn a_run_with_programs_cannot_be_copied() {
+    if !has_compiler() {
+        return;
+    }
+    let refused = |scheduler: &mut Scheduler| {
+        let error = scheduler.snapshot().expect_err("it has programs");
+        assert_eq!(error, SnapshotError::Programs(vec![RobotId(1), RobotId(2)]));
+        assert_eq!(error.to_string(), "a run with programs cannot be copied, those of r1, r2");
+    };
+    run_by(refused, Vec::new());
 }

@@ -20,7 +20,9 @@ use crate::spec::{
 };
 use crate::time::Time;
 use crate::world::{Block, Space};
-pub use scenery::{Looks, MARKER_RADIUS, MeshSource, ROBOT_COLOURS, WALL_COLOUR, scenery, scenery_with, wheel_places};
+pub use scenery::{
+    MARKER_RADIUS, MeshSource, Newcomer, NoMeshes, ROBOT_COLOURS, Visuals, WALL_COLOUR, scenery, wheel_places,
+};
 
 /// Friction of an object against walls, robots and other objects. Source: our choice.
 const CONTACT_FRICTION: f64 = 0.3;

@@ -3,9 +3,12 @@
 //! A device is state that can be copied; it reads world and motion at an instant, and errs by the noise model that it was given.
 //! How a program asks for a device, in which numbers and with which handles, is not known here.
 
+pub mod camera;
 pub mod compass;
 pub mod cycle;
 pub mod encoder;
+pub mod key;
+pub mod level;
 pub mod psd;
 pub mod range;
 pub mod servo;
@@ -33,6 +36,12 @@ pub struct Devices {
     pub servos: servo::Servos,
     /// The compass.
     pub compass: compass::Compass,
+    /// The camera.
+    pub camera: camera::Camera,
+    /// The keys below the display, and touches of it.
+    pub keys: key::Presses,
+    /// The keys of a remote control.
+    pub remote: key::Presses,
     /// Which sensors are off.
     pub switches: switch::Switches,
 }
@@ -46,8 +55,15 @@ impl Devices {
     /// Gives them the errors of `profile` on `robot`, in a run with `seed`, in place of those that they have.
     pub fn set_errors(&mut self, spec: &RobiSpec, profile: &Profile, seed: u64, robot: RobotId) {
         self.ranges.set_errors(spec, profile, seed, robot);
+        self.camera.set_errors(profile.camera, seed, robot);
         let compass = spec.compass.as_ref();
         self.compass.errors = compass.map(|it| AngleErrors::new(profile.compass, seed, robot, &it.name));
+    }
+
+    /// Somebody presses a key, touches the display or uses a remote control at `at`.
+    pub fn press(&mut self, at: Time, touch: key::Touch) {
+        let presses = if matches!(touch, key::Touch::Remote(_)) { &mut self.remote } else { &mut self.keys };
+        presses.press(at, touch);
     }
 
     /// When a measurement is to be computed next that the world would forget; [`Time::NEVER`] if there is none.

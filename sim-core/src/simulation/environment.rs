@@ -1,7 +1,7 @@
 //! What all robots share: the world, the messages on their way, and the record; and the end of a slot.
 
 use super::traffic::Traffic;
-use super::{Placeable, Placement, Robot};
+use super::{Placeable, Placement, Robot, Robots};
 use crate::drive::Motion;
 use crate::record::{Digest, Event, Journal, Recorder, WORLD};
 use crate::time::Time;
@@ -81,19 +81,15 @@ impl Environment {
     }
 
     /// The robots that the end of the present slot concerns, in the order of their ids: those of `ran`, who acted in it, those that
-    /// move, those that messages reach, and those that are put elsewhere. `robot` gives access to one of them at a time.
-    pub fn concerned(
-        &mut self,
-        ran: Vec<RobotId>,
-        mut robot: impl FnMut(RobotId, &mut dyn FnMut(&mut Robot)),
-    ) -> Vec<RobotId> {
+    /// move, those that messages reach, and those that are put elsewhere.
+    pub fn concerned(&mut self, ran: &[RobotId], robots: &mut (impl Robots + ?Sized)) -> Vec<RobotId> {
         let mut concerned = std::mem::take(&mut self.moving);
-        concerned.extend(ran);
+        concerned.extend_from_slice(ran);
         concerned.sort_unstable();
         concerned.dedup();
         let Self { world, traffic, placements, .. } = self;
         for id in &concerned {
-            robot(*id, &mut |robot| {
+            robots.with(*id, |robot| {
                 placements.append(&mut robot.placements);
                 traffic.collect(robot, world.radio_mut());
             });

@@ -4,16 +4,22 @@
 //! drive robots themselves. Programs, threads and files are not known here: whoever runs programs lets each robot act within the slot,
 //! at its own virtual time, and ends the slot.
 
+mod actuator;
+mod camera;
 mod environment;
 mod factory;
+mod intervention;
 mod placement;
 mod robot;
+mod roster;
 mod station;
 mod traffic;
 mod value;
 
 pub use environment::{Environment, SlotEnd};
 pub use factory::{FactoryError, RobotFactory};
+pub use intervention::{Effect, Intervention, Refusal, Robots};
 pub use placement::{Placeable, Placement};
 pub use robot::{Robot, WalkRecord};
+pub use roster::{MOST_OBJECTS, MOST_ROBOTS, Roster, Types};
 pub use value::{DEFAULT_SLOT, Options, Simulation};

@@ -30,7 +30,7 @@ use crate::executive::conductor::End;
 use crate::executive::interrupt;
 use crate::executive::scheduler::{Progress, Scheduler};
 use crate::executive::script::Script;
-use crate::executive::spawn::Types;
+use crate::executive::spawn::roster_of;
 use crate::launch::{Error, Observers, Scene};
 use crate::record::report::{Input, write_whole};
 use crate::record::{RecordError, Recorded, Sink, TraceReader};
@@ -117,18 +117,18 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
     let mut robots: Vec<RobotSubject> = spec.robots.iter().map(subject_of_robot).collect();
     let mut objects: Vec<ObjectSubject> =
         (1..).map(ObjectId).zip(build::movable(&spec)).map(subject_of_object).collect();
-    let types = Types::of(&spec);
+    let roster = roster_of(&spec);
     for (_, action) in &recorded.interventions {
         match action {
             Action::AddRobot { kind, x_m, y_m, .. } => {
-                let robi = types.robot(kind).map_err(anyhow::Error::msg)?;
+                let robi = roster.robot_types.find(kind)?;
                 let id = RobotId::from_index(robots.len());
                 scenery.add(Newcomer::Robot(id, Arc::clone(&robi)));
                 let position = DVec2::new(*x_m, *y_m);
                 robots.push(RobotSubject { id, robi, program: String::new(), position, has_colours: false });
             }
             Action::AddObject { kind, x_m, y_m, .. } => {
-                let kind = types.object(kind).map_err(anyhow::Error::msg)?;
+                let kind = roster.object_types.find(kind)?;
                 let id = ObjectId::from_index(objects.len());
                 scenery.add(Newcomer::Object(id, Arc::clone(&kind)));
                 objects.push(ObjectSubject { id, kind, position: DVec2::new(*x_m, *y_m) });

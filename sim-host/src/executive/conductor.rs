@@ -16,11 +16,11 @@ use sim_core::simulation::{self, Environment, SlotEnd};
 use sim_core::time::Time;
 use sim_core::world::World;
 
-use super::intervene::{self, Effect, Refusal};
+use super::intervene::{self, Effect, Members, Refusal};
 use super::run::Run;
 use crate::record::{RecordError, Sinks};
 use crate::robios::robot::Robot;
-use sim_core::record::{Action, ActionText, Event};
+use sim_core::record::Action;
 
 /// Who runs, who waits until when, and where the run's record goes.
 pub struct Conductor {
@@ -377,32 +377,27 @@ impl Conductor {
         if at >= self.limit {
             return Err(Refusal::Over);
         }
-        let deed = intervene::check(action, at, run, &environment.world)?;
-        environment.world.advance_to(at);
+        let validated = intervene::validate(action, at, run, &environment.world)?;
         self.has_acted = true;
-        environment.record_starts();
-        let text = serde_json::to_string(action).unwrap_or_default();
-        environment.journal().record(at, &Event::Intervention { action: ActionText(&text) });
-        let effect = intervene::carry_out(deed, at, run, environment);
-        self.take_effect(effect, at, run, environment);
+        environment.record_intervention(at, action);
+        let effect = intervene::carry_out(validated, at, run, environment);
+        self.take_effect(effect, at, run);
         Ok(())
     }
 
     /// Brings the list of wakes in line with what an action at `at` has changed.
-    fn take_effect(&mut self, effect: Effect, at: Time, run: &Run, environment: &mut Environment) {
+    fn take_effect(&mut self, effect: Effect, at: Time, run: &Run) {
         for id in effect.robots {
             if let Some(wake) = run.robot(id).wake_after(at).filter(|_| !self.has_departed(id)) {
                 self.sleep_until(id, wake);
             }
             self.ran.push(id);
         }
-        effect.object.into_iter().for_each(|object| environment.record_object(at, object));
         if let Some((id, has_program)) = effect.came {
             self.admit(id, has_program, at);
         }
         if let Some(id) = effect.left {
             // Its program is turned back from the call that it is in.
-            environment.forget(id);
             if !self.has_departed(id) {
                 self.sleep_until(id, at);
             }
@@ -430,7 +425,8 @@ impl Conductor {
 
     /// Ends the slot for all robots that it concerns, and gives the sinks what it brought.
     fn end_slot(&mut self, run: &Run, environment: &mut Environment) -> Result<(), RecordError> {
-        let active = environment.concerned(std::mem::take(&mut self.ran), |id, act| act(&mut run.robot(id).state));
+        let active = environment.concerned(&self.ran, &mut Members(run));
+        self.ran.clear();
         let mut robots: Vec<MutexGuard<'_, Robot>> = active.iter().map(|id| run.robot(*id)).collect();
         save_files(&mut robots);
         let SlotEnd { at, heard } = {

@@ -7,7 +7,6 @@
 //! never return.
 
 pub mod bell;
-pub mod cast;
 pub mod conductor;
 pub mod damage;
 pub mod fault;

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use sim_core::pose::Pose;
 use sim_core::record::{Action, Digest, Outcome, Recorder};
+use sim_core::simulation::Simulation;
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
@@ -51,6 +52,18 @@ pub enum Progress {
     Paused,
     /// It has ended: it is to be [finished](Scheduler::finish).
     Over,
+}
+
+/// Why a run cannot be copied.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SnapshotError {
+    /// These robots have programs.
+    #[error("a run with programs cannot be copied, those of {}", names(.0))]
+    Programs(Vec<RobotId>),
+}
+
+fn names(robots: &[RobotId]) -> String {
+    robots.iter().map(RobotId::to_string).collect::<Vec<_>>().join(", ")
 }
 
 /// What a run is made of.
@@ -207,6 +220,24 @@ impl Scheduler {
     /// Why it is refused; nothing changes then.
     pub fn act(&mut self, at: Time, action: &Action) -> Result<(), Refusal> {
         self.run.conductor.lock().act(at, action, &self.run, &mut self.run.environment.write())
+    }
+
+    /// A copy of the paused run, in which its owner drives the robots; what cameras see is to be given to it.
+    ///
+    /// # Errors
+    /// [`SnapshotError`]: the stack of a program cannot be copied. The way back of a run with programs is to run it again from the
+    /// start with the same seed.
+    pub fn snapshot(&self) -> Result<Simulation, SnapshotError> {
+        let run = &*self.run;
+        let with_programs: Vec<RobotId> = run.ids_with_program().collect();
+        if !with_programs.is_empty() {
+            return Err(SnapshotError::Programs(with_programs));
+        }
+        let spawner = run.spawner();
+        let ids = (0..run.robot_count()).map(RobotId::from_index);
+        let robots = ids.map(|id| run.robot(id).state.clone()).collect();
+        let environment = run.environment.read().clone();
+        Ok(Simulation::of(environment, robots, spawner.roster().clone(), spawner.factory().clone()))
     }
 
     /// Ends the paused run where it stands, as when the user interrupts it.

@@ -43,7 +43,7 @@ impl Finished {
             trails: trail.lines(),
         };
         let robots: Vec<RunRobot> =
-            spawner.robots().iter().zip(&self.ended.robots).zip(trails.trails()).map(robot).collect();
+            spawner.roster().robots().iter().zip(&self.ended.robots).zip(trails.trails()).map(robot).collect();
         let object = |object: &ObjectSpec, end: Pose, trails: Vec<Vec<DVec2>>| RunObject {
             kind: Arc::clone(&object.kind),
             start: object.pose,
@@ -52,7 +52,7 @@ impl Finished {
         };
         let fixed = self.scene.objects.iter().filter(|spec| spec.kind.is_fixed);
         let fixed = fixed.map(|spec| object(spec, spec.pose, Vec::new()));
-        let moved = spawner.objects().iter().zip(self.ended.objects.iter().zip(trails.objects()));
+        let moved = spawner.roster().objects().iter().zip(self.ended.objects.iter().zip(trails.objects()));
         let moved = moved.map(|(spec, (end, trail))| object(spec, *end, trail.lines()));
         let objects: Vec<RunObject> = fixed.chain(moved).collect();
         plot::draw_run(&RunPicture {
@@ -109,7 +109,7 @@ pub(super) fn report(settings: &Settings, ended: &Ended, inputs: Vec<Input>) -> 
         sim_time_s: ended.time.seconds(),
         real_time_s: ended.real_time.as_secs_f64(),
         digest: ended.digest,
-        robots: spawner.robots().iter().zip(&ended.robots).map(robot).collect(),
-        objects: (1..).zip(spawner.objects().iter().zip(&ended.objects)).map(object).collect(),
+        robots: spawner.roster().robots().iter().zip(&ended.robots).map(robot).collect(),
+        objects: (1..).zip(spawner.roster().objects().iter().zip(&ended.objects)).map(object).collect(),
     }
 }

@@ -9,12 +9,13 @@ use robios_sys::robios6::{
 };
 use robios_sys::{Out, OutFloats, OutInts, Robios6Call as Call};
 use sim_core::camera::Picture;
+use sim_core::device::camera::{CameraError, Setting};
+use sim_core::device::level::Levels;
 use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::caller::Poll;
-use super::camera::{self, NoImage, Setting};
-use super::level::Levels;
+use super::camera::{self, NoImage};
 use super::robot::{Robot, Waits};
 
 /// What `CAMInit` answers: an EyeCam with colour.
@@ -41,8 +42,8 @@ pub struct Settings {
 /// `CAMInit`
 pub fn init(robot: &mut Robot, mode: i32) -> i32 {
     if robot.spec.camera.is_none() {
-        let why = NoImage::NoCamera(robot.spec.file.clone());
-        return camera::refused(robot, Call::CAMInit, NOCAM, &why);
+        let why = CameraError::Absent(robot.spec.file.clone());
+        return camera::refused(robot, Call::CAMInit, NOCAM, why);
     }
     let zoom = match mode {
         NORMAL => 1.0,
@@ -50,19 +51,19 @@ pub fn init(robot: &mut Robot, mode: i32) -> i32 {
         TELE => 2.0,
         _ => return robot.refused(Call::CAMInit, INITERROR, |_| "it takes NORMAL, WIDE or TELE".to_owned()),
     };
-    robot.robios.camera.switch_on(Setting { size: SIZE, zoom, levels: Levels::default() });
+    robot.devices.camera.switch_on(Setting { size: SIZE, zoom, levels: Levels::default() });
     robot.robios.camera6 = Settings::default();
     VERSION
 }
 
 /// `CAMRelease`
 pub fn release(robot: &mut Robot) -> i32 {
-    match camera::setting(robot) {
+    match robot.camera_setting() {
         Ok(_) => {
-            robot.robios.camera.switch_off();
+            robot.devices.camera.switch_off();
             0
         }
-        Err(why) => camera::refused(robot, Call::CAMRelease, -1, &why),
+        Err(why) => camera::refused(robot, Call::CAMRelease, -1, why),
     }
 }
 
@@ -104,13 +105,15 @@ pub fn rgb_frame(robot: &mut Robot, world: &World, call: Call, buffer: &mut Out<
 
 /// `CAMGetFrameBayer`
 pub fn bayer_frame(robot: &mut Robot, world: &World, buffer: &mut Out<BayerFrame>) -> Poll<i32> {
-    take(robot, Call::CAMGetFrameBayer, buffer, |robot| Ok(array(&camera::take_bayer(robot, world, BAYER_SIZE)?)))
+    take(robot, Call::CAMGetFrameBayer, buffer, |robot| {
+        Ok(array(camera::take_bayer(robot, world, BAYER_SIZE)?.pixels().as_flattened()))
+    })
 }
 
 /// `CAMSet`
 pub fn set(robot: &mut Robot, numbers: [i32; 3]) -> i32 {
-    if let Err(why) = camera::setting(robot) {
-        return camera::refused(robot, Call::CAMSet, -1, &why);
+    if let Err(why) = robot.camera_setting() {
+        return camera::refused(robot, Call::CAMSet, -1, why);
     }
     let Settings { rate, is_rate_last } = &mut robot.robios.camera6;
     if let [FPS60..=FPS0_46875, 0, 0] = numbers {
@@ -124,7 +127,7 @@ pub fn set(robot: &mut Robot, numbers: [i32; 3]) -> i32 {
         });
     };
     *is_rate_last = false;
-    if let Some(setting) = &mut robot.robios.camera.setting {
+    if let Some(setting) = &mut robot.devices.camera.setting {
         setting.levels.numbers = [first, second, third];
     }
     0
@@ -132,9 +135,9 @@ pub fn set(robot: &mut Robot, numbers: [i32; 3]) -> i32 {
 
 /// `CAMGet`
 pub fn get(robot: &mut Robot, into: [&mut Out<i32>; 3]) -> i32 {
-    let setting = match camera::setting(robot) {
+    let setting = match robot.camera_setting() {
         Ok(setting) => setting,
-        Err(why) => return camera::refused(robot, Call::CAMGet, -1, &why),
+        Err(why) => return camera::refused(robot, Call::CAMGet, -1, why),
     };
     if into.iter().any(|out| out.is_null()) {
         return robot.failed(Call::CAMGet, -1);
@@ -149,8 +152,8 @@ pub fn get(robot: &mut Robot, into: [&mut Out<i32>; 3]) -> i32 {
 
 /// `CAMMode`
 pub fn set_mode(robot: &mut Robot, mode: i32) -> i32 {
-    if let Err(why) = camera::setting(robot) {
-        return camera::refused(robot, Call::CAMMode, -1, &why);
+    if let Err(why) = robot.camera_setting() {
+        return camera::refused(robot, Call::CAMMode, -1, why);
     }
     let is_automatic = match mode {
         AUTOBRIGHTNESS => true,
@@ -160,7 +163,7 @@ pub fn set_mode(robot: &mut Robot, mode: i32) -> i32 {
             return robot.refused(Call::CAMMode, -1, |_| accepted.to_owned());
         }
     };
-    if let Some(setting) = &mut robot.robios.camera.setting {
+    if let Some(setting) = &mut robot.devices.camera.setting {
         setting.levels.is_automatic = is_automatic;
     }
     0
@@ -183,7 +186,7 @@ fn take<T>(
     buffer: &mut Out<T>,
     take: impl FnOnce(&mut Robot) -> Result<T, NoImage>,
 ) -> Poll<i32> {
-    let taken = match camera::setting(robot) {
+    let taken = match robot.camera_setting() {
         Ok(_) if buffer.is_null() => Err(NoImage::Null),
         Ok(_) => {
             let due = robot.robios.camera6.rate.map_or(robot.now, |rate| next_frame(rate, robot.now));
@@ -192,14 +195,14 @@ fn take<T>(
             }
             take(robot)
         }
-        Err(why) => Err(why),
+        Err(why) => Err(why.into()),
     };
     Poll::Ready(match taken {
         Ok(frame) => {
             buffer.set(frame);
             0
         }
-        Err(why) => camera::refused(robot, call, -1, &why),
+        Err(why) => camera::refused(robot, call, -1, why),
     })
 }
 

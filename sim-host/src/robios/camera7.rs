@@ -4,9 +4,10 @@
 
 use robios_sys::robios7::{CAM5MP, RESOLUTIONS};
 use robios_sys::{OutBytes, OutFloats, OutInts, Robios7Call as Call};
+use sim_core::device::camera::{CameraError, Setting};
 use sim_core::world::World;
 
-use super::camera::{self, NoImage, Setting};
+use super::camera::{self, NoImage};
 use super::image7::is_resolution;
 use super::robot::Robot;
 
@@ -16,8 +17,8 @@ const MOST_SIDE: i32 = 4096;
 /// `CAMInit`; which size a resolution is, the program's side knows.
 pub fn init(robot: &mut Robot, resolution: i32, [width, height]: [i32; 2]) -> i32 {
     if robot.spec.camera.is_none() {
-        let why = NoImage::NoCamera(robot.spec.file.clone());
-        return camera::refused(robot, Call::CAMInit, 1, &why);
+        let why = CameraError::Absent(robot.spec.file.clone());
+        return camera::refused(robot, Call::CAMInit, 1, why);
     }
     let most = RESOLUTIONS.iter().find(|(_, number, ..)| *number == CAM5MP).map_or(0, |(_, _, x, y)| x * y);
     let is_size = [width, height].iter().all(|side| (1..=MOST_SIDE).contains(side));
@@ -30,40 +31,40 @@ pub fn init(robot: &mut Robot, resolution: i32, [width, height]: [i32; 2]) -> i3
         });
     }
     let size = [width as u32, height as u32];
-    robot.robios.camera.switch_on(Setting { size, ..Setting::default() });
+    robot.devices.camera.switch_on(Setting { size, ..Setting::default() });
     0
 }
 
 /// `CAMRelease`
 pub fn release(robot: &mut Robot) -> i32 {
-    if robot.robios.camera.switch_off() { 0 } else { refuse(robot, Call::CAMRelease) }
+    if robot.devices.camera.switch_off() { 0 } else { refuse(robot, Call::CAMRelease) }
 }
 
 /// `CAMGet`
 pub fn get(robot: &mut Robot, world: &World, buffer: &mut OutBytes) -> i32 {
     if buffer.is_null() {
-        return camera::refused(robot, Call::CAMGet, 1, &NoImage::Null);
+        return camera::refused(robot, Call::CAMGet, 1, NoImage::Null);
     }
     match camera::take_colour(robot, world) {
         Ok(picture) => {
             buffer.set(picture.pixels().as_flattened());
             0
         }
-        Err(why) => camera::refused(robot, Call::CAMGet, 1, &why),
+        Err(why) => camera::refused(robot, Call::CAMGet, 1, why),
     }
 }
 
 /// `CAMGetGray`
 pub fn get_grey(robot: &mut Robot, world: &World, buffer: &mut OutBytes) -> i32 {
     if buffer.is_null() {
-        return camera::refused(robot, Call::CAMGetGray, 1, &NoImage::Null);
+        return camera::refused(robot, Call::CAMGetGray, 1, NoImage::Null);
     }
     match camera::take_grey(robot, world) {
         Ok(picture) => {
             buffer.set(picture.pixels().as_flattened());
             0
         }
-        Err(why) => camera::refused(robot, Call::CAMGetGray, 1, &why),
+        Err(why) => camera::refused(robot, Call::CAMGetGray, 1, why),
     }
 }
 
@@ -79,6 +80,6 @@ pub fn labels(robot: &mut Robot, labels: &mut OutInts) -> i32 {
 
 /// The answer of a call that needs a camera which is on.
 fn refuse(robot: &mut Robot, call: Call) -> i32 {
-    let why = camera::setting(robot).err().unwrap_or(NoImage::Off);
-    camera::refused(robot, call, 1, &why)
+    let why = robot.camera_setting().err().unwrap_or(CameraError::Off);
+    camera::refused(robot, call, 1, why)
 }

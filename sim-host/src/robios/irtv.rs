@@ -3,8 +3,6 @@
 //!
 //! Sources: RoBIOS 6 library, infrared remote control; RoBIOS-7 library, IR remote control.
 
-use std::collections::VecDeque;
-
 use robios_sys::robios6::hdt_type::HDT_IRTV;
 use robios_sys::robios6::{DEFAULT_MODE, RAW_CODE, REPCODE_MODE, SLOPPY_MODE, SPACE_CODE};
 use robios_sys::robios7::{
@@ -12,71 +10,36 @@ use robios_sys::robios7::{
     IRTV_LEFT, IRTV_OK, IRTV_POWER, IRTV_RED, IRTV_RIGHT, IRTV_UP, IRTV_YELLOW,
 };
 use robios_sys::{Out, Robios6Call as Call};
+use sim_core::device::key::{REMOTE_KEYS, Touch};
 use sim_core::time::Time;
 
 use super::caller::Poll;
 use super::robot::{Robot, Waits};
 use sim_core::record::Event;
 
-/// Keys of a remote control: their names and codes.
-const KEYS: [(&str, i32); 20] = [
-    ("IRTV_0", IRTV_0),
-    ("IRTV_1", IRTV_1),
-    ("IRTV_2", IRTV_2),
-    ("IRTV_3", IRTV_3),
-    ("IRTV_4", IRTV_4),
-    ("IRTV_5", IRTV_5),
-    ("IRTV_6", IRTV_6),
-    ("IRTV_7", IRTV_7),
-    ("IRTV_8", IRTV_8),
-    ("IRTV_9", IRTV_9),
-    ("IRTV_RED", IRTV_RED),
-    ("IRTV_GREEN", IRTV_GREEN),
-    ("IRTV_YELLOW", IRTV_YELLOW),
-    ("IRTV_BLUE", IRTV_BLUE),
-    ("IRTV_LEFT", IRTV_LEFT),
-    ("IRTV_RIGHT", IRTV_RIGHT),
-    ("IRTV_UP", IRTV_UP),
-    ("IRTV_DOWN", IRTV_DOWN),
-    ("IRTV_OK", IRTV_OK),
-    ("IRTV_POWER", IRTV_POWER),
+/// Codes of the keys of a remote control, in the order of [`REMOTE_KEYS`].
+const KEYS: [i32; REMOTE_KEYS.len()] = [
+    IRTV_0,
+    IRTV_1,
+    IRTV_2,
+    IRTV_3,
+    IRTV_4,
+    IRTV_5,
+    IRTV_6,
+    IRTV_7,
+    IRTV_8,
+    IRTV_9,
+    IRTV_RED,
+    IRTV_GREEN,
+    IRTV_YELLOW,
+    IRTV_BLUE,
+    IRTV_LEFT,
+    IRTV_RIGHT,
+    IRTV_UP,
+    IRTV_DOWN,
+    IRTV_OK,
+    IRTV_POWER,
 ];
-
-/// Name of a key; of no key, nothing.
-pub fn name(code: i32) -> &'static str {
-    KEYS.iter().find(|(_, key)| *key == code).map_or("", |(name, _)| name)
-}
-
-/// Code of the key of this name.
-pub fn code(name: &str) -> Option<i32> {
-    KEYS.iter().find(|(key, _)| key.eq_ignore_ascii_case(name)).map(|(_, code)| *code)
-}
-
-/// Presses of a remote control's keys, in order of time: those to come and those not yet read.
-#[derive(Clone, Debug, Default)]
-pub struct Remote {
-    presses: VecDeque<(Time, i32)>,
-}
-
-impl Remote {
-    /// Keys that are pressed at these times.
-    pub fn scripted(presses: impl IntoIterator<Item = (Time, i32)>) -> Self {
-        let mut presses: Vec<_> = presses.into_iter().collect();
-        presses.sort_by_key(|(at, _)| *at);
-        Self { presses: presses.into() }
-    }
-
-    /// Adds a press at `at`.
-    pub fn press(&mut self, at: Time, code: i32) {
-        let place = self.presses.partition_point(|(earlier, _)| *earlier <= at);
-        self.presses.insert(place, (at, code));
-    }
-
-    /// Takes the earliest press that has happened by `now`.
-    fn take(&mut self, now: Time) -> Option<i32> {
-        self.presses.pop_front_if(|(at, _)| *at <= now).map(|(_, code)| code)
-    }
-}
 
 /// Settings of the receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,23 +110,21 @@ fn no_key(at: Time) -> Poll<i32> {
 /// `IRTVGet` of RoBIOS-7
 pub fn get_7(robot: &mut Robot) -> Poll<i32> {
     match read_7(robot) {
-        0 => no_key(robot.robios.remote.presses.front().map_or(Time::NEVER, |(at, _)| *at)),
+        0 => no_key(robot.devices.remote.next(|_| true)),
         code => Poll::Ready(code),
     }
 }
 
 /// `IRTVRead` of RoBIOS-7
 pub fn read_7(robot: &mut Robot) -> i32 {
-    let code = robot.robios.remote.take(robot.now).unwrap_or(0);
-    if code != 0 {
-        robot.record(Event::Key { key: name(code) });
-    }
-    code
+    let Some(touch) = robot.state.devices.remote.take_any(robot.state.now) else { return 0 };
+    robot.record(Event::Key { key: &touch.to_string() });
+    if let Touch::Remote(key) = touch { KEYS[usize::from(key)] } else { 0 }
 }
 
 /// `IRTVFlush` of RoBIOS-7
 pub fn flush_7(robot: &mut Robot) -> i32 {
-    while robot.robios.remote.take(robot.now).is_some() {}
+    while robot.state.devices.remote.take_any(robot.state.now).is_some() {}
     0
 }
 

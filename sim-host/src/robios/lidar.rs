@@ -82,7 +82,7 @@ fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances
             sum_mm: numbers.iter().map(|mm| i64::from(*mm)).sum(),
         },
     );
-    if let Some(frames) = &robios.camera.frames {
+    if let Some(frames) = &robios.imaging.frames {
         let fan = scanner.fan();
         let last = fan.len().saturating_sub(1) as u32;
         frames.keep_scan(*id, *now, || KeptScan {

@@ -31,7 +31,6 @@ pub mod key;
 pub mod latch;
 pub mod lcd;
 mod leg;
-mod level;
 pub mod lidar;
 pub mod motor;
 mod motor7;
@@ -93,8 +92,6 @@ pub struct Robios {
     pub lcd: lcd::Lcd,
     /// The colour display; none of a robot whose program is of RoBIOS 6.
     pub screen: Option<Box<Screen>>,
-    /// The keys under it.
-    pub keys: key::Keys,
     /// Loudspeaker and microphone.
     pub audio: audio::Audio,
     /// PSD distance sensors that the program has opened.
@@ -105,8 +102,8 @@ pub struct Robios {
     pub quads: handle::Handles,
     /// Servos.
     pub servos: servo::Servos,
-    /// The camera.
-    pub camera: camera::Camera,
+    /// What its camera sees, and where images go.
+    pub imaging: camera::Imaging,
     /// What a program of RoBIOS 6 has set of it.
     pub camera6: camera6::Settings,
     /// The driving interface.
@@ -133,22 +130,20 @@ pub struct Robios {
     pub console: console::Console,
     /// Which robots and objects there are.
     pub census: Arc<truth::Census>,
-    /// Keys of a remote control.
-    pub remote: irtv::Remote,
     /// Hints that the program was given.
     pub hints: hint::Hints,
 }
 
 impl Robios {
-    /// That of a robot of this type, whose keys are pressed as `keys` says.
-    pub fn new(spec: &RobiSpec, keys: key::Keys) -> Self {
+    /// That of a robot of this type.
+    pub fn new(spec: &RobiSpec) -> Self {
         let serial = serial::Serial::new(&spec.serials);
-        Self { table: table::Table::new(spec), keys, serial, ..Self::default() }
+        Self { table: table::Table::new(spec), serial, ..Self::default() }
     }
 
     /// The same for a program of RoBIOS-7.
-    pub fn of_robios7(spec: &RobiSpec, keys: key::Keys) -> Self {
-        Self { screen: Some(new_screen(spec)), ..Self::new(spec, keys) }
+    pub fn of_robios7(spec: &RobiSpec) -> Self {
+        Self { screen: Some(new_screen(spec)), ..Self::new(spec) }
     }
 
     /// True for a program of RoBIOS-7.

@@ -6,7 +6,6 @@ use std::f64::consts::PI;
 
 use robios_sys::Robios6Call as Call;
 use robios_sys::robios6::hdt_type::{HDT_MOTOR, HDT_QUAD};
-use sim_core::drive::Command;
 use sim_core::simulation;
 use sim_core::world::World;
 
@@ -44,15 +43,8 @@ pub fn drive(robot: &mut Robot, world: &World, handles: i32, percent: i32) -> i3
 
 /// Sets motors to a percentage of the wheels' greatest rate.
 fn set(robot: &mut Robot, world: &World, motors: impl Iterator<Item = usize>, percent: i32) {
-    for index in motors.filter(|index| *index < 4) {
-        robot.devices.motor_percent[index] = percent;
-        let device = &robot.state.spec.drive.motors[index].motor;
-        robot.state.journal.record(robot.state.now, &Event::Motor { device, percent });
-    }
-    let full = robot.motion.model().max_wheel_rate;
-    let rates = robot.devices.motor_percent.map(|percent| f64::from(percent) / 100.0 * full);
-    // Never refused: the rates are finite.
-    let _ = robot.command(world, Command::Wheels(rates));
+    robot.tasks.look_at_drive(robot.state.now);
+    robot.state.set_motors(world, motors, percent);
 }
 
 /// `QUADInit`

@@ -4,6 +4,8 @@
 //! Sources: RoBIOS 6 and RoBIOS-7 library, image processing; Bräunl, Embedded Robotics, for the operators and for hue. The
 //! scaling of the operators and what they leave at the border are our choice.
 
+use sim_core::device::camera::grey;
+
 /// Width and height in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
@@ -70,7 +72,7 @@ fn inner(size: Size, source: &[u8], operator: impl Fn([[i32; 3]; 3]) -> i32) -> 
 
 /// Grey as the mean of red, green and blue, rounded down.
 pub fn grey_of_colour(source: &[u8]) -> Vec<u8> {
-    pixels(source).map(intensity).collect()
+    pixels(source).map(grey).collect()
 }
 
 /// A colour image that looks like a grey one.
@@ -116,7 +118,7 @@ pub fn hsi(rgb: [u8; 3]) -> [u8; 3] {
     let sum: u32 = rgb.into_iter().map(u32::from).sum();
     let least = rgb.into_iter().min().map_or(0, u32::from);
     let saturation = (255 * 3 * least).checked_div(sum).map_or(0, |white| 255 - white);
-    [hue(rgb), saturation as u8, intensity(rgb)]
+    [hue(rgb), saturation as u8, grey(rgb)]
 }
 
 /// Hue of a colour: red 43, green 128, blue 213, 42 to either side of each; 0 for grey, which is where the largest and the
@@ -138,10 +140,6 @@ pub fn hue([red, green, blue]: [u8; 3]) -> u8 {
         213 + 42 * (red - green) / range
     };
     hue as u8
-}
-
-fn intensity(rgb: [u8; 3]) -> u8 {
-    (rgb.into_iter().map(u32::from).sum::<u32>() / 3) as u8
 }
 
 fn pixels(colours: &[u8]) -> impl Iterator<Item = [u8; 3]> + '_ {

@@ -3,14 +3,12 @@
 use std::ops::{Deref, DerefMut};
 
 use robios_sys::{Robios6Call, SupportCall};
-use sim_core::drive::ModelError;
-use sim_core::noise::Profile;
+use sim_core::device::key::Touch;
 use sim_core::simulation;
 use sim_core::time::Time;
 
 use super::Robios;
 use super::call::Call;
-use super::key::Touch;
 use super::support::Generators;
 use super::task::{TaskWait, Tasks};
 use super::timer::Timers;
@@ -114,21 +112,8 @@ impl Robot {
 
     /// Somebody presses a key, touches the display or uses a remote control at `at`, the start of a slot.
     pub fn press(&mut self, at: Time, touch: Touch) {
-        match touch.remote_key() {
-            Some(code) => self.robios.remote.press(at, code),
-            None => self.robios.keys.press(at, touch),
-        }
+        self.state.devices.press(at, touch);
         self.tasks.look_at_input(at);
-    }
-
-    /// From `at` on, the start of the present slot, it has these errors; those of its radio are the channel's.
-    ///
-    /// # Errors
-    /// The first number that makes no sense for its drive; nothing changes then.
-    pub fn set_noise(&mut self, at: Time, profile: &Profile) -> Result<(), ModelError> {
-        self.state.set_noise(at, profile)?;
-        self.robios.camera.set_errors(profile, self.state.seed(), self.state.id);
-        Ok(())
     }
 
     /// Tells the user when the program has ended before a drive that it commanded.

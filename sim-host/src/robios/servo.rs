@@ -4,13 +4,10 @@
 
 use robios_sys::Robios6Call as Call;
 use robios_sys::robios6::hdt_type::HDT_SERVO;
-use sim_core::device::servo::steering_from_position;
-use sim_core::drive::Command;
 use sim_core::world::World;
 
 use super::handle::Handles;
 use super::robot::Robot;
-use sim_core::record::Event;
 
 /// What programs keep of servos.
 #[derive(Clone, Debug, Default)]
@@ -66,12 +63,7 @@ pub fn set(robot: &mut Robot, world: &World, handles: i32, position: i32) -> i32
 
 /// Turns servo `index`.
 pub(super) fn turn(robot: &mut Robot, world: &World, index: usize, position: u8) {
-    robot.state.devices.servos.turn(index, position, robot.state.now);
-    let device = robot.robios.table.name(HDT_SERVO, index);
-    robot.state.journal.record(robot.state.now, &Event::Servo { device, position: position.into() });
-    if robot.spec.drive.steering.as_deref() == Some(device) {
-        let angle = steering_from_position(position) * robot.motion.model().max_steering;
-        // Never refused: the angle is finite, and only a drive that steers has a steering servo.
-        let _ = robot.command(world, Command::Steer(angle));
+    if robot.state.turn_servo(world, index, position) {
+        robot.tasks.look_at_drive(robot.state.now);
     }
 }

@@ -5,11 +5,12 @@ use std::sync::Arc;
 use robios_sys::robios6::hdt_type::{HDT_MOTOR, HDT_PSD, HDT_SERVO};
 use robios_sys::robios6::semantics::*;
 use robios_sys::robios6::{
-    ANYKEY, FALSE, HDTEntry, KEY1, KEY3, PSD_OUT_OF_RANGE, PositionType, SER9600, SERIAL1, SpeedType,
+    ANYKEY, FALSE, HDTEntry, KEY2, KEY3, PSD_OUT_OF_RANGE, PositionType, SER9600, SERIAL1, SpeedType,
 };
 use robios_sys::{Out, OutBytes, Robios6Call as Call};
 use sim_core::RobotId;
 use sim_core::build;
+use sim_core::device::key::Touch;
 use sim_core::drive::Motion;
 use sim_core::pose::Pose;
 use sim_core::simulation;
@@ -17,7 +18,6 @@ use sim_core::time::Time;
 use sim_format::{read_companion, read_robi, read_world};
 
 use super::caller::Poll;
-use super::key::{Keys, Touch};
 use super::robot::{Ending, Waits};
 use super::*;
 
@@ -78,10 +78,10 @@ impl Bench {
         let mut motion = Motion::new(RobotId(1), model, walls.clone(), Pose::new(1.0, 0.5, 0.0));
         // One slot for the whole test: a robot alone sees the same in any slot.
         let world = World::new(walls, Time::from_millis(100_000), [&mut motion]);
-        let presses = [(Time(2_500_000), KEY1), (Time(3_000_000), KEY3)];
-        let keys = Keys::scripted(presses.map(|(at, code)| (at, Touch::Key(code))));
-        let robios = Robios::new(&spec, keys);
-        let state = simulation::Robot::new(motion, Arc::new(spec), Time::ZERO, 0, false);
+        let robios = Robios::new(&spec);
+        let mut state = simulation::Robot::new(motion, Arc::new(spec), Time::ZERO, 0, false);
+        state.devices.press(Time(2_500_000), Touch::Key(1));
+        state.devices.press(Time(3_000_000), Touch::Key(3));
         let robot = Robot::new(state, robios, "test".to_owned());
         Self { robot, world }
     }
@@ -382,6 +382,19 @@ fn keys_are_waited_for() {
     bench.at_ms(3_000);
     assert_eq!(ready(key::wait(&mut bench.robot, KEY3)), 0);
     assert_eq!(wait_of(key::wait_for(&mut bench.robot, ANYKEY)).0, Time::NEVER);
+}
+
+#[test]
+fn waiting_for_one_key_forgets_the_others() {
+    let mut bench = Bench::rover();
+    bench.robot.devices.press(Time(2_700_000), Touch::Key(2));
+    bench.at_ms(2_600);
+    let key2 = (Time(2_700_000), Waits::Key("KEY2".to_owned()));
+    assert_eq!(wait_of(key::wait(&mut bench.robot, KEY2)), key2, "KEY1 has been pressed before");
+    bench.at_ms(2_700);
+    assert_eq!(ready(key::wait(&mut bench.robot, KEY2)), 0);
+    bench.at_ms(3_000);
+    assert_eq!(key::read(&mut bench.robot), KEY3, "KEY1 is forgotten");
 }
 
 #[test]

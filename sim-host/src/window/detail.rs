@@ -13,9 +13,9 @@ use sim_view::protocol::{self, Detail, Picture, Scan, SensorState};
 use super::{planar, png_url};
 use crate::executive::run::Run;
 use crate::record::frame::Pixels;
+use crate::robios::lidar;
 use crate::robios::panel::PanelRef;
 use crate::robios::robot::Robot;
-use crate::robios::{camera, lidar};
 use crate::scenery::LazyScenery;
 use sim_core::device::switch::Sensor;
 
@@ -82,10 +82,10 @@ impl Details {
 
     fn render(&mut self, robot: &mut Robot, world: &World, scenery: &LazyScenery) -> Option<Picture> {
         let at = world.slot_start();
-        let view = camera::view(robot, at, None).ok()?;
+        let view = robot.camera_view(at, None).ok()?;
         let scenery = scenery.get();
         let still = scenery.still(world, at);
-        let seen = self.renderer.colour(&still, &view, Some(robot.id), camera::samples(robot));
+        let seen = self.renderer.colour(&still, &view, Some(robot.id), robot.camera_samples());
         Some(picture(seen.size(), seen.pixels().as_flattened()))
     }
 }

@@ -9,13 +9,14 @@ use sim_core::spec::{LIDAR, RobiSpec};
 use sim_view::protocol::{self, Sensor, SensorKind};
 
 use crate::record::mcap::scene::point;
-use crate::robios::camera;
+use sim_core::device::camera;
 use sim_core::device::range::Ranges;
 use sim_core::device::servo::Servos;
+use sim_core::device::switch;
 use sim_core::time::Time;
 
 /// Name of the camera among the devices of its robot.
-pub const CAMERA: &str = camera::NAME;
+pub const CAMERA: &str = switch::CAMERA;
 
 /// All sensors of a robot of this type: range sensors first, in the order of the robot's own list.
 pub fn sensors(robi: &RobiSpec) -> Vec<Sensor> {

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use parking_lot::Mutex;
+use sim_core::simulation::Roster;
 use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 use sim_format::Standing;
-use sim_view::protocol::{self, Detail, RunState, Scene, Snapshot};
+use sim_view::protocol::{Detail, RunState, Scene, Snapshot, Workshop};
 use sim_view::window::{Look, Window};
 
 use super::detail::Details;
@@ -157,7 +158,7 @@ impl Show {
         let spawner = run.spawner();
         let at = world.slot_start();
         let robot = |id: &RobotId| {
-            let spec = &spawner.robots()[id.index()];
+            let spec = &spawner.roster().robots()[id.index()];
             RobotSubject {
                 id: *id,
                 robi: Arc::clone(&spec.robi),
@@ -167,7 +168,7 @@ impl Show {
             }
         };
         let object = |id: &ObjectId| {
-            let kind = Arc::clone(&spawner.objects()[id.index()].kind);
+            let kind = Arc::clone(&spawner.roster().objects()[id.index()].kind);
             ObjectSubject { id: *id, kind, position: world.object_pose(*id, at).position }
         };
         let subject = Subject {
@@ -178,7 +179,7 @@ impl Show {
             scenery: &self.scenery.get(),
             robots: cast.robots.iter().map(robot).collect(),
             objects: cast.objects.iter().map(object).collect(),
-            workshop: protocol::Workshop { robots: spawner.types().robots(), objects: spawner.types().objects() },
+            workshop: names(spawner.roster()),
         };
         let scene = subject.scene();
         self.window.show_scene(scene.clone());
@@ -213,15 +214,21 @@ impl Cast {
     }
 }
 
+/// The types of which more can be added, as pages offer them.
+fn names(roster: &Roster) -> Workshop {
+    let robots = roster.robot_types.names().map(str::to_owned).collect();
+    Workshop { robots, objects: roster.object_types.names().map(str::to_owned).collect() }
+}
+
 fn standings(run: &Run, world: &World) -> Standings {
     let spawner = run.spawner();
     let (Cast { robots, objects }, at) = (Cast::of(world), world.slot_start());
     let robot = |id: &RobotId| {
-        let (kind, pose) = (spawner.robots()[id.index()].robi.name.clone(), world.robot_pose(*id, at));
+        let (kind, pose) = (spawner.roster().robots()[id.index()].robi.name.clone(), world.robot_pose(*id, at));
         Standing { number: id.0, kind, pose }
     };
     let object = |id: &ObjectId| {
-        let (kind, pose) = (spawner.objects()[id.index()].kind.name.clone(), world.object_pose(*id, at));
+        let (kind, pose) = (spawner.roster().objects()[id.index()].kind.name.clone(), world.object_pose(*id, at));
         Standing { number: id.0, kind, pose }
     };
     Standings { robots: robots.iter().map(robot).collect(), objects: objects.iter().map(object).collect() }

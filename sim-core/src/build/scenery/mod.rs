@@ -6,6 +6,7 @@ mod object;
 mod sketch;
 #[cfg(test)]
 mod tests;
+mod visuals;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -22,6 +23,7 @@ use crate::spec::{
 use crate::{ObjectId, RobotId};
 pub use body::{ROBOT_COLOURS, wheel_places};
 use sketch::Sketch;
+pub use visuals::{Newcomer, NoMeshes, Visuals};
 
 /// Red, green, blue of a wall without a colour of its own: nearly white, apart from the floor and from the sky. Source: our choice.
 pub const WALL_COLOUR: [u8; 3] = [228, 228, 224];
@@ -44,12 +46,12 @@ pub trait MeshSource {
     fn floor(&mut self, world: &WorldSpec) -> Option<Arc<Texture>>;
 }
 
-/// Meshes of types of robots and objects, each made once. Types are told apart by their addresses: who keeps this keeps them, too.
-#[derive(Debug, Default)]
-pub struct Looks {
-    of_objects: BTreeMap<usize, Arc<Mesh>>,
+/// Meshes of types of robots and objects, each made once. Types are told apart by their addresses, and therefore kept.
+#[derive(Clone, Debug, Default)]
+struct Looks {
+    of_objects: BTreeMap<usize, (Arc<ObjectType>, Arc<Mesh>)>,
     /// Of robot types with a mesh of their own.
-    of_robots: BTreeMap<usize, Option<Arc<Mesh>>>,
+    of_robots: BTreeMap<usize, (Arc<RobiSpec>, Option<Arc<Mesh>>)>,
     /// Of the others, by colour.
     bodies: BTreeMap<(usize, usize), Arc<Mesh>>,
     /// Parts of legs of robot types.
@@ -58,20 +60,21 @@ pub struct Looks {
 
 impl Looks {
     /// What cameras see of a movable object of this type.
-    pub fn object(&mut self, id: ObjectId, kind: &Arc<ObjectType>, reader: &mut dyn MeshSource) -> Part {
+    fn object(&mut self, id: ObjectId, kind: &Arc<ObjectType>, reader: &mut dyn MeshSource) -> Part {
         Part { mesh: self.of_type(kind, reader), label: Label::Object(id), place: Place::Object(id) }
     }
 
     fn of_type(&mut self, kind: &Arc<ObjectType>, reader: &mut dyn MeshSource) -> Arc<Mesh> {
-        let looks = || reader.object(kind).unwrap_or_else(|| object::looks(kind));
-        Arc::clone(self.of_objects.entry(Arc::as_ptr(kind).addr()).or_insert_with(looks))
+        let looks = || (Arc::clone(kind), reader.object(kind).unwrap_or_else(|| object::looks(kind)));
+        Arc::clone(&self.of_objects.entry(Arc::as_ptr(kind).addr()).or_insert_with(looks).1)
     }
 
     /// What cameras see of a robot of this type.
-    pub fn robot(&mut self, id: RobotId, robi: &Arc<RobiSpec>, reader: &mut dyn MeshSource) -> Part {
+    fn robot(&mut self, id: RobotId, robi: &Arc<RobiSpec>, reader: &mut dyn MeshSource) -> Part {
         let address = Arc::as_ptr(robi).addr();
-        let own = self.of_robots.entry(address).or_insert_with(|| reader.robot(robi)).clone();
-        let mesh = own.unwrap_or_else(|| {
+        let new = || (Arc::clone(robi), reader.robot(robi));
+        let (_, own) = self.of_robots.entry(address).or_insert_with(new);
+        let mesh = own.clone().unwrap_or_else(|| {
             let colour = id.index() % ROBOT_COLOURS.len();
             let new = || body::looks(robi, ROBOT_COLOURS[colour]);
             Arc::clone(self.bodies.entry((address, colour)).or_insert_with(new))
@@ -80,7 +83,7 @@ impl Looks {
     }
 
     /// What cameras see of the legs of a robot of this type: nothing of one on wheels.
-    pub fn legs(&mut self, id: RobotId, robi: &Arc<RobiSpec>) -> Vec<Part> {
+    fn legs(&mut self, id: RobotId, robi: &Arc<RobiSpec>) -> Vec<Part> {
         let meshes = self.legs.entry(Arc::as_ptr(robi).addr()).or_insert_with(|| leg::looks(robi));
         let part = |(number, mesh): (usize, &Arc<Mesh>)| Part {
             mesh: Arc::clone(mesh),
@@ -100,7 +103,7 @@ pub fn scenery(scene: &SceneSpec, reader: &mut dyn MeshSource) -> Scenery {
 }
 
 /// The same, with the looks of its types, which more of them can share.
-pub fn scenery_with(scene: &SceneSpec, looks: &mut Looks, reader: &mut dyn MeshSource) -> Scenery {
+fn scenery_with(scene: &SceneSpec, looks: &mut Looks, reader: &mut dyn MeshSource) -> Scenery {
     let world = &scene.world;
     let mut parts: Vec<Part> = (0..).zip(&world.walls).map(|(number, wall)| part_of_wall(number, wall)).collect();
     let terrain = world.terrain.as_ref().and_then(|terrain| terrain.mesh.clone());

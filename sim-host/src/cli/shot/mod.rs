@@ -11,6 +11,7 @@ use std::process::ExitCode;
 use anyhow::{Context, bail};
 use clap::Args;
 use glam::DVec3;
+use sim_core::device::camera::CameraError;
 use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 
@@ -91,7 +92,8 @@ impl Subject {
                 let robi = &scene.robots[index].robi;
                 match robi.camera {
                     Some(_) => Ok(()),
-                    None => Err(NoImage::NoCamera(robi.file.clone())).with_context(|| format!("--robot {robot}")),
+                    None => Err(NoImage::from(CameraError::Absent(robi.file.clone())))
+                        .with_context(|| format!("--robot {robot}")),
                 }
             }
             Self::View(Eye::Point(_)) => Ok(()),

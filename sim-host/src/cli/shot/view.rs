@@ -12,7 +12,7 @@ use sim_core::time::Time;
 use crate::cli::run::Ran;
 use crate::launch::settings::index_of;
 use crate::record::frame::Pixels;
-use crate::robios::camera;
+use crate::robios::camera::{self, NoImage};
 
 /// Most pixels on either side of a picture.
 pub const MOST_SIDE: u32 = 4096;
@@ -96,7 +96,7 @@ impl Shot<'_> {
         let (view, by) = match self.eye {
             Eye::Robot(number) => {
                 let id = RobotId::from_index(index_of(&ran.finished.scene, *number).context("--robot")?);
-                let view = camera::view(&mut run.robot(id), time, self.size);
+                let view = run.robot(id).camera_view(time, self.size).map_err(NoImage::from);
                 (view.with_context(|| format!("--robot {number}"))?, Some(id))
             }
             Eye::Point((pose, lens)) => (View::new(*pose, *lens, self.size.unwrap_or(SIZE))?, None),
@@ -107,10 +107,11 @@ impl Shot<'_> {
         let size = view.size();
         let file = match self.content {
             Content::Colour { samples } => {
-                let own = by.map_or(SAMPLES, |id| camera::samples(&run.robot(id)));
+                let own = by.map_or(SAMPLES, |id| run.robot(id).camera_samples());
                 let mut picture = renderer.colour(&still, &view, by, samples.unwrap_or(own));
                 if let Some(id) = by {
-                    camera::develop_at(&run.robot(id), time, &mut picture);
+                    let camera = &run.robot(id).devices.camera;
+                    camera.develop(camera.number_at(time), &mut picture);
                 }
                 Pixels::Colour(picture.pixels().as_flattened()).png(size)
             }

@@ -1,12 +1,13 @@
-//! What `CAMSet` and `CAMMode` of RoBIOS 6 make of the levels of an image.
+//! Settings of a camera that change the levels of its images.
 //!
 //! Three numbers of 0 to 255, of which 128 changes nothing: of grey images brightness, offset and contrast, of colour images
-//! brightness, hue and saturation. Source: RoBIOS 6 library, camera; what the numbers do is our choice.
+//! brightness, hue and saturation. Source: the camera of the EyeBot; what the numbers do is our choice.
 
 use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
-use sim_core::math;
+
+use crate::math;
 
 /// The number that changes nothing.
 pub const NEUTRAL: u8 = 128;

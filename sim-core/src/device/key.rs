@@ -1,0 +1,167 @@
+//! Keys: those below the display, touches of the display, and those of a TV remote control.
+//!
+//! A press is kept until it is read, in the order of the presses: our choice, so that who presses need not know when a program looks.
+
+use std::collections::VecDeque;
+use std::str::FromStr;
+
+use crate::time::Time;
+
+/// Keys below the display.
+pub const KEYS: u8 = 4;
+
+/// Keys of a remote control by their names.
+pub const REMOTE_KEYS: [&str; 20] = [
+    "IRTV_0",
+    "IRTV_1",
+    "IRTV_2",
+    "IRTV_3",
+    "IRTV_4",
+    "IRTV_5",
+    "IRTV_6",
+    "IRTV_7",
+    "IRTV_8",
+    "IRTV_9",
+    "IRTV_RED",
+    "IRTV_GREEN",
+    "IRTV_YELLOW",
+    "IRTV_BLUE",
+    "IRTV_LEFT",
+    "IRTV_RIGHT",
+    "IRTV_UP",
+    "IRTV_DOWN",
+    "IRTV_OK",
+    "IRTV_POWER",
+];
+
+/// Greatest coordinate of a touch, in pixels: more than any display has.
+const MAX_PIXEL: i32 = 65_535;
+
+/// What a finger does. Its text is `KEY1`, `TOUCH(120,40)` or `IRTV_OK`; read in letters of either case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Touch {
+    /// It presses this key below the display: 1 to [`KEYS`], from the left.
+    Key(u8),
+    /// It touches the display at this pixel: x from the left, y from the top.
+    Place([i32; 2]),
+    /// It presses the key of a remote control that has this place in [`REMOTE_KEYS`].
+    Remote(u8),
+}
+
+/// Not the text of a [`Touch`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`{0}` is no key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4`, `TOUCH(X,Y)` with a pixel of the display, or a key of a remote control such as `IRTV_OK`"
+)]
+pub struct UnknownKey(pub String);
+
+impl std::fmt::Display for Touch {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Key(number) => write!(f, "KEY{number}"),
+            Self::Place([x, y]) => write!(f, "TOUCH({x},{y})"),
+            Self::Remote(place) => f.write_str(REMOTE_KEYS.get(usize::from(*place)).copied().unwrap_or_default()),
+        }
+    }
+}
+
+impl FromStr for Touch {
+    type Err = UnknownKey;
+
+    fn from_str(text: &str) -> Result<Self, UnknownKey> {
+        let keys = (1..=KEYS).map(Self::Key).chain((0..REMOTE_KEYS.len() as u8).map(Self::Remote));
+        let key = keys.into_iter().find(|key| key.to_string().eq_ignore_ascii_case(text));
+        key.or_else(|| place(text).map(Self::Place)).ok_or_else(|| UnknownKey(text.to_owned()))
+    }
+}
+
+/// The place of `TOUCH(120,40)`.
+fn place(text: &str) -> Option<[i32; 2]> {
+    let (word, place) = text.strip_suffix(')')?.split_once('(')?;
+    let (x, y) = place.split_once(',')?;
+    let coordinate = |text: &str| text.trim().parse().ok().filter(|pixel| (0..=MAX_PIXEL).contains(pixel));
+    word.trim().eq_ignore_ascii_case("TOUCH").then_some([coordinate(x)?, coordinate(y)?])
+}
+
+/// Presses to come and presses not yet read, in order of time; of equal times in the order given.
+///
+/// Who reads them says by `key_of` which key a touch means to him; other touches stay.
+#[derive(Clone, Debug, Default)]
+pub struct Presses {
+    presses: VecDeque<(Time, Touch)>,
+}
+
+impl Presses {
+    /// Adds a press at `at`.
+    pub fn press(&mut self, at: Time, touch: Touch) {
+        let place = self.presses.partition_point(|(earlier, _)| *earlier <= at);
+        self.presses.insert(place, (at, touch));
+    }
+
+    /// Takes the earliest press of a key that has happened by `now`.
+    pub fn take<K>(&mut self, now: Time, key_of: impl Fn(Touch) -> Option<K>) -> Option<K> {
+        let is_key = |(at, touch): &(Time, Touch)| *at <= now && key_of(*touch).is_some();
+        let (_, touch) = self.presses.remove(self.presses.iter().position(is_key)?)?;
+        key_of(touch)
+    }
+
+    /// Takes the earliest touch that has happened by `now`, whatever it is.
+    pub fn take_any(&mut self, now: Time) -> Option<Touch> {
+        self.take(now, Some)
+    }
+
+    /// When something is touched next that `is_meant`; [`Time::NEVER`] if nothing is to come.
+    pub fn next(&self, is_meant: impl Fn(Touch) -> bool) -> Time {
+        self.presses.iter().find(|(_, touch)| is_meant(*touch)).map_or(Time::NEVER, |(at, _)| *at)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pressed<const N: usize>(presses: [(i64, Touch); N]) -> Presses {
+        let mut all = Presses::default();
+        presses.into_iter().for_each(|(at, touch)| all.press(Time(at), touch));
+        all
+    }
+
+    #[test]
+    fn presses_are_kept_until_read() {
+        let mut keys = pressed([(20, Touch::Key(4)), (10, Touch::Key(1)), (10, Touch::Key(2))]);
+        assert_eq!(keys.take_any(Time(9)), None);
+        assert_eq!([(); 2].map(|()| keys.take_any(Time(30))), [Some(Touch::Key(1)), Some(Touch::Key(2))]);
+        keys.press(Time(15), Touch::Key(3));
+        assert_eq!([(); 3].map(|()| keys.take_any(Time(30))), [Some(Touch::Key(3)), Some(Touch::Key(4)), None]);
+    }
+
+    #[test]
+    fn touches_that_are_no_key_wait_for_who_reads_touches() {
+        let [key, edge, middle] = [Touch::Key(1), Touch::Place([0, 9]), Touch::Place([5, 5])];
+        let key_of = |touch: Touch| match touch {
+            Touch::Key(number) => Some(number),
+            touch => (touch == edge).then_some(2),
+        };
+        let mut keys = pressed([(1, middle), (2, edge), (3, key), (4, middle)]);
+        let next_key = |keys: &Presses| keys.next(|touch| key_of(touch).is_some());
+        assert_eq!([keys.next(|_| true), next_key(&keys)], [Time(1), Time(2)]);
+        assert_eq!([keys.take(Time(9), key_of), keys.take(Time(9), key_of)], [Some(2), Some(1)]);
+        assert_eq!((keys.take(Time(9), key_of), next_key(&keys)), (None, Time::NEVER));
+        assert_eq!([keys.take_any(Time(3)), keys.take_any(Time(3))], [Some(middle), None]);
+        assert_eq!((keys.next(|_| true), keys.take_any(Time(4))), (Time(4), Some(middle)));
+    }
+
+    #[test]
+    fn texts_of_touches() {
+        let touches = [Touch::Key(1), Touch::Key(4), Touch::Place([0, 65_535]), Touch::Remote(0), Touch::Remote(18)];
+        let texts = ["KEY1", "KEY4", "TOUCH(0,65535)", "IRTV_0", "IRTV_OK"];
+        assert_eq!(touches.map(|touch| touch.to_string()), texts);
+        assert_eq!(texts.map(str::parse), touches.map(Ok));
+        assert_eq!(["key2", " touch( 5 ,6 )", "irtv_power"].map(str::parse), {
+            [Ok(Touch::Key(2)), Ok(Touch::Place([5, 6])), Ok(Touch::Remote(19))]
+        });
+        for text in ["", "KEY0", "KEY5", "KEY", "TOUCH", "TOUCH(-1,0)", "TOUCH(1,65536)", "TOUCH(1,2", "TOUCH(1,2)3"] {
+            assert_eq!(text.parse::<Touch>(), Err(UnknownKey(text.to_owned())));
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! Motors and servos, one by one.
+
+use super::Robot;
+use crate::device::servo::steering_from_position;
+use crate::drive::Command;
+use crate::record::Event;
+use crate::world::World;
+
+impl Robot {
+    /// Turns servo `index` of [`RobiSpec::all_servos`](crate::spec::RobiSpec::all_servos) to a position of 0 to 255; the one of an
+    /// Ackermann drive steers, and the answer is true.
+    ///
+    /// # Panics
+    /// If there is no such servo.
+    pub fn turn_servo(&mut self, world: &World, index: usize, position: u8) -> bool {
+        let device = self.spec.all_servos()[index].name.to_owned();
+        self.devices.servos.turn(index, position, self.now);
+        self.record(Event::Servo { device: &device, position: position.into() });
+        let is_steering = self.spec.drive.steering.as_ref() == Some(&device);
+        if is_steering {
+            let angle = steering_from_position(position) * self.motion.model().max_steering;
+            // Never refused: the angle is finite, and only a drive that steers has a steering servo.
+            let _ = self.command(world, Command::Steer(angle));
+        }
+        is_steering
+    }
+
+    /// Sets motors to a percentage of the wheels' greatest rate, -100 to 100; the others keep theirs.
+    ///
+    /// # Panics
+    /// If there is no such motor.
+    pub fn set_motors(&mut self, world: &World, motors: impl IntoIterator<Item = usize>, percent: i32) {
+        let count = self.devices.motor_percent.len();
+        for index in motors.into_iter().filter(|index| *index < count) {
+            self.devices.motor_percent[index] = percent;
+            let device = &self.spec.drive.motors[index].motor;
+            self.journal.record(self.now, &Event::Motor { device, percent });
+        }
+        let full = self.motion.model().max_wheel_rate;
+        let rates = self.devices.motor_percent.map(|percent| f64::from(percent) / 100.0 * full);
+        // Never refused: the rates are finite.
+        let _ = self.command(world, Command::Wheels(rates));
+    }
+}

@@ -1,0 +1,149 @@
+//! What a robot does with its camera: look, expose, develop, record.
+
+use std::sync::Arc;
+
+use super::Robot;
+use crate::camera::{Label, Picture, Scenery, View};
+use crate::device::camera::{self, CameraError, Exposure, READ_OUT, Setting};
+use crate::device::switch::Sensor;
+use crate::pose::Pose3;
+use crate::record::{Digest, Event};
+use crate::time::Time;
+use crate::world::World;
+
+impl Robot {
+    /// Where its camera looks at `at`, as it is set, or as it would be when it is switched on; images have `size`, where that is
+    /// given.
+    ///
+    /// # Errors
+    /// [`CameraError`] if there is no camera, or no camera can look from there.
+    pub fn camera_view(&mut self, at: Time, size: Option<[u32; 2]>) -> Result<View, CameraError> {
+        let Self { motion, spec, devices, .. } = self;
+        let camera = spec.camera.as_ref().ok_or_else(|| CameraError::Absent(spec.file.clone()))?;
+        let setting = devices.camera.setting.unwrap_or_default();
+        let robot_from_camera = camera::mount(spec, camera, &devices.servos, at);
+        let world_from_camera = Pose3::from_planar(&motion.pose(at), motion.lift(at)).then(&robot_from_camera);
+        let lens = camera::zoomed(camera.lens, setting.zoom);
+        Ok(View::new(world_from_camera, lens, size.unwrap_or(setting.size))?)
+    }
+
+    /// Rays per side of a pixel of its camera.
+    pub fn camera_samples(&self) -> u32 {
+        self.spec.camera.as_ref().map_or(1, |camera| camera.samples)
+    }
+
+    /// The setting of its camera, which is switched on.
+    ///
+    /// # Errors
+    /// [`CameraError`] if it is off, or there is none.
+    pub fn camera_setting(&self) -> Result<Setting, CameraError> {
+        match self.spec.camera {
+            None => Err(CameraError::Absent(self.spec.file.clone())),
+            Some(_) => self.devices.camera.setting.ok_or(CameraError::Off),
+        }
+    }
+
+    /// Takes an image of what there is to be seen: red, green and blue of each pixel.
+    ///
+    /// # Errors
+    /// [`CameraError`] where there is no image; nothing changes then, here and below.
+    pub fn take_colour(&mut self, world: &World, scenery: &Arc<Scenery>) -> Result<Picture<[u8; 3]>, CameraError> {
+        let (exposure, mut picture) = self.expose(world, scenery, self.camera_setting()?.size)?;
+        self.devices.camera.develop(exposure.number, &mut picture);
+        let greys: Vec<u8> = picture.pixels().iter().map(|rgb| camera::grey(*rgb)).collect();
+        self.keep_image(exposure, &greys, ("colour", picture.size(), picture.pixels().as_flattened()));
+        Ok(picture)
+    }
+
+    /// Takes a grey image: see [`camera::grey`].
+    ///
+    /// # Errors
+    /// [`CameraError`].
+    pub fn take_grey(&mut self, world: &World, scenery: &Arc<Scenery>) -> Result<Picture<[u8; 1]>, CameraError> {
+        let Setting { size, levels, .. } = self.camera_setting()?;
+        let (exposure, picture) = self.expose(world, scenery, size)?;
+        let mut picture = Picture::new(size, picture.pixels().iter().map(|rgb| [camera::grey(*rgb)]).collect());
+        levels.grey(picture.pixels_mut());
+        self.devices.camera.err(exposure.number, &mut picture);
+        let bytes = picture.pixels().as_flattened();
+        self.keep_image(exposure, bytes, ("grey", size, bytes));
+        Ok(picture)
+    }
+
+    /// Takes an image of `size` behind the colour filter of the sensor: rows of green and blue, and of red and green, in turn.
+    ///
+    /// # Errors
+    /// [`CameraError`].
+    pub fn take_bayer(
+        &mut self,
+        world: &World,
+        scenery: &Arc<Scenery>,
+        size: [u32; 2],
+    ) -> Result<Picture<[u8; 1]>, CameraError> {
+        self.camera_setting()?;
+        let (exposure, mut picture) = self.expose(world, scenery, size)?;
+        self.devices.camera.develop(exposure.number, &mut picture);
+        let filtered = |(row, pixels): (usize, &[[u8; 3]])| -> Vec<[u8; 1]> {
+            let channels = if row.is_multiple_of(2) { [1, 2] } else { [0, 1] };
+            pixels.iter().zip(channels.into_iter().cycle()).map(|(pixel, channel)| [pixel[channel]]).collect()
+        };
+        let picture = Picture::new(size, picture.rows().enumerate().flat_map(filtered).collect());
+        let bytes = picture.pixels().as_flattened();
+        self.keep_image(exposure, bytes, ("bayer", size, bytes));
+        Ok(picture)
+    }
+
+    /// How far away what each pixel of the last image shows is, m along the line of sight; infinite for the sky.
+    ///
+    /// # Errors
+    /// [`CameraError`] where there is no image.
+    pub fn take_depth(&mut self) -> Result<Picture<f32>, CameraError> {
+        self.camera_setting()?;
+        let by = Some(self.id);
+        self.devices.camera.render_last(f32::INFINITY, |renderer, still, view| renderer.depth(still, view, by))
+    }
+
+    /// What each pixel of the last image shows.
+    ///
+    /// # Errors
+    /// [`CameraError`] where there is no image.
+    pub fn take_labels(&mut self) -> Result<Picture<Label>, CameraError> {
+        self.camera_setting()?;
+        let by = Some(self.id);
+        self.devices.camera.render_last(Label::Sky, |renderer, still, view| renderer.labels(still, view, by))
+    }
+
+    /// Records the last image, or what it shows: `bytes` in this form.
+    pub fn record_frame(&mut self, form: &str, [width_px, height_px]: [u32; 2], bytes: &[u8]) {
+        let Some(&Exposure { number: frame, at, .. }) = self.devices.camera.last() else { return };
+        let hash = Digest(*blake3::hash(bytes).as_bytes()).to_string();
+        self.record(Event::Frame { frame, form, width_px, height_px, exposed_s: at.seconds(), hash: &hash });
+    }
+
+    /// Exposes an image of `size`, which is the next one.
+    fn expose(
+        &mut self,
+        world: &World,
+        scenery: &Arc<Scenery>,
+        size: [u32; 2],
+    ) -> Result<(Exposure, Picture<[u8; 3]>), CameraError> {
+        let at = (self.now - READ_OUT).max(Time::ZERO);
+        let [view, exposed] = [self.camera_view(at, None)?, self.camera_view(at, Some(size))?];
+        let samples = self.camera_samples();
+        let is_dark = !self.devices.switches.is_on(Sensor::Camera);
+        let still = scenery.still(world, at);
+        let mut picture = self.devices.camera.renderer().colour(&still, &exposed, Some(self.id), samples);
+        if is_dark {
+            picture.pixels_mut().fill([0; 3]);
+        }
+        let (number, poses) = (self.devices.camera.number_at(Time::NEVER), still.poses().to_vec());
+        Ok((Exposure { number, at, view, scenery: Arc::clone(scenery), poses, is_dark }, picture))
+    }
+
+    /// Counts and records an image with these levels, in the form, of the size and of the bytes that are given.
+    fn keep_image(&mut self, exposure: Exposure, levels: &[u8], (form, size, bytes): (&str, [u32; 2], &[u8])) {
+        self.devices.camera.follow(levels);
+        self.devices.camera.keep(exposure);
+        self.record_frame(form, size, bytes);
+    }
+}

@@ -1,0 +1,311 @@
+//! What people do to a simulation, at the start of a slot, while no robot acts: first validated, then recorded, then applied.
+
+use std::sync::Arc;
+
+use super::{Environment, Robot, Roster};
+use crate::build;
+use crate::contact::Thing;
+use crate::device::key::{Touch, UnknownKey};
+use crate::noise::{ParameterError, Profile, Radio};
+use crate::pose::Pose;
+use crate::record::{Action, ActionText, Event, WORLD};
+use crate::spec::ObjectSpec;
+use crate::time::Time;
+use crate::world::World;
+use crate::{ObjectId, RobotId};
+
+/// Farthest from the origin that anything can be put, m: farther than any world reaches.
+const FAR: f64 = 1e6;
+
+/// Greatest heading that can be given, rad.
+const MAX_HEADING: f64 = 1e6;
+
+/// Why an action is refused, in words for who asked for it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// The run ends before it.
+    #[error("the run is over by then")]
+    Over,
+    /// The simulation stands within a slot.
+    #[error("an intervention acts at the start of a slot: the next one starts at {0}")]
+    WithinSlot(Time),
+    /// There is no such robot.
+    #[error("there is no robot {0}")]
+    NoRobot(u32),
+    /// There is no such object.
+    #[error("there is no movable object {0}")]
+    NoObject(u32),
+    /// A robot has no such sensor.
+    #[error("robot {robot} has no sensor `{sensor}`: it has {known}")]
+    NoSensor {
+        /// The robot.
+        robot: u32,
+        /// The name that was asked for.
+        sensor: String,
+        /// Those that it has.
+        known: String,
+    },
+    /// There is no such type.
+    #[error("there is no type of {what} `{name}`, accepted: {known}")]
+    NoType {
+        /// Of what.
+        what: &'static str,
+        /// The name that was asked for.
+        name: String,
+        /// Those that there are.
+        known: String,
+    },
+    /// Nothing can be there.
+    #[error(
+        "x {x_m} m, y {y_m} m, phi {phi_rad} rad is no place: expected up to 1e6 m from the origin, and a heading up to 1e6 rad"
+    )]
+    Place {
+        /// m
+        x_m: f64,
+        /// m
+        y_m: f64,
+        /// rad
+        phi_rad: f64,
+    },
+    /// Something stands where a robot is to come.
+    #[error("there is no room for a robot: {} in its place", in_the_way(.0))]
+    Occupied(Thing),
+    /// It would be the last robot that leaves.
+    #[error("robot {0} is the last one: a world has at least one robot")]
+    LastRobot(u32),
+    /// More would come than may.
+    #[error("{most} {what} have been added to this run, and no more may be")]
+    Full {
+        /// How many may.
+        most: usize,
+        /// Of what.
+        what: &'static str,
+    },
+    /// No key.
+    #[error(transparent)]
+    Key(#[from] UnknownKey),
+    /// No number of a noise profile, or a value that it cannot have.
+    #[error(transparent)]
+    Noise(#[from] ParameterError),
+    /// It takes more than a simulation: programs, or a run that can end.
+    #[error("{0}")]
+    Other(String),
+}
+
+fn in_the_way(thing: &Thing) -> String {
+    match thing {
+        Thing::Wall(_) => "a wall or a fixed object is".to_owned(),
+        Thing::Robot(id) => format!("robot {} is", id.0),
+        Thing::Object(id) => format!("movable object {} is", id.0),
+    }
+}
+
+/// An action that has been validated: it cannot fail any more.
+#[derive(Clone, Debug)]
+pub enum Intervention {
+    /// A robot's key is pressed, its display touched, or a key of a remote control pressed.
+    Press(RobotId, Touch),
+    /// A robot is put elsewhere.
+    PlaceRobot(RobotId, Pose),
+    /// A movable object is put elsewhere.
+    PlaceObject(ObjectId, Pose),
+    /// Robots get these errors.
+    SetNoise(Vec<(RobotId, Profile)>),
+    /// Sensors of a robot are switched on or off.
+    SwitchSensor(RobotId, String, bool),
+    /// A robot leaves; who drives it has halted it.
+    RemoveRobot(RobotId),
+    /// A movable object comes.
+    AddObject(Box<ObjectSpec>),
+    /// A movable object leaves.
+    RemoveObject(ObjectId),
+}
+
+/// Whom an intervention has concerned.
+#[derive(Clone, Debug, Default)]
+pub struct Effect {
+    /// What these robots wait for may have come, or their motion has changed.
+    pub robots: Vec<RobotId>,
+    /// This movable object has come.
+    pub came: Option<ObjectId>,
+}
+
+/// Access to robots, one at a time.
+pub trait Robots {
+    /// Lets `act` look at robot `id` and change it.
+    fn with<R>(&mut self, id: RobotId, act: impl FnOnce(&mut Robot) -> R) -> R;
+}
+
+impl Robots for [Robot] {
+    fn with<R>(&mut self, id: RobotId, act: impl FnOnce(&mut Robot) -> R) -> R {
+        act(&mut self[id.index()])
+    }
+}
+
+impl Intervention {
+    /// What `action` means in `world`, at the start of its present slot or of one that follows before anything happens. That a
+    /// robot comes and that the run ends is for who owns the run: [`Refusal::Other`].
+    ///
+    /// # Errors
+    /// [`Refusal`] for what is not there or makes no sense.
+    pub fn validate(
+        action: &Action,
+        robots: &mut (impl Robots + ?Sized),
+        roster: &Roster,
+        world: &World,
+    ) -> Result<Self, Refusal> {
+        Ok(match action {
+            Action::Press { robot, key } => Self::Press(robot_of(*robot, world)?, key.parse()?),
+            Action::PlaceRobot { robot, x_m, y_m, phi_rad } => {
+                Self::PlaceRobot(robot_of(*robot, world)?, pose_of([*x_m, *y_m, *phi_rad])?)
+            }
+            Action::PlaceObject { object, x_m, y_m, phi_rad } => {
+                Self::PlaceObject(object_of(*object, world)?, pose_of([*x_m, *y_m, *phi_rad])?)
+            }
+            Action::SetNoise { robot, parameter, value } => {
+                let concerned = match robot {
+                    Some(robot) => vec![robot_of(*robot, world)?],
+                    None => present_robots(world).collect(),
+                };
+                let changed = |id: RobotId| {
+                    let mut profile = robots.with(id, |robot| robot.noise().clone());
+                    profile.set_parameter(parameter, *value).map(|()| (id, profile))
+                };
+                Self::SetNoise(concerned.into_iter().map(changed).collect::<Result<_, _>>()?)
+            }
+            Action::SwitchSensor { robot, sensor, on } => {
+                let id = robot_of(*robot, world)?;
+                robots.with(id, |robot| has_sensor(robot, sensor))?;
+                Self::SwitchSensor(id, sensor.clone(), *on)
+            }
+            Action::RemoveRobot { robot } => {
+                let id = robot_of(*robot, world)?;
+                if present_robots(world).nth(1).is_none() {
+                    return Err(Refusal::LastRobot(*robot));
+                }
+                Self::RemoveRobot(id)
+            }
+            Action::AddObject { kind, x_m, y_m, phi_rad } => {
+                let pose = pose_of([*x_m, *y_m, *phi_rad])?;
+                Self::AddObject(Box::new(roster.object(kind, pose)?))
+            }
+            Action::RemoveObject { object } => Self::RemoveObject(object_of(*object, world)?),
+            Action::AddRobot { .. } => return Err(Refusal::Other("a robot comes by who owns the run".to_owned())),
+            Action::End {} => return Err(Refusal::Other("a simulation ends where its owner leaves it".to_owned())),
+        })
+    }
+}
+
+impl Environment {
+    /// Records `action`, which has been validated, at `at`, the start of a slot before which nothing happens any more, and lets the
+    /// world stand there.
+    pub fn record_intervention(&mut self, at: Time, action: &Action) {
+        self.world.advance_to(at);
+        self.record_starts();
+        let text = serde_json::to_string(action).unwrap_or_default();
+        self.journal().record(at, &Event::Intervention { action: ActionText(&text) });
+    }
+
+    /// Does what was validated and recorded, at the start of the world's present slot.
+    pub fn intervene(&mut self, intervention: &Intervention, robots: &mut (impl Robots + ?Sized)) -> Effect {
+        let world = &mut self.world;
+        let at = world.slot_start();
+        match intervention {
+            Intervention::Press(id, touch) => {
+                robots.with(*id, |robot| robot.devices.press(at, *touch));
+                return Effect::of_robot(*id);
+            }
+            Intervention::PlaceRobot(id, pose) => {
+                robots.with(*id, |robot| {
+                    let placed = robot.motion.place(at, *pose);
+                    debug_assert!(placed.is_ok(), "the place was checked");
+                    robot.record_placed(at, WORLD, pose);
+                    world.republish(&mut robot.motion);
+                });
+                return Effect::of_robot(*id);
+            }
+            Intervention::PlaceObject(object, pose) => {
+                let placed = world.place_object_now(*object, *pose);
+                debug_assert!(placed.is_ok(), "the place was checked");
+                let (x_m, y_m, phi_rad) = (pose.position.x, pose.position.y, pose.heading.remainder());
+                self.journal().record(at, &Event::ObjectPlaced { object: object.0, by: WORLD.0, x_m, y_m, phi_rad });
+                self.record_object(at, *object);
+            }
+            Intervention::SetNoise(profiles) => {
+                for (id, profile) in profiles {
+                    robots.with(*id, |robot| {
+                        let set = robot.set_noise(at, profile);
+                        debug_assert!(set.is_ok(), "what a profile may hold makes sense for every drive");
+                        world.radio_mut().set_errors(*id, profile.radio);
+                        world.republish(&mut robot.motion);
+                    });
+                }
+                return Effect { robots: profiles.iter().map(|(id, _)| *id).collect(), came: None };
+            }
+            Intervention::SwitchSensor(id, sensor, is_on) => {
+                robots.with(*id, |robot| robot.switch_sensor(at, sensor, *is_on));
+            }
+            Intervention::RemoveRobot(id) => {
+                robots.with(*id, |robot| robot.is_removed = true);
+                world.remove_robot(*id);
+                self.forget(*id);
+            }
+            Intervention::AddObject(spec) => {
+                let figure = Arc::new(build::figure(&spec.kind));
+                let Ok(object) = world.add_object(build::properties(spec), spec.pose, Some(figure)) else {
+                    unreachable!("the place was checked")
+                };
+                self.record_object(at, object);
+                return Effect { came: Some(object), ..Effect::default() };
+            }
+            Intervention::RemoveObject(object) => world.remove_object(*object),
+        }
+        Effect::default()
+    }
+
+    /// A robot comes, which has the next id, at the start of the present slot; `heard` is what happens to its messages.
+    pub fn admit(&mut self, robot: &mut Robot, heard: Radio) {
+        let figure = Arc::new(build::robot_figure(&robot.spec));
+        self.world.add_robot(&mut robot.motion, Some(figure));
+        self.world.radio_mut().set_errors(robot.id, heard);
+        robot.record_arrival(&self.world);
+    }
+}
+
+impl Effect {
+    fn of_robot(id: RobotId) -> Self {
+        Self { robots: vec![id], came: None }
+    }
+}
+
+/// The robots that are in the world now.
+fn present_robots(world: &World) -> impl Iterator<Item = RobotId> {
+    let all = (0..world.robot_count()).map(RobotId::from_index);
+    all.filter(|id| world.is_robot_there(*id, world.slot_start()))
+}
+
+fn robot_of(number: u32, world: &World) -> Result<RobotId, Refusal> {
+    present_robots(world).find(|id| id.0 == number).ok_or(Refusal::NoRobot(number))
+}
+
+fn object_of(number: u32, world: &World) -> Result<ObjectId, Refusal> {
+    let known = (1..=world.object_count()).contains(&(number as usize)).then_some(ObjectId(number));
+    known.filter(|id| world.is_object_there(*id, world.slot_start())).ok_or(Refusal::NoObject(number))
+}
+
+/// A place that somebody can mean.
+pub(super) fn pose_of([x_m, y_m, phi_rad]: [f64; 3]) -> Result<Pose, Refusal> {
+    // Not a number is not within.
+    let is_place = x_m.abs() <= FAR && y_m.abs() <= FAR && phi_rad.abs() <= MAX_HEADING;
+    if is_place { Ok(Pose::new(x_m, y_m, phi_rad)) } else { Err(Refusal::Place { x_m, y_m, phi_rad }) }
+}
+
+fn has_sensor(robot: &Robot, sensor: &str) -> Result<(), Refusal> {
+    let sensors = robot.sensors_on();
+    if sensors.iter().any(|(name, _)| *name == sensor) {
+        return Ok(());
+    }
+    let names: Vec<String> = sensors.iter().map(|(name, _)| format!("`{name}`")).collect();
+    let known = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+    Err(Refusal::NoSensor { robot: robot.id.0, sensor: sensor.to_owned(), known })
+}

@@ -1,0 +1,168 @@
+//! Who is and was in a simulation, and the types of which more can be added.
+
+use std::sync::Arc;
+
+use super::Refusal;
+use super::intervention::pose_of;
+use crate::RobotId;
+use crate::build;
+use crate::pose::Pose;
+use crate::spec::{NoiseRef, ObjectSpec, ObjectType, RobiSpec, RobotSpec, SceneSpec};
+use crate::world::World;
+
+/// Most robots that may come into a simulation after its start, those that have left again included: each keeps its number and
+/// its record. Our choice.
+pub const MOST_ROBOTS: usize = 1_000;
+
+/// The same of movable objects.
+pub const MOST_OBJECTS: usize = 10_000;
+
+/// The robots and movable objects that ever were in a simulation, in the order of their ids, as they came; and the types by name of
+/// which more can be added.
+#[derive(Clone, Debug)]
+pub struct Roster {
+    /// Types of robots.
+    pub robot_types: Types<RobiSpec>,
+    /// Types of movable objects.
+    pub object_types: Types<ObjectType>,
+    robots: Vec<RobotSpec>,
+    objects: Vec<ObjectSpec>,
+    /// How many of each were there at the start.
+    at_start: [usize; 2],
+    /// The errors of robots of which nothing else is said.
+    noise: Option<NoiseRef>,
+}
+
+/// Types by their names, each once.
+#[derive(Clone, Debug)]
+pub struct Types<T> {
+    /// What they are types of.
+    what: &'static str,
+    types: Vec<(String, Arc<T>)>,
+    /// The name and the file of each.
+    known: Vec<[String; 2]>,
+}
+
+impl Roster {
+    /// That of `scene`, with its types.
+    pub fn of(scene: &SceneSpec) -> Self {
+        let mut robot_types = Types::of("robots");
+        for robi in scene.robots.iter().map(|robot| &robot.robi) {
+            robot_types.add(&robi.name, &robi.file, || Arc::clone(robi));
+        }
+        let mut object_types = Types::of("movable objects");
+        for kind in build::movable(scene).map(|object| &object.kind) {
+            object_types.add(&kind.name, &kind.file, || Arc::clone(kind));
+        }
+        let objects: Vec<ObjectSpec> = build::movable(scene).cloned().collect();
+        let (robots, noise) = (scene.robots.clone(), scene.run.noise.clone());
+        Self { robot_types, object_types, at_start: [robots.len(), objects.len()], robots, objects, noise }
+    }
+
+    /// All robots, in the order of their ids.
+    pub fn robots(&self) -> &[RobotSpec] {
+        &self.robots
+    }
+
+    /// All movable objects, in the order of their ids.
+    pub fn objects(&self) -> &[ObjectSpec] {
+        &self.objects
+    }
+
+    /// One more robot of the type called `kind` at x and y (m) and heading (rad) `start`, which is to run the program of
+    /// `program_of`. Its errors are those of that robot, else of the first one of its type, else of the scene.
+    ///
+    /// # Errors
+    /// [`Refusal`] for what is not known, or does not fit in.
+    pub fn robot(
+        &self,
+        kind: &str,
+        program_of: Option<u32>,
+        start: [f64; 3],
+        world: &World,
+    ) -> Result<RobotSpec, Refusal> {
+        let start = pose_of(start)?;
+        // The program of one that has been removed is still known.
+        let number_of =
+            |number: u32| self.robots.get((number as usize).wrapping_sub(1)).ok_or(Refusal::NoRobot(number));
+        let model = program_of.map(number_of).transpose()?;
+        let robi = self.robot_types.find(kind)?;
+        if let Some(thing) = world.overlapped(start.position, 0.5 * robi.diameter) {
+            return Err(Refusal::Occupied(thing));
+        }
+        check_room(self.robots.len() - self.at_start[0], MOST_ROBOTS, "robots")?;
+        let of_type = || self.robots.iter().find(|robot| Arc::ptr_eq(&robot.robi, &robi));
+        let noise = model.or_else(of_type).map_or(&self.noise, |robot| &robot.noise).clone();
+        Ok(RobotSpec {
+            id: RobotId::from_index(self.robots.len()),
+            start,
+            program: model.and_then(|robot| robot.program.clone()),
+            arguments: model.map(|robot| robot.arguments.clone()).unwrap_or_default(),
+            api: model.and_then(|robot| robot.api),
+            noise,
+            dialect: model.and_then(|robot| robot.dialect),
+            span: Default::default(),
+            robi,
+        })
+    }
+
+    /// One more movable object of the type called `kind` at `pose`.
+    ///
+    /// # Errors
+    /// [`Refusal`] for a type that is not known, or more objects than may come.
+    pub fn object(&self, kind: &str, pose: Pose) -> Result<ObjectSpec, Refusal> {
+        let kind = self.object_types.find(kind)?;
+        check_room(self.objects.len() - self.at_start[1], MOST_OBJECTS, "movable objects")?;
+        Ok(ObjectSpec { friction: kind.friction, kind, pose, span: Default::default() })
+    }
+
+    /// This robot has come.
+    pub fn keep_robot(&mut self, spec: RobotSpec) {
+        self.robots.push(spec);
+    }
+
+    /// This movable object has come.
+    pub fn keep_object(&mut self, spec: ObjectSpec) {
+        self.objects.push(spec);
+    }
+}
+
+fn check_room(added: usize, most: usize, what: &'static str) -> Result<(), Refusal> {
+    if added < most { Ok(()) } else { Err(Refusal::Full { most, what }) }
+}
+
+impl<T> Types<T> {
+    fn of(what: &'static str) -> Self {
+        Self { what, types: Vec::new(), known: Vec::new() }
+    }
+
+    /// Adds the type called `name` of `file`, unless it is known; where another one has the name already, by its file.
+    pub fn add(&mut self, name: &str, file: &str, kind: impl FnOnce() -> Arc<T>) {
+        let both = [name, file].map(str::to_owned);
+        if self.known.contains(&both) {
+            return;
+        }
+        if let Some(word) = both.iter().find(|word| self.names().all(|taken| taken != *word)).cloned() {
+            self.types.push((word, kind()));
+        }
+        self.known.push(both);
+    }
+
+    /// Their names.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.types.iter().map(|(name, _)| &**name)
+    }
+
+    /// The type of this name.
+    ///
+    /// # Errors
+    /// [`Refusal::NoType`].
+    pub fn find(&self, name: &str) -> Result<Arc<T>, Refusal> {
+        let found = self.types.iter().find(|(known, _)| known == name).map(|(_, kind)| Arc::clone(kind));
+        found.ok_or_else(|| Refusal::NoType {
+            what: self.what,
+            name: name.to_owned(),
+            known: self.names().collect::<Vec<_>>().join(", "),
+        })
+    }
+}
