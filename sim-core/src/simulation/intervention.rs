@@ -94,7 +94,7 @@ pub enum Refusal {
 
 fn in_the_way(thing: &Thing) -> String {
     match thing {
-        Thing::Wall(_) => "a wall or a fixed object is".to_owned(),
+        Thing::Wall(_) | Thing::Floor | Thing::Fixed(_) => "a wall or a fixed object is".to_owned(),
         Thing::Robot(id) => format!("robot {} is", id.0),
         Thing::Object(id) => format!("movable object {} is", id.0),
     }
