@@ -42,8 +42,8 @@ pub enum FactoryError {
         /// A value with which nothing can be computed.
         error: ModelError,
     },
-    /// The scene has movable objects, and this build has no [rigid bodies](Bodies).
-    #[error("the scene has {0} movable objects, which need the feature `objects` of sim-core")]
+    /// The scene has so many movable objects, and this build has no [rigid bodies](Bodies).
+    #[error("movable objects (the scene has {0}) need the feature `objects` of sim-core")]
     Objects(usize),
 }
 
