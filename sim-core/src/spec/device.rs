@@ -29,7 +29,7 @@ pub const DEFAULT_LIDAR_HEIGHT: f64 = 0.1;
 pub const DEFAULT_LIDAR_RANGE: f64 = 9.999;
 
 /// A PSD distance sensor.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PsdSpec {
     /// Name, `PSD_FRONT`.
     pub name: String,
@@ -143,7 +143,7 @@ impl LidarSpec {
 }
 
 /// An infrared proximity switch: tells whether something is nearer than its range.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct InfraredSpec {
     /// Name, `IR_LF`.
     pub name: String,
@@ -160,7 +160,7 @@ pub struct InfraredSpec {
 }
 
 /// A bumper: an arc of the robot's circumference that feels contacts.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct BumperSpec {
     /// Name, `BUMP_FRONT`.
     pub name: String,
@@ -175,7 +175,7 @@ pub struct BumperSpec {
 }
 
 /// A servo.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ServoSpec {
     /// Name, `SERVO1`.
     pub name: String,
@@ -206,7 +206,7 @@ impl Default for LcdSpec {
 }
 
 /// The compass.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct CompassSpec {
     /// Name, `COMPASS`.
     pub name: String,

@@ -56,7 +56,7 @@ pub struct TurnSpec {
 }
 
 /// A rigid part on the body or on another link.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LinkSpec {
     /// Its name; never [`BODY`].
     pub name: String,

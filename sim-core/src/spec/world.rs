@@ -114,7 +114,7 @@ pub enum TerrainShape {
 }
 
 /// A height field from an image: the middles of its pixels are the corners of the grid.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct TerrainImage {
     /// The image file.
     pub path: PathRef,

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::Printed;
-use super::looks::LOOKS;
+use super::LOOKS;
 use super::number::{heading, written, written_degrees, written_mm};
 use crate::path;
 use crate::spec::{

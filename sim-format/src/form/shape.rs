@@ -1,0 +1,120 @@
+//! Shapes and looks of bodies.
+
+use glam::DVec3;
+
+use super::kind::{TEXT, Word};
+use super::sensor::PLACE;
+use super::{Form, Keys, Variants};
+use crate::line::Quantity;
+use crate::spec::{Axis, Collider, ModelSpec};
+use schemars::SchemaGenerator;
+use serde_json::Value as Json;
+
+const SIZES: [Quantity; 3] = [Quantity::size("size"); 3];
+const TURNS: [Quantity; 3] = [Quantity::angle("turn"); 3];
+
+impl Form for ModelSpec {
+    const NAME: &'static str = "ModelForm";
+    const ABOUT: &'static str = "A mesh file and how it is put into the body's frame.";
+
+    fn usual() -> Self {
+        Self::default()
+    }
+
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.key("file", "The mesh file.").required(TEXT, &mut self.path);
+        keys.key("offset_mm", "Place of the mesh's origin, x forward, y left, z up, in mm; 0 if left out.").unless(
+            DVec3::ZERO,
+            PLACE,
+            &mut self.offset,
+        );
+        turns(keys, &mut self.turns);
+    }
+}
+
+/// How a mesh is turned.
+pub(crate) fn turns(keys: &mut Keys<'_>, turns: &mut DVec3) {
+    keys.key("turns_deg", "Turns about the axes of the mesh file, in degrees; 0 if left out.").unless(
+        DVec3::ZERO,
+        TURNS,
+        turns,
+    );
+}
+
+impl Form for Collider {
+    const NAME: &'static str = "ColliderForm";
+    const ABOUT: &'static str = "A part of a body's shape.";
+
+    fn usual() -> Self {
+        Self::variant(0)
+    }
+
+    fn schema(generator: &mut SchemaGenerator) -> Json {
+        Self::schema_of_variants(generator)
+    }
+
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        if !keys.variant(self) {
+            return;
+        }
+        let (Self::Box { centre, .. }
+        | Self::Sphere { centre, .. }
+        | Self::Capsule { centre, .. }
+        | Self::Cylinder { centre, .. }) = self;
+        keys.key("centre_mm", "Its centre, x forward, y left, z up, in mm; 0 if left out.").unless(
+            DVec3::ZERO,
+            PLACE,
+            centre,
+        );
+        match self {
+            Self::Box { size, .. } => {
+                keys.key("size_mm", "Its full sizes along x, y and z in mm.").required(SIZES, size)
+            }
+            Self::Sphere { radius: length, .. } => radius(keys, length),
+            Self::Capsule { radius: width, height, axis, .. } => {
+                radius(keys, width);
+                keys.key("height_mm", "Its full length in mm, with the half spheres.")
+                    .required(Quantity::size("height"), height);
+                keys.key("axis", "Along which it lies; z if left out.").always(Word, axis);
+                // A shorter one is a sphere, as in robi files.
+                *height = height.max(2.0 * *width);
+            }
+            Self::Cylinder { radius: width, height, .. } => {
+                radius(keys, width);
+                keys.key("height_mm", "Its full height in mm.").required(Quantity::size("height"), height);
+            }
+        }
+    }
+}
+
+fn radius(keys: &mut Keys<'_>, radius: &mut f64) {
+    keys.key("radius_mm", "Its radius in mm.").required(Quantity::size("radius"), radius);
+}
+
+impl Variants for Collider {
+    const KINDS: &'static [(&'static str, &'static str)] = &[
+        ("box", "A box along the axes."),
+        ("sphere", "A sphere."),
+        ("capsule", "A cylinder with half spheres at its ends."),
+        ("cylinder", "An upright cylinder."),
+    ];
+
+    fn variant(place: usize) -> Self {
+        let (centre, radius, height) = (DVec3::ZERO, 0.0, 0.0);
+        match place {
+            0 => Self::Box { centre, size: DVec3::ZERO },
+            1 => Self::Sphere { centre, radius },
+            2 => Self::Capsule { centre, radius, height, axis: Axis::Z },
+            _ => Self::Cylinder { centre, radius, height },
+        }
+    }
+
+    fn place(&self) -> usize {
+        match self {
+            Self::Box { .. } => 0,
+            Self::Sphere { .. } => 1,
+            Self::Capsule { .. } => 2,
+            Self::Cylinder { .. } => 3,
+        }
+    }
+}
