@@ -21,6 +21,12 @@ pub enum JointSpec {
     },
 }
 
+impl Default for JointSpec {
+    fn default() -> Self {
+        Self::Fixed(0.0)
+    }
+}
+
 /// Name of the body among the links.
 pub const BODY: &str = "body";
 

@@ -64,7 +64,7 @@ pub struct DriveSpec {
 }
 
 /// The wheels, all alike.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WheelSpec {
     /// Diameter in metres.
     pub diameter: f64,
@@ -149,12 +149,12 @@ pub struct ServoRef<'r> {
     pub swing: [f64; 2],
 }
 
-impl RobiSpec {
-    /// A robot type with the defaults for all that a file leaves out, named by the file's stem.
-    pub fn with_defaults(file: &str) -> Self {
+impl Default for RobiSpec {
+    /// What a file says that leaves all out.
+    fn default() -> Self {
         Self {
-            file: file.to_owned(),
-            name: stem(file).to_owned(),
+            file: String::new(),
+            name: String::new(),
             diameter: DEFAULT_DIAMETER,
             max_speed: DEFAULT_MAX_SPEED,
             max_turn: radians_from_degrees(DEFAULT_MAX_TURN_DEG),
@@ -194,6 +194,13 @@ impl RobiSpec {
             serials: Vec::new(),
             hdt: Vec::new(),
         }
+    }
+}
+
+impl RobiSpec {
+    /// A robot type with the defaults for all that a file leaves out, named by the file's stem.
+    pub fn with_defaults(file: &str) -> Self {
+        Self { file: file.to_owned(), name: stem(file).to_owned(), ..Self::default() }
     }
 
     /// All servos: that of the steering first, then those of the companion, then the camera's. That is the order in which

@@ -65,6 +65,13 @@ pub enum Collider {
     },
 }
 
+impl Default for Collider {
+    /// A point.
+    fn default() -> Self {
+        Self::Sphere { centre: DVec3::ZERO, radius: 0.0 }
+    }
+}
+
 impl Collider {
     /// Height of its highest point in the frame of its body, in metres.
     pub fn top(&self) -> f64 {

@@ -10,17 +10,15 @@ use serde_json::{Value as Json, json};
 use toml::de::DeValue;
 use toml::{Spanned, Table, Value};
 
-use super::kind::{At, Bounded, Kind, PART, TEXT, Whole, array, whole};
+use super::kind::{At, Bounded, Custom, Kind, PART, TEXT, Whole, array, whole};
 use super::sensor::{device, number, position};
 use super::{Form, Keys, definition};
-use crate::Span;
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::print::number::shortest;
 use crate::spec::{
-    BumperSpec, CameraSpec, CompassSpec, DEFAULT_FIELD_OF_VIEW, DEFAULT_MICROPHONE, DEFAULT_SAMPLES, DEFAULT_VOLTAGE,
-    InfraredSpec, InputSpec, JointSpec, LcdSpec, Lens, MAX_FIELD_OF_VIEW_DEG, MAX_SAMPLES, SerialLine, SerialSpec,
-    ServoSpec,
+    BumperSpec, CameraSpec, CompassSpec, DEFAULT_FIELD_OF_VIEW, InfraredSpec, InputSpec, JointSpec, LcdSpec, Lens,
+    MAX_FIELD_OF_VIEW_DEG, MAX_SAMPLES, SerialLine, SerialSpec, ServoSpec,
 };
 use crate::table::{Reader, Section};
 use sim_core::unit::{degrees_from_radians, radians_from_degrees};
@@ -41,36 +39,25 @@ const LINES: u8 = 16;
 const MAX_VOLTAGE: f64 = 1000.0;
 
 impl Form for InfraredSpec {
-    const NAME: &'static str = "InfraredForm";
-    const ABOUT: &'static str = "An infrared switch.";
-
     fn usual() -> Self {
         Self { range: DEFAULT_INFRARED_RANGE, ..Self::default() }
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("InfraredForm", "An infrared switch.");
         keys.span(&mut self.span);
         device(keys, "Its name, such as `IR_LEFT`.", &mut self.name, &mut self.id);
         position(keys, [Quantity::coordinate("coordinate of the sensor"); 3], &mut self.position);
-        keys.key("angle_deg", "Direction in degrees, counter-clockwise from forward; 0 if left out.").unless(
-            0.0,
-            Quantity::angle("angle of the sensor"),
-            &mut self.angle,
-        );
+        keys.key("angle_deg", "Direction in degrees, counter-clockwise from forward; 0 if left out.")
+            .optional(Quantity::angle("angle of the sensor"), &mut self.angle);
         keys.key("range_mm", "Range in mm; 100 if left out.")
             .always(Quantity::size("range of the sensor"), &mut self.range);
     }
 }
 
 impl Form for BumperSpec {
-    const NAME: &'static str = "ArcForm";
-    const ABOUT: &'static str = "A bumper: an arc of the body.";
-
-    fn usual() -> Self {
-        Self::default()
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("ArcForm", "A bumper: an arc of the body.");
         keys.span(&mut self.span);
         device(keys, "Its name, such as `BUMP_FRONT`.", &mut self.name, &mut self.id);
         keys.key("from_deg", "Where the arc begins, in degrees counter-clockwise from forward.")
@@ -118,15 +105,13 @@ impl Kind<f64> for ArcEnd {
 const SERVO_END: Bounded = Bounded(Quantity::angle("end of the servo").within(-360.0, 360.0));
 
 impl Form for ServoSpec {
-    const NAME: &'static str = "ServoForm";
-    const ABOUT: &'static str = "A servo.";
-
     /// A half turn in all.
     fn usual() -> Self {
         Self { from: -TAU / 4.0, to: TAU / 4.0, ..Self::default() }
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("ServoForm", "A servo.");
         keys.span(&mut self.span);
         device(keys, "Its name, such as `SERVO1`.", &mut self.name, &mut self.id);
         keys.key("from_deg", "Angle at position 0 in degrees; -90 if left out.").always(SERVO_END, &mut self.from);
@@ -135,34 +120,23 @@ impl Form for ServoSpec {
 }
 
 impl Form for CompassSpec {
-    const NAME: &'static str = "CompassForm";
-    const ABOUT: &'static str = "The compass.";
-
     fn usual() -> Self {
         Self { name: "COMPASS".to_owned(), ..Self::default() }
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("CompassForm", "The compass.");
         keys.span(&mut self.span);
         keys.key("name", "Its name; `COMPASS` if left out.").always(TEXT, &mut self.name);
         number(keys, &mut self.id);
-        keys.key("north_deg", "Direction in the world in which it reads 0, in degrees; 0 if left out.").unless(
-            0.0,
-            Quantity::angle("north"),
-            &mut self.north,
-        );
+        keys.key("north_deg", "Direction in the world in which it reads 0, in degrees; 0 if left out.")
+            .optional(Quantity::angle("north"), &mut self.north);
     }
 }
 
 impl Form for LcdSpec {
-    const NAME: &'static str = "LcdForm";
-    const ABOUT: &'static str = "The colour display of RoBIOS-7.";
-
-    fn usual() -> Self {
-        Self::default()
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("LcdForm", "The colour display of RoBIOS-7.");
         keys.key("width_px", "Pixels in a row; 320 if left out.").always(MIN_LCD_SIDE..=MAX_LCD_WIDTH, &mut self.width);
         keys.key("height_px", "Rows of pixels; 240 if left out.")
             .always(MIN_LCD_SIDE..=MAX_LCD_HEIGHT, &mut self.height);
@@ -170,14 +144,8 @@ impl Form for LcdSpec {
 }
 
 impl Form for InputSpec {
-    const NAME: &'static str = "InputForm";
-    const ABOUT: &'static str = "What inputs read that nothing simulated drives.";
-
-    fn usual() -> Self {
-        Self::default()
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("InputForm", "What inputs read that nothing simulated drives.");
         let (channels, latches, lines) = (
             Numbered { what: "A/D channel", numbers: 0..=15, largest: 1023 },
             Numbered { what: "latch", numbers: 0..=255, largest: 255 },
@@ -187,26 +155,12 @@ impl Form for InputSpec {
         keys.key("latch", "Input latches: values 0 to 255 by numbers.").list(latches, &mut self.latches);
         keys.key("digital", "Digital lines: 0 or 1 by numbers 1 to 16.").list(lines, &mut self.digital);
         let voltage = Quantity::number("voltage of the battery", 0.0, MAX_VOLTAGE);
-        keys.key("voltage_v", "Voltage of the battery; 7.2 if left out.").unless(
-            DEFAULT_VOLTAGE,
-            voltage,
-            &mut self.voltage,
-        );
-        keys.key("microphone", "What the microphone reads; 128 if left out.").unless(
-            DEFAULT_MICROPHONE,
-            0..=255,
-            &mut self.microphone,
-        );
-        keys.key("parallel_data", "Data register of the parallel port; 0 if left out.").unless(
-            0,
-            0..=255,
-            &mut self.parallel_data,
-        );
-        keys.key("parallel_status", "Status register of the parallel port; 0 if left out.").unless(
-            0,
-            0..=255,
-            &mut self.parallel_status,
-        );
+        keys.key("voltage_v", "Voltage of the battery; 7.2 if left out.").optional(voltage, &mut self.voltage);
+        keys.key("microphone", "What the microphone reads; 128 if left out.").optional(0..=255, &mut self.microphone);
+        keys.key("parallel_data", "Data register of the parallel port; 0 if left out.")
+            .optional(0..=255, &mut self.parallel_data);
+        keys.key("parallel_status", "Status register of the parallel port; 0 if left out.")
+            .optional(0..=255, &mut self.parallel_status);
         self.analog.sort_unstable();
         self.latches.sort_unstable();
         self.digital.sort_unstable();
@@ -246,10 +200,8 @@ pub(crate) fn by_name(entries: impl Iterator<Item = (String, Value)>) -> Value {
 }
 
 /// What is connected to the serial interfaces: `1 = "loopback"`, `2 = { file = "gps.txt" }`.
-pub(crate) struct Serials;
-
-impl Kind<Vec<SerialSpec>> for Serials {
-    fn read(&self, at: At<'_, '_>, _: Option<&Vec<SerialSpec>>) -> Option<Vec<SerialSpec>> {
+pub(crate) const SERIALS: Custom<Vec<SerialSpec>> = Custom {
+    read: |at| {
         let mut serials = Vec::new();
         for (key, value) in at.reader.section(at.section, at.key)?.table {
             let Some(interface) = at.reader.number_of(key, &(1..=LINES), "serial interface") else { continue };
@@ -258,17 +210,15 @@ impl Kind<Vec<SerialSpec>> for Serials {
         }
         serials.sort_by_key(|serial| serial.interface);
         Some(serials)
-    }
-
-    fn print(&self, serials: &Vec<SerialSpec>) -> Value {
+    },
+    print: |serials| {
         let line = |line: &SerialLine| match line {
             SerialLine::Loopback => "loopback".into(),
             SerialLine::File { path, .. } => Table::from_iter([("file".to_owned(), TEXT.print(path))]).into(),
         };
         by_name(serials.iter().map(|serial| (serial.interface.to_string(), line(&serial.line))))
-    }
-
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+    },
+    describe: |generator| {
         let word = definition(generator, "SerialWord", |_| {
             let loopback =
                 json!({ "description": "Everything that is sent comes back.", "type": "string", "const": "loopback" });
@@ -286,8 +236,8 @@ impl Kind<Vec<SerialSpec>> for Serials {
             json!({ "description": "What is at the other end of a serial line.", "anyOf": [word, file] })
         });
         json!({ "type": "object", "additionalProperties": line })
-    }
-}
+    },
+};
 
 impl Reader {
     fn serial_line(&mut self, key: &str, value: &Spanned<DeValue<'_>>) -> Option<SerialLine> {
@@ -309,10 +259,8 @@ impl Reader {
 }
 
 /// Numbers of devices by their names.
-pub(crate) struct Hdt;
-
-impl Kind<Vec<(String, i32)>> for Hdt {
-    fn read(&self, at: At<'_, '_>, _: Option<&Vec<(String, i32)>>) -> Option<Vec<(String, i32)>> {
+pub(crate) const HDT: Custom<Vec<(String, i32)>> = Custom {
+    read: |at| {
         let mut entries = Vec::new();
         for (key, value) in at.reader.section(at.section, at.key)?.table {
             let id = at.reader.as_integer(key.get_ref(), value, i64::from(i32::MIN), i64::from(i32::MAX));
@@ -320,16 +268,10 @@ impl Kind<Vec<(String, i32)>> for Hdt {
         }
         entries.sort();
         Some(entries)
-    }
-
-    fn print(&self, entries: &Vec<(String, i32)>) -> Value {
-        by_name(entries.iter().map(|(name, id)| (name.clone(), (*id).into())))
-    }
-
-    fn describe(&self, _: &mut SchemaGenerator) -> Json {
-        json!({ "type": "object", "additionalProperties": whole::<i32>() })
-    }
-}
+    },
+    print: |entries| by_name(entries.iter().map(|(name, id)| (name.clone(), (*id).into()))),
+    describe: |_| json!({ "type": "object", "additionalProperties": whole::<i32>() }),
+};
 
 const CAMERA_PLACE: [Quantity; 3] = [
     Quantity::coordinate("x of the camera"),
@@ -340,14 +282,8 @@ const FIELD_OF_VIEW: Quantity = Quantity::angle("field of view").within(1.0, MAX
 const FISHEYE: Quantity = Quantity::angle("field of view").within(1.0, 360.0);
 
 impl Form for CameraSpec {
-    const NAME: &'static str = "CameraForm";
-    const ABOUT: &'static str = "The camera.";
-
-    fn usual() -> Self {
-        Self::new(Span::default())
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("CameraForm", "The camera.");
         keys.span(&mut self.span);
         position(keys, CAMERA_PLACE, &mut self.position);
         let about = [
@@ -357,13 +293,10 @@ impl Form for CameraSpec {
         joint(keys, ["pan_deg", "pan_servo"], about, &mut self.pan);
         let about = ["Turn upwards in degrees; 0 if left out.", "The servo that tilts, in place of `tilt_deg`."];
         joint(keys, ["tilt_deg", "tilt_servo"], about, &mut self.tilt);
-        keys.key("image_px", "Largest image: width and height in pixels.").maybe(Pixels, &mut self.image);
+        keys.key("image_px", "Largest image: width and height in pixels.").maybe(PIXELS, &mut self.image);
         lens(keys, &mut self.lens);
-        keys.key("samples", "Points per side of a pixel whose colours are averaged; 2 if left out.").unless(
-            DEFAULT_SAMPLES,
-            1..=i64::from(MAX_SAMPLES),
-            &mut self.samples,
-        );
+        keys.key("samples", "Points per side of a pixel whose colours are averaged; 2 if left out.")
+            .optional(1..=i64::from(MAX_SAMPLES), &mut self.samples);
     }
 }
 
@@ -386,14 +319,12 @@ fn joint(keys: &mut Keys<'_>, [angle, servo]: [&'static str; 2], about: [&'stati
 
 /// A joint with a servo.
 impl Form for JointSpec {
-    const NAME: &'static str = "JointForm";
-    const ABOUT: &'static str = "A servo that turns the camera.";
-
     fn usual() -> Self {
         Self::Servo { name: String::new(), from: 0.0, to: 0.0 }
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("JointForm", "A servo that turns the camera.");
         let Self::Servo { name, from, to } = self else { return };
         keys.key("name", "Its name, such as `SERVO1`.").required(TEXT, name);
         keys.key("from_deg", "Angle at position 0 in degrees.").required(SERVO_END, from);
@@ -421,10 +352,8 @@ fn lens(keys: &mut Keys<'_>, lens: &mut Lens) {
 }
 
 /// Width and height of an image.
-struct Pixels;
-
-impl Kind<[u32; 2]> for Pixels {
-    fn read(&self, at: At<'_, '_>, _: Option<&[u32; 2]>) -> Option<[u32; 2]> {
+const PIXELS: Custom<[u32; 2]> = Custom {
+    read: |at| {
         let At { reader, section, key } = at;
         let items = reader.array(section, key, "an array of 2 integers")?;
         let [width, height] = items else {
@@ -435,13 +364,7 @@ impl Kind<[u32; 2]> for Pixels {
         };
         let [width, height] = [width, height].map(|side| reader.as_integer(key, side, 1, MAX_PIXELS));
         Some([width? as u32, height? as u32])
-    }
-
-    fn print(&self, sides: &[u32; 2]) -> Value {
-        sides.to_vec().into()
-    }
-
-    fn describe(&self, _: &mut SchemaGenerator) -> Json {
-        array(whole::<u32>(), 2)
-    }
-}
+    },
+    print: |sides| sides.to_vec().into(),
+    describe: |_| array(whole::<u32>(), 2),
+};

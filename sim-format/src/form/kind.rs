@@ -2,12 +2,11 @@
 
 use std::ops::RangeInclusive;
 
-use glam::{DVec2, DVec3};
 use schemars::SchemaGenerator;
 use serde_json::{Value as Json, json};
 use toml::Value;
 
-use super::{Form, definition, print};
+use super::{Form, Keys, definition, print, print_beside, reference};
 use crate::line::Quantity;
 use crate::print::number::in_unit;
 use crate::spec::PathRef;
@@ -30,6 +29,27 @@ pub(crate) trait Kind<T> {
 
     /// What it may be.
     fn describe(&self, generator: &mut SchemaGenerator) -> Json;
+}
+
+/// A kind of its own.
+pub(crate) struct Custom<T> {
+    pub(crate) read: fn(At<'_, '_>) -> Option<T>,
+    pub(crate) print: fn(&T) -> Value,
+    pub(crate) describe: fn(&mut SchemaGenerator) -> Json,
+}
+
+impl<T> Kind<T> for Custom<T> {
+    fn read(&self, at: At<'_, '_>, _: Option<&T>) -> Option<T> {
+        (self.read)(at)
+    }
+
+    fn print(&self, value: &T) -> Value {
+        (self.print)(value)
+    }
+
+    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+        (self.describe)(generator)
+    }
 }
 
 /// A number with a unit.
@@ -65,38 +85,20 @@ impl Kind<f64> for Bounded {
     }
 }
 
-/// A point in the plane.
-impl Kind<DVec2> for [Quantity; 2] {
-    fn read(&self, at: At<'_, '_>, _: Option<&DVec2>) -> Option<DVec2> {
-        at.reader.numbers(at.section, at.key, self).map(DVec2::from)
+/// As many numbers as a point has coordinates.
+impl<P: Copy + From<[f64; N]> + Into<[f64; N]>, const N: usize> Kind<P> for [Quantity; N] {
+    fn read(&self, at: At<'_, '_>, _: Option<&P>) -> Option<P> {
+        at.reader.numbers(at.section, at.key, self).map(P::from)
     }
 
-    fn print(&self, value: &DVec2) -> Value {
-        print_numbers(self, &value.to_array())
-    }
-
-    fn describe(&self, _: &mut SchemaGenerator) -> Json {
-        array(json!({ "type": "number", "format": "double" }), 2)
-    }
-}
-
-/// Three numbers along the axes.
-impl Kind<DVec3> for [Quantity; 3] {
-    fn read(&self, at: At<'_, '_>, _: Option<&DVec3>) -> Option<DVec3> {
-        at.reader.numbers(at.section, at.key, self).map(DVec3::from)
-    }
-
-    fn print(&self, value: &DVec3) -> Value {
-        print_numbers(self, &value.to_array())
+    fn print(&self, point: &P) -> Value {
+        let numbers = self.iter().zip((*point).into());
+        Value::Array(numbers.map(|(quantity, number)| quantity.print(&number)).collect())
     }
 
     fn describe(&self, _: &mut SchemaGenerator) -> Json {
-        array(json!({ "type": "number", "format": "double" }), 3)
+        array(json!({ "type": "number", "format": "double" }), N)
     }
-}
-
-pub(crate) fn print_numbers(quantities: &[Quantity], values: &[f64]) -> Value {
-    Value::Array(quantities.iter().zip(values).map(|(quantity, value)| quantity.print(value)).collect())
 }
 
 /// The schema of an array of `length` items.
@@ -296,7 +298,26 @@ impl<F: Form> Kind<F> for Part {
     }
 
     fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        definition(generator, F::NAME, F::schema)
+        reference(generator, |keys| F::usual().keys(keys))
+    }
+}
+
+/// A table that says a part of something, whose keys this function declares.
+pub(crate) struct PartOf<T>(pub(crate) fn(&mut T, &mut Keys<'_>));
+
+impl<T: Clone + Default> Kind<T> for PartOf<T> {
+    fn read(&self, at: At<'_, '_>, old: Option<&T>) -> Option<T> {
+        let part = at.reader.section(at.section, at.key)?;
+        let mut whole = old.cloned().unwrap_or_default();
+        at.reader.table(part, |keys| (self.0)(&mut whole, keys)).then_some(whole)
+    }
+
+    fn print(&self, whole: &T) -> Value {
+        print_beside(|keys| (self.0)(&mut whole.clone(), keys), |keys| (self.0)(&mut T::default(), keys)).into()
+    }
+
+    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+        reference(generator, |keys| (self.0)(&mut T::default(), keys))
     }
 }
 

@@ -1,17 +1,13 @@
 //! Legs and gaits.
 
-use schemars::SchemaGenerator;
-use serde_json::{Value as Json, json};
-use toml::Value;
+use serde_json::json;
 
-use super::kind::{At, Bounded, Kind, PART, PARTS, Parts, TEXT, Word, Words};
+use super::kind::{Bounded, Custom, Kind, PART, PARTS, Parts, TEXT, Word, Words};
 use super::{Form, Keys};
 use crate::Span;
 use crate::code::Code;
 use crate::line::Quantity;
-use crate::spec::{
-    DEFAULT_DUTY, DEFAULT_LIMB_RADIUS, DEFAULT_PERIOD, DEFAULT_STEP_HEIGHT, GaitSpec, LegSpec, LegsSpec, RobiSpec,
-};
+use crate::spec::{DEFAULT_DUTY, DEFAULT_PERIOD, GaitSpec, LegSpec, LegsSpec, RobiSpec};
 use crate::table::Reader;
 use sim_core::build;
 use sim_core::drive::DriveKind;
@@ -39,62 +35,45 @@ pub(crate) fn legs(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
 }
 
 impl Form for LegsSpec {
-    const NAME: &'static str = "LegsForm";
-    const ABOUT: &'static str = "What the legs of a robot do; for `kind = \"legged\"`.";
-
-    fn usual() -> Self {
-        Self::default()
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("LegsForm", "What the legs of a robot do; for `kind = \"legged\"`.");
         keys.key(
             "step_height_mm",
             "How high a foot is lifted over the higher of the places that it steps from and to, in mm; 30 if left out.",
         )
-        .unless(DEFAULT_STEP_HEIGHT, Quantity::length("height of a step"), &mut self.step_height);
-        keys.key("radius_mm", "Radius of thighs and shanks in mm: what of them may touch; 20 if left out.").unless(
-            DEFAULT_LIMB_RADIUS,
-            Quantity::length("radius of thighs and shanks"),
-            &mut self.radius,
-        );
+        .optional(Quantity::length("height of a step"), &mut self.step_height);
+        keys.key("radius_mm", "Radius of thighs and shanks in mm: what of them may touch; 20 if left out.")
+            .optional(Quantity::length("radius of thighs and shanks"), &mut self.radius);
         keys.key("gait", "Gaits, the first is the one that it starts with; if left out, one foot after the other.")
             .list(Parts(MOST), &mut self.gaits);
     }
 }
 
 impl Form for GaitSpec {
-    const NAME: &'static str = "GaitForm";
-    const ABOUT: &'static str = "A gait.";
-
     fn usual() -> Self {
         Self { period: DEFAULT_PERIOD, duty: DEFAULT_DUTY, ..Self::default() }
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("GaitForm", "A gait.");
         let period = Quantity::milliseconds("period").within(10.0, 3.6e6);
         let mut curve = if self.is_natural { Curve::Natural } else { Curve::Plain };
         keys.span(&mut self.span);
         keys.key("name", "Its name.").required(TEXT, &mut self.name);
-        keys.key("period_ms", "Time from one lift-off of a foot to its next in ms; 1000 if left out.").unless(
-            DEFAULT_PERIOD,
-            Bounded(period),
-            &mut self.period,
-        );
-        keys.key("duty", "Share of the period that a foot is on the ground; 0.8 if left out.").unless(
-            DEFAULT_DUTY,
-            Bounded(Quantity::number("duty factor", 0.05, 0.98)),
-            &mut self.duty,
-        );
+        keys.key("period_ms", "Time from one lift-off of a foot to its next in ms; 1000 if left out.")
+            .optional(Bounded(period), &mut self.period);
+        keys.key("duty", "Share of the period that a foot is on the ground; 0.8 if left out.")
+            .optional(Bounded(Quantity::number("duty factor", 0.05, 0.98)), &mut self.duty);
         keys.key(
             "offsets",
             "Share of the period after which each leg lifts off; if left out, one after the other at equal distances.",
         )
-        .list(Offsets, &mut self.offsets);
+        .list(OFFSETS, &mut self.offsets);
         keys.key(
             "curve",
             "What the joints follow: the path of the foot alone (plain), if left out, or joint angles of people.",
         )
-        .unless(Curve::Plain, Word, &mut curve);
+        .optional(Word, &mut curve);
         self.is_natural = curve == Curve::Natural;
     }
 }
@@ -116,43 +95,28 @@ impl Words for Curve {
 }
 
 /// Shares of a period, one a leg.
-struct Offsets;
-
-impl Kind<Vec<f64>> for Offsets {
-    fn read(&self, at: At<'_, '_>, _: Option<&Vec<f64>>) -> Option<Vec<f64>> {
+const OFFSETS: Custom<Vec<f64>> = Custom {
+    read: |at| {
         let items = at.reader.array(at.section, at.key, "an array of numbers, one a leg")?;
         Some(items.iter().filter_map(|item| at.reader.as_number(at.key, item, &OFFSET)).collect())
-    }
-
-    fn print(&self, offsets: &Vec<f64>) -> Value {
-        offsets.clone().into()
-    }
-
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        json!({ "type": "array", "items": OFFSET.describe(generator) })
-    }
-}
+    },
+    print: |offsets| offsets.clone().into(),
+    describe: |generator| json!({ "type": "array", "items": OFFSET.describe(generator) }),
+};
 
 impl Form for LegSpec {
-    const NAME: &'static str = "LegForm";
-    const ABOUT: &'static str =
-        "A leg: yaw and roll in the hip, thigh, knee, shank, and a foot with its ankle, a wheel or a bare tip.";
-
-    fn usual() -> Self {
-        Self::default()
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form(
+            "LegForm",
+            "A leg: yaw and roll in the hip, thigh, knee, shank, and a foot with its ankle, a wheel or a bare tip.",
+        );
         let coordinate = Quantity::coordinate("coordinate of the hip");
         keys.span(&mut self.span);
         keys.key("name", "Its name; sensors sit on the links `NAME.thigh`, `NAME.shank` and with a foot `NAME.foot`.")
             .required(TEXT, &mut self.name);
-        keys.key("x_mm", "Place of the hip forward of the robot's centre in mm; 0 if left out.").unless(
-            0.0,
-            coordinate,
-            &mut self.hip.x,
-        );
-        keys.key("y_mm", "Place of the hip to the left in mm; 0 if left out.").unless(0.0, coordinate, &mut self.hip.y);
+        keys.key("x_mm", "Place of the hip forward of the robot's centre in mm; 0 if left out.")
+            .optional(coordinate, &mut self.hip.x);
+        keys.key("y_mm", "Place of the hip to the left in mm; 0 if left out.").optional(coordinate, &mut self.hip.y);
         keys.key("z_mm", "Height of the hip while the robot stands, in mm.")
             .required(Quantity::size("height of the hip"), &mut self.hip.z);
         keys.key("thigh_mm", "Length from hip to knee in mm.")
@@ -176,14 +140,8 @@ impl Form for LegSpec {
 }
 
 impl Form for Foot {
-    const NAME: &'static str = "FootForm";
-    const ABOUT: &'static str = "A flat foot.";
-
-    fn usual() -> Self {
-        Self { heel: 0.0, toe: 0.0, height: 0.0 }
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("FootForm", "A flat foot.");
         keys.key("heel_mm", "From the ankle back to the heel in mm.")
             .required(Quantity::length("length of the heel"), &mut self.heel);
         keys.key("toe_mm", "From the ankle ahead to the toe on which it rolls off, in mm.")

@@ -25,22 +25,19 @@ use crate::table::{Reader, Section};
 use kind::{At, Flag, Kind};
 
 /// A spec that a table of TOML says.
-pub(crate) trait Form: Clone {
-    /// Its name in the JSON schema.
-    const NAME: &'static str;
-    /// What it is, in a sentence.
-    const ABOUT: &'static str;
-
+pub(crate) trait Form: Clone + Default {
     /// What a table without any key says.
-    fn usual() -> Self;
-
-    /// Declares the keys in the order in which they are printed.
-    fn keys(&mut self, keys: &mut Keys<'_>);
-
-    /// Its description, without name.
-    fn schema(generator: &mut SchemaGenerator) -> Json {
-        describe(&mut Self::usual(), Self::ABOUT, generator)
+    fn usual() -> Self {
+        Self::default()
     }
+
+    /// The same of a table that says nothing but which variant it is.
+    fn bare(&self) -> Self {
+        Self::usual()
+    }
+
+    /// Declares the form and its keys, in the order in which they are printed.
+    fn keys(&mut self, keys: &mut Keys<'_>);
 }
 
 /// A form of several variants, which the key `kind` tells apart.
@@ -53,14 +50,6 @@ pub(crate) trait Variants: Form {
 
     /// The place of this variant's word.
     fn place(&self) -> usize;
-
-    /// The description of all variants.
-    fn schema_of_variants(generator: &mut SchemaGenerator) -> Json {
-        let kinds = (0..).zip(Self::KINDS);
-        let kinds: Vec<Json> =
-            kinds.map(|(place, (_, about))| describe(&mut Self::variant(place), about, generator)).collect();
-        json!({ "description": Self::ABOUT, "oneOf": kinds })
-    }
 }
 
 /// One walk over the keys of a table.
@@ -76,10 +65,42 @@ pub(crate) struct Keys<'k> {
 enum Walk<'k> {
     /// It is read from a table.
     Read(&'k mut Reader, Section<'k, 'k>),
-    /// It is printed, unless it says what is so without it.
-    Print(Table),
-    /// Its description is added to the properties and, where it must be there, its name to the required ones.
-    Describe { generator: &'k mut SchemaGenerator, properties: Map<String, Json>, required: Vec<&'static str> },
+    /// It is printed, unless it says what is so without it, as in the second table.
+    Print(Table, Option<Table>),
+    /// Its description is added to that of the form.
+    Describe(&'k mut SchemaGenerator, Description),
+}
+
+/// What the JSON schema says of a form.
+#[derive(Default)]
+struct Description {
+    name: &'static str,
+    about: &'static str,
+    properties: Map<String, Json>,
+    /// The keys that must be there.
+    required: Vec<&'static str>,
+    /// What the variant is that is described; `None` for the whole form.
+    variant: Option<&'static str>,
+    /// The variants of the whole form.
+    variants: Vec<Json>,
+}
+
+impl Description {
+    fn schema(self) -> Json {
+        if !self.variants.is_empty() {
+            return json!({ "description": self.about, "oneOf": self.variants });
+        }
+        let mut schema = json!({
+            "description": self.variant.unwrap_or(self.about),
+            "type": "object",
+            "properties": self.properties,
+            "additionalProperties": false,
+        });
+        if !self.required.is_empty() {
+            schema["required"] = self.required.into();
+        }
+        schema
+    }
 }
 
 /// A key that is being declared: its last method says what is behind it.
@@ -95,12 +116,21 @@ enum Need {
     Required,
     /// It may be `null` in JSON, which stands for a key that is left out.
     Nullable,
+    /// The same; it is left out where it is as usual.
+    Usual,
     Optional,
 }
 
 impl<'k> Keys<'k> {
     fn new(walk: Walk<'k>) -> Self {
         Self { walk, is_complete: true, is_abandoned: false }
+    }
+
+    /// Declares the form: its name in the JSON schema, and what it is in a sentence.
+    pub(crate) fn form(&mut self, name: &'static str, about: &'static str) {
+        if let Walk::Describe(_, description) = &mut self.walk {
+            (description.name, description.about) = (name, about);
+        }
     }
 
     /// Declares a key; `about` is what editors show of it.
@@ -119,10 +149,20 @@ impl<'k> Keys<'k> {
                 self.is_abandoned = place.is_none();
                 self.is_complete &= !self.is_abandoned;
             }
-            Walk::Print(table) => drop(table.insert("kind".to_owned(), word(form).into())),
-            Walk::Describe { properties, required, .. } => {
-                properties.insert("kind".to_owned(), json!({ "type": "string", "const": word(form) }));
-                required.push("kind");
+            Walk::Print(table, _) => drop(table.insert("kind".to_owned(), word(form).into())),
+            Walk::Describe(_, description) if description.variant.is_some() => {
+                description.properties.insert("kind".to_owned(), json!({ "type": "string", "const": word(form) }));
+                description.required.push("kind");
+            }
+            Walk::Describe(generator, description) => {
+                description.variants = (0..)
+                    .zip(F::KINDS)
+                    .map(|(place, (_, about))| {
+                        let part = Description { variant: Some(about), ..Description::default() };
+                        describe(generator, part, |keys| F::variant(place).keys(keys)).schema()
+                    })
+                    .collect();
+                self.is_abandoned = true;
             }
         }
         !self.is_abandoned
@@ -180,23 +220,22 @@ impl Key<'_, '_> {
         self.tell(&kind, Some(value), Need::Nullable);
     }
 
-    /// A value that is left out where it is `usual`.
-    pub(crate) fn unless<T: PartialEq>(mut self, usual: T, kind: impl Kind<T>, value: &mut T) {
+    /// A value that is left out where a table without any key says the same.
+    pub(crate) fn optional<T>(mut self, kind: impl Kind<T>, value: &mut T) {
         self.read(&kind, Some(value)).into_iter().for_each(|read| *value = read);
-        self.tell(&kind, Some(&*value).filter(|value| **value != usual), Need::Nullable);
+        self.tell(&kind, Some(value), Need::Usual);
     }
 
     /// The same, but one that is no good spoils the whole table.
-    pub(crate) fn strictly<T: PartialEq>(self, usual: T, kind: impl Kind<T>, value: &mut T) {
-        let Self { keys, name, about } = self;
-        let is_said = keys.reading().is_some_and(|(_, section)| section.has(name));
-        let mut key = Key { keys: &mut *keys, name, about };
-        match key.read(&kind, None) {
+    pub(crate) fn strictly<T>(mut self, kind: impl Kind<T>, value: &mut T) {
+        let name = self.name;
+        let is_said = self.keys.reading().is_some_and(|(_, section)| section.has(name));
+        match self.read(&kind, None) {
             Some(read) => *value = read,
-            None if is_said => key.keys.refuse(),
+            None if is_said => self.keys.refuse(),
             None => {}
         }
-        key.tell(&kind, Some(&*value).filter(|value| **value != usual), Need::Nullable);
+        self.tell(&kind, Some(value), Need::Usual);
     }
 
     /// A value without a default.
@@ -248,20 +287,27 @@ impl Key<'_, '_> {
     fn tell<T>(self, kind: &impl Kind<T>, value: Option<&T>, need: Need) {
         match &mut self.keys.walk {
             Walk::Read(..) => {}
-            Walk::Print(table) => {
-                let printed =
-                    value.map(|value| kind.print(value)).filter(|value| need != Need::Optional || !is_empty(value));
-                printed.into_iter().for_each(|value| drop(table.insert(self.name.to_owned(), value)));
+            Walk::Print(table, usual) => {
+                let Some(printed) = value.map(|value| kind.print(value)) else { return };
+                let is_as_usual = || usual.as_ref().is_some_and(|usual| usual.get(self.name) == Some(&printed));
+                let is_left_out = match need {
+                    Need::Required | Need::Nullable => false,
+                    Need::Usual => is_as_usual(),
+                    Need::Optional => is_empty(&printed),
+                };
+                if !is_left_out {
+                    table.insert(self.name.to_owned(), printed);
+                }
             }
-            Walk::Describe { generator, properties, required } => {
+            Walk::Describe(generator, description) => {
                 let mut schema = kind.describe(generator);
                 if need == Need::Required {
-                    required.push(self.name);
-                } else if need == Need::Nullable {
+                    description.required.push(self.name);
+                } else if need != Need::Optional {
                     schema = or_null(schema);
                 }
                 schema["description"] = self.about.into();
-                properties.insert(self.name.to_owned(), schema);
+                description.properties.insert(self.name.to_owned(), schema);
             }
         }
     }
@@ -288,31 +334,46 @@ fn or_null(mut schema: Json) -> Json {
 
 /// The table that says what `form` says.
 pub(crate) fn print<F: Form>(form: &F) -> Table {
-    let mut form = form.clone();
-    print_table(|keys| form.keys(keys))
+    print_beside(|keys| form.clone().keys(keys), |keys| form.bare().keys(keys))
 }
 
-/// The table with the keys that `declare` declares.
-pub(crate) fn print_table(declare: impl FnOnce(&mut Keys<'_>)) -> Table {
-    let mut keys = Keys::new(Walk::Print(Table::new()));
+/// The table with the keys that `declare` declares, but for those that say the same in the `bare` form.
+pub(crate) fn print_beside(declare: impl FnOnce(&mut Keys<'_>), bare: impl FnOnce(&mut Keys<'_>)) -> Table {
+    let usual = print_table(None, bare);
+    print_table(Some(usual), declare)
+}
+
+fn print_table(usual: Option<Table>, declare: impl FnOnce(&mut Keys<'_>)) -> Table {
+    let mut keys = Keys::new(Walk::Print(Table::new(), usual));
     declare(&mut keys);
     match keys.walk {
-        Walk::Print(table) => table,
+        Walk::Print(table, _) => table,
         _ => Table::new(),
     }
 }
 
-/// The description of what `form` may say.
-pub(crate) fn describe<F: Form>(form: &mut F, about: &str, generator: &mut SchemaGenerator) -> Json {
-    let mut keys = Keys::new(Walk::Describe { generator, properties: Map::new(), required: Vec::new() });
-    form.keys(&mut keys);
-    let Walk::Describe { properties, required, .. } = keys.walk else { return Json::Null };
-    let mut schema =
-        json!({ "description": about, "type": "object", "properties": properties, "additionalProperties": false });
-    if !required.is_empty() {
-        schema["required"] = required.into();
+fn describe(
+    generator: &mut SchemaGenerator,
+    description: Description,
+    declare: impl FnOnce(&mut Keys<'_>),
+) -> Description {
+    let mut keys = Keys::new(Walk::Describe(generator, description));
+    declare(&mut keys);
+    match keys.walk {
+        Walk::Describe(_, description) => description,
+        _ => Description::default(),
     }
-    schema
+}
+
+/// The schema of the form that `declare` declares.
+pub(crate) fn schema(generator: &mut SchemaGenerator, declare: impl FnOnce(&mut Keys<'_>)) -> Json {
+    describe(generator, Description::default(), declare).schema()
+}
+
+/// A reference to the form that `declare` declares, among the definitions of the schema.
+pub(crate) fn reference(generator: &mut SchemaGenerator, declare: impl FnOnce(&mut Keys<'_>)) -> Json {
+    let description = describe(generator, Description::default(), declare);
+    definition(generator, description.name, |_| description.schema())
 }
 
 /// A reference to the definition `name` of the schema, which `make` describes.

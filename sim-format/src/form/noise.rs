@@ -8,7 +8,7 @@ use toml::de::DeValue;
 use toml::{Table, Value};
 
 use super::device::by_name;
-use super::kind::{At, Kind, PART, TEXT};
+use super::kind::{At, Custom, Kind, PART, TEXT};
 use super::{Form, Keys, definition, print};
 use crate::Span;
 use crate::code::Code;
@@ -25,10 +25,8 @@ use sim_core::noise::RangeKind;
 use sim_core::noise::keys::{CAMERA, COMPASS, DRIVE, Keys as NoiseKeys, ODOMETRY, OWN, RADIO, RANGE};
 
 /// `noise = "mild"`, `noise = "FILE.toml"` or a profile in place.
-pub(crate) struct Noise;
-
-impl Kind<NoiseRef> for Noise {
-    fn read(&self, at: At<'_, '_>, _: Option<&NoiseRef>) -> Option<NoiseRef> {
+pub(crate) const NOISE: Custom<NoiseRef> = Custom {
+    read: |at| {
         let At { reader, section, key } = at;
         if section.get(key).is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_))) {
             let part = reader.section(section, key)?;
@@ -43,25 +41,21 @@ impl Kind<NoiseRef> for Noise {
             return Some(NoiseRef::File(reference));
         }
         reader.preset(&reference.text, reference.span, ", or a file NAME.toml").map(NoiseRef::Preset)
-    }
-
-    fn print(&self, noise: &NoiseRef) -> Value {
-        match noise {
-            NoiseRef::Preset(preset) => preset.name.into(),
-            NoiseRef::File(path) => TEXT.print(path),
-            NoiseRef::Profile(spec) => print(&**spec).into(),
-        }
-    }
-
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+    },
+    print: |noise| match noise {
+        NoiseRef::Preset(preset) => preset.name.into(),
+        NoiseRef::File(path) => TEXT.print(path),
+        NoiseRef::Profile(spec) => print(&**spec).into(),
+    },
+    describe: |generator| {
         definition(generator, "NoiseForm", |generator| {
             let name = json!({ "description": "`none`, `mild`, `real`, `harsh`, or a file.", "type": "string" });
             let mut profile = Kind::<NoiseSpec>::describe(&PART, generator);
             profile["description"] = "In place.".into();
             json!({ "description": "A noise profile.", "anyOf": [name, profile] })
         })
-    }
-}
+    },
+};
 
 impl Reader {
     fn preset(&mut self, name: &str, span: Span, or: &str) -> Option<Preset> {
@@ -82,16 +76,10 @@ impl Reader {
 }
 
 impl Form for NoiseSpec {
-    const NAME: &'static str = "ProfileForm";
-    const ABOUT: &'static str = "A noise profile in place: a preset, and what is different from it.";
-
-    fn usual() -> Self {
-        Self::default()
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("ProfileForm", "A noise profile in place: a preset, and what is different from it.");
         // Always: a file is known by it to be a profile.
-        keys.key("base", "What it starts from; `none` if left out.").always(Base, &mut self.base);
+        keys.key("base", "What it starts from; `none` if left out.").always(BASE, &mut self.base);
         let entries = &mut self.entries;
         let about = [
             "PSD sensors.",
@@ -109,32 +97,26 @@ impl Form for NoiseSpec {
         keys.key("drive", "What lies between commands and motion.").list(Errors(NoiseSection::Drive), entries);
         keys.key("odometry", "What lies between motion and odometry.").list(Errors(NoiseSection::Odometry), entries);
         keys.key("radio", "What the radio receives.").list(Errors(NoiseSection::Radio), entries);
-        keys.key("sensor", "What is different of single sensors, by their names.").list(Sensors, entries);
+        keys.key("sensor", "What is different of single sensors, by their names.").list(SENSORS, entries);
         entries.sort_by(|a, b| a.section.cmp(&b.section));
     }
 }
 
 /// A preset, by its name.
-struct Base;
-
-impl Kind<Preset> for Base {
-    fn read(&self, at: At<'_, '_>, _: Option<&Preset>) -> Option<Preset> {
+const BASE: Custom<Preset> = Custom {
+    read: |at| {
         let base = at.reader.reference(at.section, at.key)?;
         at.reader.preset(&base.text, base.span, "")
-    }
-
-    fn print(&self, preset: &Preset) -> Value {
-        preset.name.into()
-    }
-
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+    },
+    print: |preset| preset.name.into(),
+    describe: |generator| {
         definition(
             generator,
             "PresetForm",
             |_| json!({ "description": "A preset.", "type": "string", "enum": PRESETS }),
         )
-    }
-}
+    },
+};
 
 /// The numbers of a section.
 struct Errors(NoiseSection);
@@ -201,10 +183,8 @@ impl Kind<Vec<NoiseEntry>> for Errors {
 }
 
 /// The numbers of single sensors.
-struct Sensors;
-
-impl Kind<Vec<NoiseEntry>> for Sensors {
-    fn read(&self, at: At<'_, '_>, _: Option<&Vec<NoiseEntry>>) -> Option<Vec<NoiseEntry>> {
+const SENSORS: Custom<Vec<NoiseEntry>> = Custom {
+    read: |at| {
         let mut entries = Vec::new();
         for (name, value) in at.reader.section(at.section, at.key)?.table {
             if let Some(part) = at.reader.as_section(at.key, value) {
@@ -213,18 +193,16 @@ impl Kind<Vec<NoiseEntry>> for Sensors {
             }
         }
         Some(entries)
-    }
-
-    fn print(&self, entries: &Vec<NoiseEntry>) -> Value {
+    },
+    print: |entries| {
         let names = entries.iter().filter_map(|entry| match &entry.section {
             NoiseSection::Sensor(name) => Some(name.clone()),
             _ => None,
         });
         by_name(names.map(|name| (name.clone(), Errors(NoiseSection::Sensor(name)).print(entries))))
-    }
-
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+    },
+    describe: |generator| {
         let sensor = Errors(NoiseSection::Sensor(String::new()));
         json!({ "type": "object", "additionalProperties": sensor.describe(generator) })
-    }
-}
+    },
+};

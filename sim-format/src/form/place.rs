@@ -5,10 +5,9 @@ use schemars::SchemaGenerator;
 use serde_json::{Value as Json, json};
 use toml::Value;
 
-use super::kind::{At, Bounded, Kind, PART, Shades, TEXT, Word, Words};
-use super::noise::Noise;
+use super::kind::{At, Bounded, Custom, Kind, PART, Shades, TEXT, Word, Words};
+use super::noise::NOISE;
 use super::{Form, Keys, Variants};
-use crate::Span;
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::path;
@@ -51,21 +50,11 @@ impl Kind<TypeRef> for TypeName {
 }
 
 /// A heading with its whole turns.
-struct Facing;
-
-impl Kind<Heading> for Facing {
-    fn read(&self, at: At<'_, '_>, _: Option<&Heading>) -> Option<Heading> {
-        at.reader.number(at.section, at.key, &HEADING).map(Heading::new)
-    }
-
-    fn print(&self, heading: &Heading) -> Value {
-        number::heading(*heading).into()
-    }
-
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        HEADING.describe(generator)
-    }
-}
+const FACING: Custom<Heading> = Custom {
+    read: |at| at.reader.number(at.section, at.key, &HEADING).map(Heading::new),
+    print: |heading| number::heading(*heading).into(),
+    describe: |generator| HEADING.describe(generator),
+};
 
 /// Letters of mazes that a robot may start at.
 impl Words for char {
@@ -81,43 +70,15 @@ impl Words for char {
 }
 
 /// Texts, each of which may be empty.
-struct Arguments;
-
-impl Kind<Vec<String>> for Arguments {
-    fn read(&self, at: At<'_, '_>, _: Option<&Vec<String>>) -> Option<Vec<String>> {
-        Some(at.reader.texts(at.section, at.key))
-    }
-
-    fn print(&self, texts: &Vec<String>) -> Value {
-        texts.clone().into()
-    }
-
-    fn describe(&self, _: &mut SchemaGenerator) -> Json {
-        json!({ "type": "array", "items": { "type": "string" } })
-    }
-}
-
-const NAMELESS: TypeRef =
-    TypeRef::Name(PathRef { text: String::new(), span: Span { start: 0, end: 0, line: 0, column: 0 } });
+const ARGUMENTS: Custom<Vec<String>> = Custom {
+    read: |at| Some(at.reader.texts(at.section, at.key)),
+    print: |texts| texts.clone().into(),
+    describe: |_| json!({ "type": "array", "items": { "type": "string" } }),
+};
 
 impl Form for RobotLine {
-    const NAME: &'static str = "RobotForm";
-    const ABOUT: &'static str = "A robot, or several that differ only in where they start.";
-
-    fn usual() -> Self {
-        Self {
-            id: None,
-            kind: NAMELESS,
-            program: None,
-            arguments: Vec::new(),
-            api: None,
-            noise: None,
-            start: StartRef::Next,
-            span: Span::default(),
-        }
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("RobotForm", "A robot, or several that differ only in where they start.");
         keys.span(&mut self.span);
         keys.key("type", "`LabBot`, `S4`, the name of a type of the scene, or a `.robi` file.")
             .required(ROBOT_FILES, &mut self.kind);
@@ -126,14 +87,14 @@ impl Form for RobotLine {
             "Its program: a library, a C or C++ file, several of them with commas, or the folder of a program.",
         )
         .maybe(TEXT, &mut self.program);
-        keys.key("arguments", "What the program gets behind its name.").list(Arguments, &mut self.arguments);
+        keys.key("arguments", "What the program gets behind its name.").list(ARGUMENTS, &mut self.arguments);
         keys.key(
             "api",
             "Generation of the RoBIOS API that the program is written for, 6 or 7; that of the scene if left out.",
         )
         .maybe(6..=7, &mut self.api);
         keys.key("noise", "What errors its devices and its drive have; those of the scene if left out.")
-            .maybe(Noise, &mut self.noise);
+            .maybe(NOISE, &mut self.noise);
         let mut id = self.id.map(|id| id.0);
         keys.key("id", "Its number, 1 to the number of robots; the next free one if left out. Not of several.")
             .maybe(1..=i64::from(MAX_ROBOTS), &mut id);
@@ -179,7 +140,7 @@ fn start_keys(keys: &mut Keys<'_>, start: &StartRef) {
         "Heading in degrees, counter-clockwise from x; with `x_mm` 0 if left out, with `start` that of the letter.",
     );
     match pose {
-        Some(mut pose) => key.unless(Heading::default(), Facing, &mut pose.heading),
+        Some(pose) => key.maybe(FACING, &mut Some(pose.heading).filter(|heading| *heading != Heading::default())),
         None => key.maybe(HEADING, &mut heading),
     }
     keys.key("start", "Letter of the start of the world.").maybe(Word, &mut letter);
@@ -236,18 +197,12 @@ impl Reader {
 }
 
 impl Form for Layout {
-    const NAME: &'static str = "LayoutForm";
-    const ABOUT: &'static str = "How several robots stand.";
-
-    fn usual() -> Self {
-        Self::Starts
-    }
-
-    fn schema(generator: &mut SchemaGenerator) -> Json {
-        Self::schema_of_variants(generator)
+    fn bare(&self) -> Self {
+        Self::variant(self.place())
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("LayoutForm", "How several robots stand.");
         if !keys.variant(self) {
             return;
         }
@@ -256,7 +211,7 @@ impl Form for Layout {
             Self::Line { from, to, heading } => {
                 keys.key("from_mm", "Place of the first, x and y in mm.").required(POINT, from);
                 keys.key("to_mm", "Place of the last, x and y in mm.").required(POINT, to);
-                keys.key("heading_deg", "Heading of all in degrees; 0 if left out.").unless(0.0, HEADING, heading);
+                keys.key("heading_deg", "Heading of all in degrees; 0 if left out.").optional(HEADING, heading);
             }
             Self::Grid { from, spacing, columns, heading } => {
                 let distances = [Quantity::size("distance of columns"), Quantity::size("distance of rows")];
@@ -264,7 +219,7 @@ impl Form for Layout {
                 keys.key("spacing_mm", "Distance of columns and of rows in mm.").required(distances, spacing);
                 keys.key("columns", "How many stand in a row; as many as there are rows if left out.")
                     .maybe(1..=i64::from(MAX_ROBOTS), columns);
-                keys.key("heading_deg", "Heading of all in degrees; 0 if left out.").unless(0.0, HEADING, heading);
+                keys.key("heading_deg", "Heading of all in degrees; 0 if left out.").optional(HEADING, heading);
             }
             Self::Circle { centre, radius, first, facing } => {
                 keys.key("centre_mm", "Its middle, x and y in mm.").required(POINT, centre);
@@ -273,23 +228,20 @@ impl Form for Layout {
                     "first_deg",
                     "Direction in degrees in which the first stands, seen from the middle; 0 if left out.",
                 )
-                .unless(0.0, Quantity::angle("direction of the first"), first);
+                .optional(Quantity::angle("direction of the first"), first);
                 keys.key(
                     "facing_deg",
                     "Heading of each against its direction from the middle, in degrees: 0, if left out, looks outwards, \
                      180 inwards.",
                 )
-                .unless(0.0, HEADING, facing);
+                .optional(HEADING, facing);
             }
             Self::Random { area, clearance, heading } => {
                 if !area_keys(keys, area) {
                     return;
                 }
-                keys.key("clearance_mm", "Smallest distance from walls and others in mm; 0 if left out.").unless(
-                    0.0,
-                    Bounded(Quantity::length("clearance")),
-                    clearance,
-                );
+                keys.key("clearance_mm", "Smallest distance from walls and others in mm; 0 if left out.")
+                    .optional(Bounded(Quantity::length("clearance")), clearance);
                 keys.key("heading_deg", "Heading of all in degrees; drawn, too, if left out.").maybe(HEADING, heading);
             }
         }
@@ -348,14 +300,8 @@ impl Variants for Layout {
 }
 
 impl Form for ObjectLine {
-    const NAME: &'static str = "ObjectForm";
-    const ABOUT: &'static str = "A passive object.";
-
-    fn usual() -> Self {
-        Self { kind: NAMELESS, pose: Pose::default(), friction: None, span: Span::default() }
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("ObjectForm", "A passive object.");
         keys.span(&mut self.span);
         keys.key(
             "type",
@@ -363,11 +309,8 @@ impl Form for ObjectLine {
         )
         .required(OBJECT_FILES, &mut self.kind);
         place_keys(keys, &mut self.pose.position);
-        keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; 0 if left out.").strictly(
-            Heading::default(),
-            Facing,
-            &mut self.pose.heading,
-        );
+        keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; 0 if left out.")
+            .strictly(FACING, &mut self.pose.heading);
         keys.key("friction", "Coefficient of friction on the floor; that of the type if left out.")
             .maybe(Bounded(Quantity::number("friction", 0.0, 1e6)), &mut self.friction);
     }
@@ -379,49 +322,31 @@ fn place_keys(keys: &mut Keys<'_>, place: &mut DVec2) {
 }
 
 impl Form for StartSpec {
-    const NAME: &'static str = "StartForm";
-    const ABOUT: &'static str = "A place where a robot may start.";
-
-    fn usual() -> Self {
-        Self { pose: Pose::default(), letter: None, span: Span::default() }
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("StartForm", "A place where a robot may start.");
         keys.span(&mut self.span);
         place_keys(keys, &mut self.pose.position);
-        keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; 0 if left out.").unless(
-            Heading::default(),
-            Facing,
-            &mut self.pose.heading,
-        );
+        keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; 0 if left out.")
+            .optional(FACING, &mut self.pose.heading);
         keys.key("letter", "Letter by which robots choose it.").maybe(Word, &mut self.letter);
     }
 }
 
 impl Form for MarkerSpec {
-    const NAME: &'static str = "MarkerForm";
-    const ABOUT: &'static str = "A flat spot of colour on the floor.";
-
     fn usual() -> Self {
         let [red, green, blue] = MARKER_COLOUR;
-        Self { position: DVec2::ZERO, colour: [red, green, blue, 255], span: Span::default() }
+        Self { colour: [red, green, blue, 255], ..Self::default() }
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("MarkerForm", "A flat spot of colour on the floor.");
         let [red, green, blue, mut opacity] = self.colour;
         let mut colour = [red, green, blue];
         keys.span(&mut self.span);
         place_keys(keys, &mut self.position);
-        keys.key("colour", "Red, green and blue, 0 to 255; red if left out.").unless(
-            MARKER_COLOUR,
-            Shades,
-            &mut colour,
-        );
-        keys.key("opacity", "0 for nothing to see, 255, if left out, for nothing to see through.").unless(
-            255,
-            0..=255,
-            &mut opacity,
-        );
+        keys.key("colour", "Red, green and blue, 0 to 255; red if left out.").optional(Shades, &mut colour);
+        keys.key("opacity", "0 for nothing to see, 255, if left out, for nothing to see through.")
+            .optional(0..=255, &mut opacity);
         let [red, green, blue] = colour;
         self.colour = [red, green, blue, opacity];
     }

@@ -8,8 +8,8 @@ use toml::Value;
 use toml::de::DeValue;
 
 use super::device::by_name;
-use super::kind::{At, Bounded, Kind, PART, PARTS, Part, TEXT, Word, Words, whole};
-use super::noise::Noise;
+use super::kind::{At, Bounded, Custom, Kind, PART, PARTS, Part, TEXT, Word, Words, whole};
+use super::noise::NOISE;
 use super::world::World;
 use super::{Form, Keys, definition, print};
 use crate::Span;
@@ -32,32 +32,22 @@ const MAX_UNTIL_S: f64 = 1e9;
 const MAX_BAUD: i64 = 1_000_000_000;
 
 impl Form for SimSpec {
-    const NAME: &'static str = "SceneForm";
-    const ABOUT: &'static str =
-        "A scene of eyesim: a world, robots with their programs, objects, and what a run needs besides.";
-
-    fn usual() -> Self {
-        Self::default()
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.key("scene", "What the scene says about its run; the command line goes before it.").unless(
-            RunSpec::default(),
-            PART,
-            &mut self.run,
+        keys.form(
+            "SceneForm",
+            "A scene of eyesim: a world, robots with their programs, objects, and what a run needs besides.",
         );
+        keys.key("scene", "What the scene says about its run; the command line goes before it.")
+            .optional(PART, &mut self.run);
         let mut world = World::of(self);
         keys.key("world", "The world: a file, or described in place by its walls or by the drawing of a maze.")
             .required(PART, &mut world);
         if keys.reading().is_some() {
             world.put_into(self);
         }
-        keys.key("settings", "What the window shows.").unless(Settings::default(), PART, &mut self.settings);
-        keys.key("radio", "What carries messages between robots.").unless(
-            Model::default(),
-            Part("medium = \"aloha\", baud = 9600"),
-            &mut self.radio,
-        );
+        keys.key("settings", "What the window shows.").optional(PART, &mut self.settings);
+        keys.key("radio", "What carries messages between robots.")
+            .optional(Part("medium = \"aloha\", baud = 9600"), &mut self.radio);
         robots(keys, self);
         keys.key("object", "Passive objects.").list(PARTS, &mut self.objects);
         keys.key("marker", "Flat spots of colour on the floor.").list(PARTS, &mut self.markers);
@@ -65,21 +55,15 @@ impl Form for SimSpec {
 }
 
 impl Form for RunSpec {
-    const NAME: &'static str = "RunForm";
-    const ABOUT: &'static str = "What a scene says about its run.";
-
-    fn usual() -> Self {
-        Self::default()
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.key("seed", "Seed of all random numbers; 0 if left out.").maybe(Seed, &mut self.seed);
+        keys.form("RunForm", "What a scene says about its run.");
+        keys.key("seed", "Seed of all random numbers; 0 if left out.").maybe(SEED, &mut self.seed);
         let slot = Quantity::milliseconds("length of a slot").within(1e-3, MAX_SLOT_MS);
         keys.key("slot_ms", "Length of a time slot in milliseconds, a multiple of 0.001; 50 if left out.")
             .maybe(WholeMicros(slot), &mut self.slot);
-        keys.key("until_s", "Simulated seconds at which the run ends; 600 if left out.").maybe(Until, &mut self.until);
+        keys.key("until_s", "Simulated seconds at which the run ends; 600 if left out.").maybe(UNTIL, &mut self.until);
         keys.key("costs", "Virtual time that RoBIOS calls take: a file, or a table for each generation of the API.")
-            .maybe(Costs, &mut self.costs);
+            .maybe(COSTS, &mut self.costs);
         keys.key(
             "api",
             "Generation of the RoBIOS API that programs are written for, 6 or 7; that of the functions they call if left \
@@ -90,26 +74,16 @@ impl Form for RunSpec {
             "noise",
             "What errors devices and drives have: `none` (if left out), `mild`, `real`, `harsh`, a file, or a profile.",
         )
-        .maybe(Noise, &mut self.noise);
+        .maybe(NOISE, &mut self.noise);
     }
 }
 
 /// A seed: TOML has none above 2^63 - 1.
-struct Seed;
-
-impl Kind<u64> for Seed {
-    fn read(&self, at: At<'_, '_>, _: Option<&u64>) -> Option<u64> {
-        at.reader.integer(at.section, at.key, 0, i64::MAX).map(i64::unsigned_abs)
-    }
-
-    fn print(&self, seed: &u64) -> Value {
-        (*seed as i64).into()
-    }
-
-    fn describe(&self, _: &mut SchemaGenerator) -> Json {
-        json!({ "type": "integer", "format": "int64", "minimum": 0 })
-    }
-}
+const SEED: Custom<u64> = Custom {
+    read: |at| at.reader.integer(at.section, at.key, 0, i64::MAX).map(i64::unsigned_abs),
+    print: |seed| (*seed as i64).into(),
+    describe: |_| json!({ "type": "integer", "format": "int64", "minimum": 0 }),
+};
 
 /// A span of time that is a whole number of microseconds.
 struct WholeMicros(Quantity);
@@ -138,30 +112,18 @@ impl Kind<Time> for WholeMicros {
     }
 }
 
+const END: Bounded = Bounded(Quantity::seconds("end of the run").within(1e-6, MAX_UNTIL_S));
+
 /// The end of a run, in seconds.
-struct Until;
-
-const UNTIL: Bounded = Bounded(Quantity::seconds("end of the run").within(1e-6, MAX_UNTIL_S));
-
-impl Kind<Time> for Until {
-    fn read(&self, at: At<'_, '_>, _: Option<&Time>) -> Option<Time> {
-        UNTIL.read(at, None).map(Time::from_seconds_ceil)
-    }
-
-    fn print(&self, time: &Time) -> Value {
-        shortest(time.0 as f64 / 1e6, |seconds| Time::from_seconds_ceil(seconds) == *time).into()
-    }
-
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        UNTIL.describe(generator)
-    }
-}
+const UNTIL: Custom<Time> = Custom {
+    read: |at| END.read(at, None).map(Time::from_seconds_ceil),
+    print: |time| shortest(time.0 as f64 / 1e6, |seconds| Time::from_seconds_ceil(seconds) == *time).into(),
+    describe: |generator| END.describe(generator),
+};
 
 /// A cost table: a file, or in place.
-struct Costs;
-
-impl Kind<CostsRef> for Costs {
-    fn read(&self, at: At<'_, '_>, _: Option<&CostsRef>) -> Option<CostsRef> {
+const COSTS: Custom<CostsRef> = Custom {
+    read: |at| {
         let At { reader, section, key } = at;
         if !section.get(key).is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_))) {
             return reader.reference(section, key).map(CostsRef::File);
@@ -169,34 +131,24 @@ impl Kind<CostsRef> for Costs {
         let table = CostTable { file: reader.sink.file().to_owned(), ..CostTable::default() };
         let part = reader.section(section, key)?;
         reader.form(part, table).map(CostsRef::Table)
-    }
-
-    fn print(&self, costs: &CostsRef) -> Value {
-        match costs {
-            CostsRef::File(path) => TEXT.print(path),
-            CostsRef::Table(table) => print(table).into(),
-        }
-    }
-
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+    },
+    print: |costs| match costs {
+        CostsRef::File(path) => TEXT.print(path),
+        CostsRef::Table(table) => print(table).into(),
+    },
+    describe: |generator| {
         definition(generator, "CostsForm", |generator| {
             let mut table = Kind::<CostTable>::describe(&PART, generator);
             table["description"] = "In place.".into();
             let file = json!({ "description": "A file.", "type": "string" });
             json!({ "description": "A cost table.", "anyOf": [file, table] })
         })
-    }
-}
+    },
+};
 
 impl Form for CostTable {
-    const NAME: &'static str = "GenerationsForm";
-    const ABOUT: &'static str = "A cost table in place: microseconds of a call by the name of the function, or by the beginning of names and `*`.";
-
-    fn usual() -> Self {
-        Self::default()
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("GenerationsForm", "A cost table in place: microseconds of a call by the name of the function, or by the beginning of names and `*`.");
         keys.key("robios6", "RoBIOS 6.").list(CostsOf("robios6"), &mut self.entries);
         keys.key("robios7", "RoBIOS 7.").list(CostsOf("robios7"), &mut self.entries);
         self.entries.sort_by_key(|entry| entry.span);
@@ -230,44 +182,25 @@ impl Kind<Vec<CostEntry>> for CostsOf {
 }
 
 impl Form for Settings {
-    const NAME: &'static str = "SettingsForm";
-    const ABOUT: &'static str = "What the window shows.";
-
-    fn usual() -> Self {
-        Self::default()
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("SettingsForm", "What the window shows.");
         keys.key("beams", "The beams of distance sensors; false if left out.").flag(&mut self.shows_beams);
         keys.key("trace", "The paths of the robots; false if left out.").flag(&mut self.shows_trace);
     }
 }
 
 impl Form for Model {
-    const NAME: &'static str = "RadioForm";
-    const ABOUT: &'static str = "What carries messages between robots.";
-
-    fn usual() -> Self {
-        Self::default()
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        let usual = Self::default();
-        keys.key("medium", "How the robots share the medium; `free` if left out.").unless(
-            usual.medium,
-            Word,
-            &mut self.medium,
-        );
-        keys.key("baud", "Bits a second, of which a byte takes ten; 115200 if left out.").unless(
-            usual.baud,
-            1..=MAX_BAUD,
-            &mut self.baud,
-        );
+        keys.form("RadioForm", "What carries messages between robots.");
+        let _usual = Self::default();
+        keys.key("medium", "How the robots share the medium; `free` if left out.").optional(Word, &mut self.medium);
+        keys.key("baud", "Bits a second, of which a byte takes ten; 115200 if left out.")
+            .optional(1..=MAX_BAUD, &mut self.baud);
         keys.key(
             "latency_ms",
             "Time from the end of a transmission to its arrival in milliseconds, a multiple of 0.001; 0 if left out.",
         )
-        .unless(usual.latency, WholeMicros(Quantity::milliseconds("latency")), &mut self.latency);
+        .optional(WholeMicros(Quantity::milliseconds("latency")), &mut self.latency);
         keys.key("range_mm", "How far a message is heard in mm; everywhere if left out.")
             .maybe(Bounded(Quantity::size("range")), &mut self.range);
         keys.key("line_of_sight", "Walls stop messages; false if left out.").flag(&mut self.line_of_sight);

@@ -8,15 +8,14 @@ use serde_json::{Value as Json, json};
 use toml::Value;
 
 use super::kind::{At, Bounded, Kind, Loose, PART, TEXT, Word, Words};
-use super::{Form, Keys, definition, describe, print};
-use crate::Span;
+use super::{Form, Keys, print, reference};
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::robi::{LIDAR_SWEEP, LIDAR_TILT, MAX_LIDAR_POINTS};
 use crate::spec::{
     Axis, BODY, DEFAULT_PSD_RANGE, LidarSpec, LinkSpec, MountSpec, PathRef, PsdSpec, RangeSpec, Surface, TurnSpec,
 };
-use sim_core::sensor::{Echo, PAPER_SIGMA, RangeModel, SideLobes, Sonar};
+use sim_core::sensor::{Echo, RangeModel, SideLobes, Sonar};
 use sim_core::unit::mm_from_metres;
 
 /// Greatest number of a bus: a robot has more than one microcontroller for its sonars, but hardly a hundred.
@@ -41,34 +40,26 @@ pub(crate) fn number(keys: &mut Keys<'_>, id: &mut Option<i32>) {
 
 /// Place of a device on the body.
 pub(crate) fn position(keys: &mut Keys<'_>, [x, y, z]: [Quantity; 3], position: &mut DVec3) {
-    keys.key("x_mm", "Place forward of the robot's centre in mm; 0 if left out.").unless(0.0, x, &mut position.x);
-    keys.key("y_mm", "Place to the left in mm; 0 if left out.").unless(0.0, y, &mut position.y);
-    keys.key("z_mm", "Height in mm; 0 if left out.").unless(0.0, z, &mut position.z);
+    keys.key("x_mm", "Place forward of the robot's centre in mm; 0 if left out.").optional(x, &mut position.x);
+    keys.key("y_mm", "Place to the left in mm; 0 if left out.").optional(y, &mut position.y);
+    keys.key("z_mm", "Height in mm; 0 if left out.").optional(z, &mut position.z);
 }
 
-/// A pose in space on the body or on a link, `height` above its origin where nothing is said.
-fn mount(keys: &mut Keys<'_>, mount: &mut MountSpec, height: f64) {
+/// A pose in space on the body or on a link.
+fn mount(keys: &mut Keys<'_>, mount: &mut MountSpec) {
     let MountSpec { on, position, roll, pitch, yaw } = mount;
     let [x, y, z] = PLACE;
     link_of(keys, on);
-    keys.key("x_mm", "Place forward in mm; 0 if left out.").unless(0.0, x, &mut position.x);
-    keys.key("y_mm", "Place to the left in mm; 0 if left out.").unless(0.0, y, &mut position.y);
-    keys.key("z_mm", "Place upwards in mm; of a laser scanner 100 if left out, else 0.").unless(
-        height,
-        z,
-        &mut position.z,
-    );
+    keys.key("x_mm", "Place forward in mm; 0 if left out.").optional(x, &mut position.x);
+    keys.key("y_mm", "Place to the left in mm; 0 if left out.").optional(y, &mut position.y);
+    keys.key("z_mm", "Place upwards in mm; of a laser scanner 100 if left out, else 0.").optional(z, &mut position.z);
     keys.key(
         "roll_deg",
         "Turn about x, the left side upwards, in degrees; the first of the three turns; 0 if left out.",
     )
-    .unless(0.0, Quantity::angle("roll"), roll);
-    keys.key("pitch_deg", "Turn upwards in degrees, the second; 0 if left out.").unless(0.0, PITCH, pitch);
-    keys.key("yaw_deg", "Turn to the left in degrees, the third; 0 if left out.").unless(
-        0.0,
-        Quantity::angle("yaw"),
-        yaw,
-    );
+    .optional(Quantity::angle("roll"), roll);
+    keys.key("pitch_deg", "Turn upwards in degrees, the second; 0 if left out.").optional(PITCH, pitch);
+    keys.key("yaw_deg", "Turn to the left in degrees, the third; 0 if left out.").optional(Quantity::angle("yaw"), yaw);
 }
 
 /// The link that something sits on.
@@ -85,46 +76,28 @@ impl Words for Axis {
 }
 
 impl Form for Surface {
-    const NAME: &'static str = "SurfaceForm";
-    const ABOUT: &'static str = "How a surface reflects.";
-
-    fn usual() -> Self {
-        Self::default()
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        let usual = Self::default();
+        keys.form("SurfaceForm", "How a surface reflects.");
+        let _usual = Self::default();
         let share = |name| Bounded(Quantity::number(name, 0.0, 1.0));
-        keys.key("reflectivity", "Share of the energy that comes back, 0 to 1; 1 if left out.").unless(
-            usual.reflectivity,
-            share("reflectivity"),
-            &mut self.reflectivity,
-        );
-        keys.key("specular", "Share of that which is reflected as by a mirror, 0 to 1; 0 if left out.").unless(
-            usual.specular,
-            share("specular share"),
-            &mut self.specular,
-        );
+        keys.key("reflectivity", "Share of the energy that comes back, 0 to 1; 1 if left out.")
+            .optional(share("reflectivity"), &mut self.reflectivity);
+        keys.key("specular", "Share of that which is reflected as by a mirror, 0 to 1; 0 if left out.")
+            .optional(share("specular share"), &mut self.specular);
     }
 }
 
 impl Form for LinkSpec {
-    const NAME: &'static str = "LinkForm";
-    const ABOUT: &'static str = "A rigid part on the body or on another link; a servo may turn it.";
-
-    fn usual() -> Self {
-        Self::default()
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("LinkForm", "A rigid part on the body or on another link; a servo may turn it.");
         let mut axis = self.turn.as_ref().map_or(Axis::Z, |turn| turn.axis);
         let mut servo = self.turn.take().map(|turn| turn.servo);
         keys.span(&mut self.span);
         keys.key("name", "Its name, by which sensors and links sit on it.").required(TEXT, &mut self.name);
-        mount(keys, &mut self.mount, 0.0);
+        mount(keys, &mut self.mount);
         keys.mention(&["servo"]);
         keys.key("axis", "Axis that the servo turns it about: x rolls, y pitches (upwards), z, if left out, yaws.")
-            .unless(Axis::Z, Word, &mut axis);
+            .optional(Word, &mut axis);
         keys.key("servo", "The servo whose angle it has; a fixed link if left out.").maybe(TEXT, &mut servo);
         if let Some((reader, section)) = keys.reading()
             && section.has("axis")
@@ -137,30 +110,21 @@ impl Form for LinkSpec {
 }
 
 impl Form for PsdSpec {
-    const NAME: &'static str = "PsdForm";
-    const ABOUT: &'static str = "A PSD distance sensor.";
-
     fn usual() -> Self {
         Self { range: DEFAULT_PSD_RANGE, ..Self::default() }
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("PsdForm", "A PSD distance sensor.");
         keys.span(&mut self.span);
         device(keys, "Its name, such as `PSD_FRONT`.", &mut self.name, &mut self.id);
         keys.mention(&["x_mm", "y_mm", "z_mm"]);
         link_of(keys, &mut self.on);
         position(keys, PLACE, &mut self.position);
         keys.mention(&["pitch_deg"]);
-        keys.key("angle_deg", "Direction in degrees, counter-clockwise from forward; 0 if left out.").unless(
-            0.0,
-            Quantity::angle("angle of the sensor"),
-            &mut self.angle,
-        );
-        keys.key("pitch_deg", "Angle of the beam upwards in degrees; 0 if left out.").unless(
-            0.0,
-            PITCH,
-            &mut self.pitch,
-        );
+        keys.key("angle_deg", "Direction in degrees, counter-clockwise from forward; 0 if left out.")
+            .optional(Quantity::angle("angle of the sensor"), &mut self.angle);
+        keys.key("pitch_deg", "Angle of the beam upwards in degrees; 0 if left out.").optional(PITCH, &mut self.pitch);
         keys.key("range_mm", "Range in mm; 800 if left out.")
             .always(Quantity::size("range of the sensor"), &mut self.range);
     }
@@ -171,35 +135,23 @@ pub(crate) const RANGE_OF_PSDS: Quantity = Quantity::size("range of the PSDs");
 /// What a companion says of a PSD of the robi.
 pub(crate) fn psd_keys(keys: &mut Keys<'_>, psd: &mut PsdSpec) {
     keys.key("range_mm", "Range in mm.").always(RANGE_OF_PSDS, &mut psd.range);
-    keys.key("pitch_deg", "Angle of the beam upwards in degrees.").unless(0.0, PITCH, &mut psd.pitch);
+    keys.key("pitch_deg", "Angle of the beam upwards in degrees.").optional(PITCH, &mut psd.pitch);
     link_of(keys, &mut psd.on);
 }
 
 impl Form for LidarSpec {
-    const NAME: &'static str = "LidarForm";
-    const ABOUT: &'static str = "The laser scanner.";
-
-    fn usual() -> Self {
-        Self::new(Span::default())
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        let usual = Self::usual();
+        keys.form("LidarForm", "The laser scanner.");
+        let _usual = Self::usual();
         keys.span(&mut self.span);
-        mount(keys, &mut self.mount, usual.mount.position.z);
-        keys.key("range_mm", "Greatest distance along a ray in mm; 9999 if left out.").unless(
-            usual.range,
-            Quantity::size("range of the scanner"),
-            &mut self.range,
-        );
+        mount(keys, &mut self.mount);
+        keys.key("range_mm", "Greatest distance along a ray in mm; 9999 if left out.")
+            .optional(Quantity::size("range of the scanner"), &mut self.range);
         keys.mention(&["tilt_deg", "sweep_deg"]);
         keys.key("points", "Points of a scan; 360 if left out.")
             .always(Loose(1..=i64::from(MAX_LIDAR_POINTS)), &mut self.points);
-        keys.key("tilt_deg", "Angle of the scanning plane above the floor plane in degrees; 0 if left out.").unless(
-            usual.tilt,
-            LIDAR_TILT,
-            &mut self.tilt,
-        );
+        keys.key("tilt_deg", "Angle of the scanning plane above the floor plane in degrees; 0 if left out.")
+            .optional(LIDAR_TILT, &mut self.tilt);
         keys.key("sweep_deg", "Angle that a scan covers in degrees; 360 if left out.")
             .always(LIDAR_SWEEP, &mut self.sweep);
     }
@@ -247,91 +199,78 @@ impl Kind<Vec<RangeSpec>> for Ranges {
     }
 
     fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        let (name, about) = match self.0 {
-            RangeModel::Sonar(_) => ("SonarForm", "A sonar: an ultrasonic sensor with a beam."),
-            _ => (RangeSpec::NAME, RangeSpec::ABOUT),
-        };
-        let items = definition(generator, name, |generator| describe(&mut self.usual(), about, generator));
+        let items = reference(generator, |keys| self.usual().keys(keys));
         json!({ "type": "array", "items": items })
     }
 }
 
 impl Form for RangeSpec {
-    const NAME: &'static str = "EchoForm";
-    const ABOUT: &'static str = "A range sensor with one ray: a laser, an ultrasonic or a reflectance sensor.";
-
-    fn usual() -> Self {
-        Self {
-            name: String::new(),
-            id: None,
-            mount: MountSpec::default(),
-            model: RangeModel::Laser(Echo::LASER),
-            sigma: PAPER_SIGMA,
-            mean: 0.0,
-            bus: None,
-            span: Span::default(),
-        }
+    fn bare(&self) -> Self {
+        let model = match self.model {
+            RangeModel::Laser(_) => RangeModel::Laser(Echo::LASER),
+            RangeModel::Ultrasonic(_) => RangeModel::Ultrasonic(Echo::ULTRASONIC),
+            RangeModel::Reflectance(_) => RangeModel::Reflectance(Echo::REFLECTANCE),
+            RangeModel::Sonar(_) => RangeModel::Sonar(Sonar::srf08()),
+            RangeModel::Psd { .. } => self.model,
+        };
+        Self { model, ..Self::default() }
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.span(&mut self.span);
         if let RangeModel::Sonar(_) = self.model {
+            keys.form("SonarForm", "A sonar: an ultrasonic sensor with a beam.");
             keys.mention(&["preset", "min_mm", "max_mm", "half_angle_deg", "threshold", "rays", "side_lobes", "bus"]);
             device(keys, "Its name, such as `SONAR_FRONT`.", &mut self.name, &mut self.id);
             keys.key("preset", "The device whose values it has where it says nothing else; `SRF08` if left out.")
                 .maybe(Word, &mut None::<SonarPreset>);
         } else {
+            keys.form("EchoForm", "A range sensor with one ray: a laser, an ultrasonic or a reflectance sensor.");
             keys.mention(&["min_mm", "max_mm", "incidence_deg"]);
             device(keys, "Its name, such as `LASER_FRONT`.", &mut self.name, &mut self.id);
         }
-        mount(keys, &mut self.mount, 0.0);
+        mount(keys, &mut self.mount);
         match &mut self.model {
             RangeModel::Psd { .. } => {}
-            RangeModel::Laser(echo) => echo_keys(keys, echo, Echo::LASER),
-            RangeModel::Ultrasonic(echo) => echo_keys(keys, echo, Echo::ULTRASONIC),
-            RangeModel::Reflectance(echo) => echo_keys(keys, echo, Echo::REFLECTANCE),
+            RangeModel::Laser(echo) | RangeModel::Ultrasonic(echo) | RangeModel::Reflectance(echo) => {
+                echo_keys(keys, echo)
+            }
             RangeModel::Sonar(sonar) => sonar_keys(keys, sonar, self.bus.get_or_insert(1)),
         }
-        keys.key("sigma", "Standard deviation of its noise, a share of what it measures; 0.01 if left out.").unless(
-            PAPER_SIGMA,
-            Bounded(Quantity::number("standard deviation", 0.0, 1e3)),
-            &mut self.sigma,
-        );
-        keys.key("mean", "Mean of its noise, a share of what it measures; 0 if left out.").unless(
-            0.0,
-            Bounded(Quantity::number("mean", -1e3, 1e3)),
-            &mut self.mean,
-        );
+        keys.key("sigma", "Standard deviation of its noise, a share of what it measures; 0.01 if left out.")
+            .optional(Bounded(Quantity::number("standard deviation", 0.0, 1e3)), &mut self.sigma);
+        keys.key("mean", "Mean of its noise, a share of what it measures; 0 if left out.")
+            .optional(Bounded(Quantity::number("mean", -1e3, 1e3)), &mut self.mean);
     }
 }
 
-fn echo_keys(keys: &mut Keys<'_>, echo: &mut Echo, usual: Echo) {
+fn echo_keys(keys: &mut Keys<'_>, echo: &mut Echo) {
     let incidence = Quantity::angle("greatest incidence").within(0.0, 90.0);
     let about = [
         "Least distance in mm; of an ultrasonic sensor 100 if left out, else 0.",
         "Greatest distance in mm; of a laser 2000 if left out, else 1000.",
     ];
-    limits(keys, about, [&mut echo.min, &mut echo.max], [usual.min, usual.max]);
+    limits(keys, about, [&mut echo.min, &mut echo.max]);
     keys.key(
         "incidence_deg",
         "Greatest angle of incidence in degrees; of a laser 45 if left out, of an ultrasonic sensor 15, else 90.",
     )
-    .unless(usual.incidence, Bounded(incidence), &mut echo.incidence);
+    .optional(Bounded(incidence), &mut echo.incidence);
 }
 
 fn sonar_keys(keys: &mut Keys<'_>, sonar: &mut Sonar, bus: &mut u32) {
-    let usual = Sonar::srf08();
+    let _usual = Sonar::srf08();
     let half_angle = Quantity::angle("half of the beam's angle").within(0.1, 90.0);
     let about = [
         "Least distance in mm; that of the preset if left out: 30.",
         "Greatest distance in mm; that of the preset if left out: 6000.",
     ];
-    limits(keys, about, [&mut sonar.min, &mut sonar.max], [usual.min, usual.max]);
+    limits(keys, about, [&mut sonar.min, &mut sonar.max]);
     keys.key(
         "half_angle_deg",
         "Half of the beam's angle in degrees, where it has fallen by 6 dB; that of the preset if left out: 27.5.",
     )
-    .unless(usual.half_angle, Bounded(half_angle), &mut sonar.half_angle);
+    .optional(Bounded(half_angle), &mut sonar.half_angle);
     keys.key("side_lobes", "A ring of sensitivity around the main lobe; none if left out.")
         .maybe(PART, &mut sonar.side_lobes);
     keys.key(
@@ -339,19 +278,16 @@ fn sonar_keys(keys: &mut Keys<'_>, sonar: &mut Sonar, bus: &mut u32) {
         "Least energy of an echo that it notices, in units of what a perfect reflector 1 m ahead returns; that of the \
          preset if\nleft out.",
     )
-    .unless(usual.threshold, Bounded(Quantity::number("threshold", 0.0, 1e9)), &mut sonar.threshold);
-    keys.key("bus", "The bus that it is on, which has room for 16; 1 if left out.").unless(1, 1..=MAX_BUS, bus);
-    keys.key("rays", "Rays of its fan; that of the preset if left out: 64.").unless(
-        usual.rays,
-        1..=MAX_RAYS,
-        &mut sonar.rays,
-    );
+    .optional(Bounded(Quantity::number("threshold", 0.0, 1e9)), &mut sonar.threshold);
+    keys.key("bus", "The bus that it is on, which has room for 16; 1 if left out.").optional(1..=MAX_BUS, bus);
+    keys.key("rays", "Rays of its fan; that of the preset if left out: 64.").optional(1..=MAX_RAYS, &mut sonar.rays);
 }
 
 /// Least and greatest distance. Two that leave nothing between them are reported and change nothing.
-fn limits(keys: &mut Keys<'_>, about: [&'static str; 2], [min, max]: [&mut f64; 2], usual: [f64; 2]) {
-    keys.key("min_mm", about[0]).unless(usual[0], Bounded(Quantity::length("least distance")), min);
-    keys.key("max_mm", about[1]).unless(usual[1], Bounded(Quantity::size("greatest distance")), max);
+fn limits(keys: &mut Keys<'_>, about: [&'static str; 2], [min, max]: [&mut f64; 2]) {
+    let usual = [*min, *max];
+    keys.key("min_mm", about[0]).optional(Bounded(Quantity::length("least distance")), min);
+    keys.key("max_mm", about[1]).optional(Bounded(Quantity::size("greatest distance")), max);
     if let Some((reader, section)) = keys.reading()
         && *min >= *max
     {
@@ -378,14 +314,8 @@ impl Words for SonarPreset {
 }
 
 impl Form for SideLobes {
-    const NAME: &'static str = "SideLobesForm";
-    const ABOUT: &'static str = "A ring of sensitivity around the main lobe of a sonar.";
-
-    fn usual() -> Self {
-        Self { angle: 0.0, half_width: 0.0, gain: 0.0 }
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("SideLobesForm", "A ring of sensitivity around the main lobe of a sonar.");
         let angle = Quantity::angle("angle of the side lobes").within(0.0, 90.0);
         let half_width = Quantity::angle("half of the side lobes' width").within(0.01, 90.0);
         let gain = Quantity::number("gain of the side lobes", 0.0, 1.0);

@@ -7,53 +7,32 @@ use super::sensor::PLACE;
 use super::{Form, Keys, Variants};
 use crate::line::Quantity;
 use crate::spec::{Axis, Collider, ModelSpec};
-use schemars::SchemaGenerator;
-use serde_json::Value as Json;
 
 const SIZES: [Quantity; 3] = [Quantity::size("size"); 3];
 const TURNS: [Quantity; 3] = [Quantity::angle("turn"); 3];
 
 impl Form for ModelSpec {
-    const NAME: &'static str = "ModelForm";
-    const ABOUT: &'static str = "A mesh file and how it is put into the body's frame.";
-
-    fn usual() -> Self {
-        Self::default()
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("ModelForm", "A mesh file and how it is put into the body's frame.");
         keys.key("file", "The mesh file.").required(TEXT, &mut self.path);
-        keys.key("offset_mm", "Place of the mesh's origin, x forward, y left, z up, in mm; 0 if left out.").unless(
-            DVec3::ZERO,
-            PLACE,
-            &mut self.offset,
-        );
+        keys.key("offset_mm", "Place of the mesh's origin, x forward, y left, z up, in mm; 0 if left out.")
+            .optional(PLACE, &mut self.offset);
         turns(keys, &mut self.turns);
     }
 }
 
 /// How a mesh is turned.
 pub(crate) fn turns(keys: &mut Keys<'_>, turns: &mut DVec3) {
-    keys.key("turns_deg", "Turns about the axes of the mesh file, in degrees; 0 if left out.").unless(
-        DVec3::ZERO,
-        TURNS,
-        turns,
-    );
+    keys.key("turns_deg", "Turns about the axes of the mesh file, in degrees; 0 if left out.").optional(TURNS, turns);
 }
 
 impl Form for Collider {
-    const NAME: &'static str = "ColliderForm";
-    const ABOUT: &'static str = "A part of a body's shape.";
-
-    fn usual() -> Self {
-        Self::variant(0)
-    }
-
-    fn schema(generator: &mut SchemaGenerator) -> Json {
-        Self::schema_of_variants(generator)
+    fn bare(&self) -> Self {
+        Self::variant(self.place())
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("ColliderForm", "A part of a body's shape.");
         if !keys.variant(self) {
             return;
         }
@@ -61,11 +40,7 @@ impl Form for Collider {
         | Self::Sphere { centre, .. }
         | Self::Capsule { centre, .. }
         | Self::Cylinder { centre, .. }) = self;
-        keys.key("centre_mm", "Its centre, x forward, y left, z up, in mm; 0 if left out.").unless(
-            DVec3::ZERO,
-            PLACE,
-            centre,
-        );
+        keys.key("centre_mm", "Its centre, x forward, y left, z up, in mm; 0 if left out.").optional(PLACE, centre);
         match self {
             Self::Box { size, .. } => {
                 keys.key("size_mm", "Its full sizes along x, y and z in mm.").required(SIZES, size)

@@ -1,17 +1,17 @@
 //! The terrain of a world: a mesh, an image, a function with a seed, or blocks and stairs.
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use schemars::SchemaGenerator;
 use serde_json::{Value as Json, json};
 use toml::Value;
 use toml::de::DeValue;
 
-use super::kind::{At, Flag, IMAGE, Kind, PART, PARTS, TEXT, Word, Words, array, print_numbers};
+use super::kind::{At, Custom, Flag, IMAGE, Kind, PARTS, TEXT, Word, Words};
 use super::object::MESH_UNIT;
 use super::place::POINT;
 use super::sensor::PLACE;
 use super::shape::turns;
-use super::{Form, Keys, print};
+use super::{Form, Keys, definition, print_beside, reference};
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::spec::{
@@ -27,6 +27,13 @@ const KINDS: [&str; 5] = ["file", "image", "function", "stairs", "block"];
 const OF_BOULDERS: [&str; 3] = ["boulders", "radius_mm", "height_mm"];
 /// Directions in which stairs go up, in the order of [`Way::ALL`].
 const WAYS: [f64; 4] = [0.0, 90.0, 180.0, 270.0];
+/// One of those keys for each way of making a terrain, and what that is.
+const ABOUT: [(&str, &str); 4] = [
+    ("file", "A mesh file with its place in the world."),
+    ("image", "A grey image."),
+    ("function", "A function with a seed."),
+    ("stairs", "Stairs and blocks."),
+];
 const DIRECTION: Quantity = Quantity::number("direction", -360.0, 360.0);
 const SIDES: [Quantity; 2] = [Quantity::size("width"), Quantity::size("depth")];
 
@@ -43,54 +50,70 @@ impl Kind<TerrainSpec> for Terrain {
             return Some(TerrainSpec::new(TerrainShape::Mesh { model, scale: DEFAULT_TERRAIN_SCALE }, span));
         }
         let section = reader.section(section, key)?;
-        let shape = match reader.terrain_kind(&section)? {
-            "image" => {
-                reader.form(section, Ground::<TerrainImage>::on(self.0)).map(|ground| TerrainShape::Image(ground.made))
-            }
-            "function" => {
-                reader.form(section, Ground::<Relief>::on(self.0)).map(|ground| TerrainShape::Relief(ground.made))
-            }
-            "stairs" | "block" => {
-                reader.form(section, Ground::<Steps>::on(self.0)).map(|ground| TerrainShape::Steps(ground.made))
-            }
-            _ => {
-                let placed = reader.form(section, PlacedMesh::usual());
-                placed.map(|PlacedMesh { model, scale }| TerrainShape::Mesh { model, scale })
-            }
-        };
-        Some(TerrainSpec::new(shape?, span))
+        let mut shape = self.shape(reader.terrain_kind(&section)?);
+        reader.table(section, |keys| terrain_keys(&mut shape, keys)).then(|| TerrainSpec::new(shape, span))
     }
 
     fn print(&self, terrain: &TerrainSpec) -> Value {
-        let floor = self.0;
-        match terrain.shape.clone() {
-            TerrainShape::Mesh { model, scale } => {
-                let table = print(&PlacedMesh { model, scale });
-                if table.len() == 1 { table["file"].clone() } else { table.into() }
-            }
-            TerrainShape::Image(made) => print(&Ground { made, floor }).into(),
-            TerrainShape::Relief(made) => print(&Ground { made, floor }).into(),
-            TerrainShape::Steps(made) => print(&Ground { made, floor }).into(),
+        let kind = match &terrain.shape {
+            TerrainShape::Mesh { .. } => "file",
+            TerrainShape::Image(_) => "image",
+            TerrainShape::Relief(_) => "function",
+            TerrainShape::Steps(_) => "stairs",
+        };
+        let table = print_beside(
+            |keys| terrain_keys(&mut terrain.shape.clone(), keys),
+            |keys| terrain_keys(&mut self.shape(kind), keys),
+        );
+        match &terrain.shape {
+            TerrainShape::Mesh { model, .. } if table.len() == 1 => TEXT.print(&model.path),
+            _ => table.into(),
         }
     }
 
     fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        super::definition(generator, "TerrainForm", |generator| {
-            let mut kinds = vec![json!({
-                "description": "A mesh file whose unit is 1 m and whose origin is that of the world.",
-                "type": "string",
-            })];
-            for (mut kind, about) in [
-                (Kind::<PlacedMesh>::describe(&PART, generator), "A mesh file with its place in the world."),
-                (Kind::<Ground<TerrainImage>>::describe(&PART, generator), "A grey image."),
-                (Kind::<Ground<Relief>>::describe(&PART, generator), "A function with a seed."),
-                (Kind::<Ground<Steps>>::describe(&PART, generator), "Stairs and blocks."),
-            ] {
-                kind["description"] = about.into();
-                kinds.push(kind);
-            }
+        definition(generator, "TerrainForm", |generator| {
+            let about = "A mesh file whose unit is 1 m and whose origin is that of the world.";
+            let mut kinds = vec![json!({ "description": about, "type": "string" })];
+            kinds.extend(ABOUT.map(|(kind, about)| {
+                let mut schema = reference(generator, |keys| terrain_keys(&mut self.shape(kind), keys));
+                schema["description"] = about.into();
+                schema
+            }));
             json!({ "description": "Ground that is not the plane.", "anyOf": kinds })
         })
+    }
+}
+
+impl Terrain {
+    /// A terrain that is made from what this key says.
+    fn shape(&self, kind: &str) -> TerrainShape {
+        let (origin, size, base) = (DVec2::ZERO, self.0, 0.0);
+        match kind {
+            "image" => TerrainShape::Image(TerrainImage { size, ..TerrainImage::default() }),
+            "function" => TerrainShape::Relief(Relief {
+                seed: 0,
+                origin,
+                size,
+                base,
+                cell: DEFAULT_TERRAIN_CELL,
+                relief: DEFAULT_RELIEF,
+                length: DEFAULT_HILL_LENGTH,
+                boulders: Some(DEFAULT_BOULDERS),
+                clear: Vec::new(),
+            }),
+            "stairs" | "block" => TerrainShape::Steps(Steps { size, ..Steps::default() }),
+            _ => TerrainShape::Mesh { model: ModelSpec::default(), scale: DEFAULT_TERRAIN_SCALE },
+        }
+    }
+}
+
+fn terrain_keys(shape: &mut TerrainShape, keys: &mut Keys<'_>) {
+    match shape {
+        TerrainShape::Mesh { model, scale } => mesh(keys, model, scale),
+        TerrainShape::Image(made) => image(keys, made),
+        TerrainShape::Relief(made) => relief(keys, made),
+        TerrainShape::Steps(made) => steps(keys, made),
     }
 }
 
@@ -113,154 +136,68 @@ impl Reader {
     }
 }
 
-/// A mesh file with its place in the world.
-#[derive(Clone)]
-struct PlacedMesh {
-    model: ModelSpec,
-    scale: f64,
-}
-
-impl Form for PlacedMesh {
-    const NAME: &'static str = "PlacedTerrainForm";
-    const ABOUT: &'static str = "A mesh file with its place in the world.";
-
-    fn usual() -> Self {
-        Self { model: ModelSpec::default(), scale: DEFAULT_TERRAIN_SCALE }
-    }
-
-    fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.mention(&["scale_mm"]);
-        keys.key("file", "The mesh file.").required(TEXT, &mut self.model.path);
-        keys.key("offset_mm", "Place of the mesh's origin in the world in mm; 0 if left out.").unless(
-            DVec3::ZERO,
-            PLACE,
-            &mut self.model.offset,
-        );
-        turns(keys, &mut self.model.turns);
-        keys.key("scale_mm", "Length of the mesh's unit in mm; 1000 if left out.").unless(
-            DEFAULT_TERRAIN_SCALE,
-            MESH_UNIT,
-            &mut self.scale,
-        );
-    }
-}
-
-/// A terrain, with the floor that it is as large as where it does not say.
-#[derive(Clone)]
-struct Ground<T> {
-    made: T,
-    floor: DVec2,
+fn mesh(keys: &mut Keys<'_>, model: &mut ModelSpec, scale: &mut f64) {
+    keys.form("PlacedTerrainForm", "A mesh file with its place in the world.");
+    keys.mention(&["scale_mm"]);
+    keys.key("file", "The mesh file.").required(TEXT, &mut model.path);
+    keys.key("offset_mm", "Place of the mesh's origin in the world in mm; 0 if left out.")
+        .optional(PLACE, &mut model.offset);
+    turns(keys, &mut model.turns);
+    keys.key("scale_mm", "Length of the mesh's unit in mm; 1000 if left out.").optional(MESH_UNIT, scale);
 }
 
 /// Where a terrain lies: the corner with the least x and y, and its extent from there.
-fn extent(
-    keys: &mut Keys<'_>,
-    about: &'static str,
-    (origin, base): (&mut DVec2, &mut f64),
-    size: &mut DVec2,
-    floor: DVec2,
-) {
+fn extent(keys: &mut Keys<'_>, about: &'static str, (origin, base): (&mut DVec2, &mut f64), size: &mut DVec2) {
     let mut offset = origin.extend(*base);
-    keys.key("offset_mm", about).unless(DVec3::ZERO, PLACE, &mut offset);
+    keys.key("offset_mm", about).optional(PLACE, &mut offset);
     (*origin, *base) = (offset.truncate(), offset.z);
-    keys.key("size_mm", "Width along x and along y in mm; that of the floor if left out.").unless(floor, SIDES, size);
+    keys.key("size_mm", "Width along x and along y in mm; that of the floor if left out.").optional(SIDES, size);
 }
 
-impl Ground<TerrainImage> {
-    fn on(floor: DVec2) -> Self {
-        Self { made: TerrainImage { size: floor, ..TerrainImage::default() }, floor }
-    }
+fn image(keys: &mut Keys<'_>, image: &mut TerrainImage) {
+    keys.form("ImageTerrainForm", "Ground as high as a grey image is bright.");
+    let TerrainImage { path, origin, size, base, height } = image;
+    keys.key(
+        "image",
+        "The image file: a grey png of 8 or 16 bits. The middles of its pixels are the corners of the terrain's cells.",
+    )
+    .required(IMAGE, path);
+    let about = "Place of the lower left corner in mm, and height of black; 0 if left out.";
+    extent(keys, about, (origin, base), size);
+    keys.key("height_mm", "As much higher than black is white, in mm.")
+        .required(Quantity::coordinate("height"), height);
 }
 
-impl Form for Ground<TerrainImage> {
-    const NAME: &'static str = "ImageTerrainForm";
-    const ABOUT: &'static str = "Ground as high as a grey image is bright.";
-
-    fn usual() -> Self {
-        Self::on(DVec2::ZERO)
+fn relief(keys: &mut Keys<'_>, made: &mut Relief) {
+    keys.form("FunctionTerrainForm", "Ground that is drawn from a seed: a smooth relief, with or without boulders.");
+    let Relief { seed, origin, size, base, cell, relief, length, boulders, clear } = made;
+    let mut function = if boulders.is_some() { Function::Boulders } else { Function::Hills };
+    keys.key("function", "What is drawn.").required(Word, &mut function);
+    keys.key("seed", "What it is drawn from; 0 if left out.").optional(0..=i64::MAX, seed);
+    let about = "Place of the lower left corner in mm, and height of the lowest ground; 0 if left out.";
+    extent(keys, about, (origin, base), size);
+    keys.key("cell_mm", "Greatest side of a cell in mm; 50 if left out.")
+        .optional(Quantity::size("side of a cell"), cell);
+    keys.key("relief_mm", "From the lowest to the highest place of the smooth relief in mm; 100 if left out.")
+        .optional(Quantity::length("height of the relief"), relief);
+    keys.key("length_mm", "Length of the longest hills in mm; 2000 if left out.")
+        .optional(Quantity::size("length of a hill"), length);
+    let usual = DEFAULT_BOULDERS;
+    let mut drawn = boulders.unwrap_or(usual);
+    if let Some((reader, section)) = keys.reading()
+        && function == Function::Hills
+    {
+        reader.exclude(section, "function = \"hills\"", &OF_BOULDERS);
+    } else {
+        keys.key("boulders", "Number of boulders; 40 if left out.")
+            .optional(0..=i64::from(MAX_BOULDERS), &mut drawn.count);
+        keys.key("radius_mm", "Least and greatest half length of a boulder in mm; 100 and 400 if left out.")
+            .optional(Between(Quantity::size("half length of a boulder")), &mut drawn.radius);
+        keys.key("height_mm", "Least and greatest height of a boulder in mm; 50 and 300 if left out.")
+            .optional(Between(Quantity::length("height of a boulder")), &mut drawn.height);
     }
-
-    fn keys(&mut self, keys: &mut Keys<'_>) {
-        let TerrainImage { path, origin, size, base, height } = &mut self.made;
-        keys.key(
-            "image",
-            "The image file: a grey png of 8 or 16 bits. The middles of its pixels are the corners of the terrain's cells.",
-        )
-        .required(IMAGE, path);
-        let about = "Place of the lower left corner in mm, and height of black; 0 if left out.";
-        extent(keys, about, (origin, base), size, self.floor);
-        keys.key("height_mm", "As much higher than black is white, in mm.")
-            .required(Quantity::coordinate("height"), height);
-    }
-}
-
-impl Ground<Relief> {
-    fn on(floor: DVec2) -> Self {
-        let made = Relief {
-            seed: 0,
-            origin: DVec2::ZERO,
-            size: floor,
-            base: 0.0,
-            cell: DEFAULT_TERRAIN_CELL,
-            relief: DEFAULT_RELIEF,
-            length: DEFAULT_HILL_LENGTH,
-            boulders: Some(DEFAULT_BOULDERS),
-            clear: Vec::new(),
-        };
-        Self { made, floor }
-    }
-}
-
-impl Form for Ground<Relief> {
-    const NAME: &'static str = "FunctionTerrainForm";
-    const ABOUT: &'static str = "Ground that is drawn from a seed: a smooth relief, with or without boulders.";
-
-    fn usual() -> Self {
-        Self::on(DVec2::ZERO)
-    }
-
-    fn keys(&mut self, keys: &mut Keys<'_>) {
-        let Relief { seed, origin, size, base, cell, relief, length, boulders, clear } = &mut self.made;
-        let mut function = if boulders.is_some() { Function::Boulders } else { Function::Hills };
-        keys.key("function", "What is drawn.").required(Word, &mut function);
-        keys.key("seed", "What it is drawn from; 0 if left out.").unless(0, 0..=i64::MAX, seed);
-        let about = "Place of the lower left corner in mm, and height of the lowest ground; 0 if left out.";
-        extent(keys, about, (origin, base), size, self.floor);
-        keys.key("cell_mm", "Greatest side of a cell in mm; 50 if left out.").unless(
-            DEFAULT_TERRAIN_CELL,
-            Quantity::size("side of a cell"),
-            cell,
-        );
-        keys.key("relief_mm", "From the lowest to the highest place of the smooth relief in mm; 100 if left out.")
-            .unless(DEFAULT_RELIEF, Quantity::length("height of the relief"), relief);
-        keys.key("length_mm", "Length of the longest hills in mm; 2000 if left out.").unless(
-            DEFAULT_HILL_LENGTH,
-            Quantity::size("length of a hill"),
-            length,
-        );
-        let usual = DEFAULT_BOULDERS;
-        let mut drawn = boulders.unwrap_or(usual);
-        if let Some((reader, section)) = keys.reading()
-            && function == Function::Hills
-        {
-            reader.exclude(section, "function = \"hills\"", &OF_BOULDERS);
-        } else {
-            keys.key("boulders", "Number of boulders; 40 if left out.").unless(
-                usual.count,
-                0..=i64::from(MAX_BOULDERS),
-                &mut drawn.count,
-            );
-            keys.key("radius_mm", "Least and greatest half length of a boulder in mm; 100 and 400 if left out.")
-                .unless(usual.radius, Between(Quantity::size("half length of a boulder")), &mut drawn.radius);
-            keys.key("height_mm", "Least and greatest height of a boulder in mm; 50 and 300 if left out.").unless(
-                usual.height,
-                Between(Quantity::length("height of a boulder")),
-                &mut drawn.height,
-            );
-        }
-        *boulders = Some(drawn).filter(|_| function == Function::Boulders);
-        keys.key("clear", "Discs in which the ground is level and low.").list(PARTS, clear);
-    }
+    *boulders = Some(drawn).filter(|_| function == Function::Boulders);
+    keys.key("clear", "Discs in which the ground is level and low.").list(PARTS, clear);
 }
 
 /// A function of places and a seed.
@@ -295,72 +232,41 @@ impl Kind<[f64; 2]> for Between {
     }
 
     fn print(&self, ends: &[f64; 2]) -> Value {
-        print_numbers(&[self.0; 2], ends)
+        [self.0; 2].print(ends)
     }
 
     fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        array(self.0.describe(generator), 2)
+        Kind::<[f64; 2]>::describe(&[self.0; 2], generator)
     }
 }
 
 impl Form for Disc {
-    const NAME: &'static str = "DiscForm";
-    const ABOUT: &'static str = "A disc of level ground.";
-
-    fn usual() -> Self {
-        Self { centre: DVec2::ZERO, radius: 0.0 }
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("DiscForm", "A disc of level ground.");
         keys.key("x_mm", "Its middle along x in mm.").required(POINT[0], &mut self.centre.x);
         keys.key("y_mm", "Its middle along y in mm.").required(POINT[1], &mut self.centre.y);
         keys.key("radius_mm", "Its radius in mm.").required(Quantity::size("radius"), &mut self.radius);
     }
 }
 
-impl Ground<Steps> {
-    fn on(floor: DVec2) -> Self {
-        let made = Steps { origin: DVec2::ZERO, size: floor, base: 0.0, stairs: Vec::new(), blocks: Vec::new() };
-        Self { made, floor }
-    }
-}
-
-impl Form for Ground<Steps> {
-    const NAME: &'static str = "StepsTerrainForm";
-    const ABOUT: &'static str = "Level ground with stairs and blocks.";
-
-    fn usual() -> Self {
-        Self::on(DVec2::ZERO)
-    }
-
-    fn keys(&mut self, keys: &mut Keys<'_>) {
-        let Steps { origin, size, base, stairs, blocks } = &mut self.made;
-        let about = "Place of the lower left corner in mm, and height of the ground; 0 if left out.";
-        extent(keys, about, (origin, base), size, self.floor);
-        // Without blocks it tells what the terrain is made from.
-        let mut flights = Some(std::mem::take(stairs)).filter(|stairs| !stairs.is_empty() || blocks.is_empty());
-        keys.key("stairs", "Flights of stairs; may be left out beside blocks.").maybe(PARTS, &mut flights);
-        *stairs = flights.unwrap_or_default();
-        keys.key("block", "Single blocks.").list(PARTS, blocks);
-    }
+fn steps(keys: &mut Keys<'_>, steps: &mut Steps) {
+    keys.form("StepsTerrainForm", "Level ground with stairs and blocks.");
+    let Steps { origin, size, base, stairs, blocks } = steps;
+    let about = "Place of the lower left corner in mm, and height of the ground; 0 if left out.";
+    extent(keys, about, (origin, base), size);
+    // Without blocks it tells what the terrain is made from.
+    let mut flights = Some(std::mem::take(stairs)).filter(|stairs| !stairs.is_empty() || blocks.is_empty());
+    keys.key("stairs", "Flights of stairs; may be left out beside blocks.").maybe(PARTS, &mut flights);
+    *stairs = flights.unwrap_or_default();
+    keys.key("block", "Single blocks.").list(PARTS, blocks);
 }
 
 impl Form for Stairs {
-    const NAME: &'static str = "StairsForm";
-    const ABOUT: &'static str = "A flight of stairs.";
-
-    fn usual() -> Self {
-        let from = DVec2::ZERO;
-        Self { from, way: Way::East, count: 0, rise: 0.0, depth: 0.0, landing: 0.0, width: 0.0, goes_down: false }
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("StairsForm", "A flight of stairs.");
         keys.key("from_mm", "Middle of the foot of the first step, x and y in mm.").required(POINT, &mut self.from);
-        keys.key("direction_deg", "The way up: 0, 90, 180 or 270 degrees; 0 if left out.").strictly(
-            Way::East,
-            QuarterTurn,
-            &mut self.way,
-        );
+        keys.key("direction_deg", "The way up: 0, 90, 180 or 270 degrees; 0 if left out.")
+            .strictly(QUARTER_TURN, &mut self.way);
         keys.key("count", "Number of steps.").required(1..=i64::from(MAX_STEPS), &mut self.count);
         keys.key("step_height_mm", "Height of each in mm.")
             .required(Quantity::size("height of a step"), &mut self.rise);
@@ -370,19 +276,14 @@ impl Form for Stairs {
         keys.key("landing_mm", "Depth of the uppermost in mm; that of the others if left out.")
             .maybe(Quantity::size("depth of the landing"), &mut landing);
         self.landing = landing.unwrap_or(self.depth);
-        keys.key("down", "Whether as many steps go down again behind it; no if left out.").unless(
-            false,
-            Flag,
-            &mut self.goes_down,
-        );
+        keys.key("down", "Whether as many steps go down again behind it; no if left out.")
+            .optional(Flag, &mut self.goes_down);
     }
 }
 
 /// A direction in degrees along an axis.
-struct QuarterTurn;
-
-impl Kind<Way> for QuarterTurn {
-    fn read(&self, at: At<'_, '_>, _: Option<&Way>) -> Option<Way> {
+const QUARTER_TURN: Custom<Way> = Custom {
+    read: |at| {
         let At { reader, section, key } = at;
         let degrees = reader.number(section, key, &DIRECTION)?;
         let place = WAYS.iter().position(|way| *way == degrees.rem_euclid(360.0));
@@ -392,27 +293,17 @@ impl Kind<Way> for QuarterTurn {
             reader.sink.error(Code::NumberRange, span, message, "0, 90, 180 or 270 degrees");
         }
         place.map(|place| Way::ALL[place])
-    }
-
-    fn print(&self, way: &Way) -> Value {
+    },
+    print: |way| {
         let ways = Way::ALL.iter().zip(WAYS);
         ways.filter(|(known, _)| *known == way).map(|(_, degrees)| degrees).next().unwrap_or_default().into()
-    }
-
-    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
-        DIRECTION.describe(generator)
-    }
-}
+    },
+    describe: |generator| DIRECTION.describe(generator),
+};
 
 impl Form for Block {
-    const NAME: &'static str = "BlockForm";
-    const ABOUT: &'static str = "A block with level top and vertical sides.";
-
-    fn usual() -> Self {
-        Self { bounds: Bounds { min: DVec2::ZERO, max: DVec2::ZERO }, height: 0.0 }
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("BlockForm", "A block with level top and vertical sides.");
         let Bounds { min: mut from, max: mut to } = self.bounds;
         keys.key("from_mm", "One corner, x and y in mm.").required(POINT, &mut from);
         keys.key("to_mm", "The opposite one, x and y in mm.").required(POINT, &mut to);

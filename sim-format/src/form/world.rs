@@ -8,11 +8,11 @@ use super::terrain::Terrain;
 use super::{Form, Keys};
 use crate::code::Code;
 use crate::line::Quantity;
+use crate::path;
 use crate::print::print_maze;
 use crate::spec::{
     DEFAULT_WALL_HEIGHT, LightSpec, LooksSpec, PathRef, SimSpec, SkySpec, WallSpec, WorldKind, WorldLine, WorldSpec,
 };
-use crate::{Span, path};
 
 /// Keys that describe a world by its walls.
 const OF_WALLS: [&str; 3] = ["floor_mm", "wall", "cell_mm"];
@@ -74,14 +74,8 @@ impl World {
 }
 
 impl Form for World {
-    const NAME: &'static str = "WorldForm";
-    const ABOUT: &'static str = "The world.";
-
-    fn usual() -> Self {
-        Self::default()
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("WorldForm", "The world.");
         let is_read = keys.reading().is_some();
         let mut is_said = |key: &str| keys.reading().is_some_and(|(_, section)| section.has(key));
         let (is_file, is_drawn) = (is_said("file"), is_said("maze"));
@@ -162,28 +156,16 @@ impl Words for WorldKind {
 /// What only cameras see of a world.
 fn looks(keys: &mut Keys<'_>, looks: &mut LooksSpec) {
     keys.key("colour", "Red, green and blue of a floor without an image, 0 to 255.").maybe(Shades, &mut looks.colour);
-    keys.key("light", "The light that cameras see by.").unless(
-        LightSpec::default(),
-        Part("azimuth_deg = -120, shadows = true"),
-        &mut looks.light,
-    );
-    keys.key("sky", "What cameras see where nothing stands.").unless(
-        SkySpec::default(),
-        Part("horizon = [200, 210, 220], ground = [90, 90, 80]"),
-        &mut looks.sky,
-    );
+    keys.key("light", "The light that cameras see by.")
+        .optional(Part("azimuth_deg = -120, shadows = true"), &mut looks.light);
+    keys.key("sky", "What cameras see where nothing stands.")
+        .optional(Part("horizon = [200, 210, 220], ground = [90, 90, 80]"), &mut looks.sky);
 }
 
 impl Form for LightSpec {
-    const NAME: &'static str = "LightForm";
-    const ABOUT: &'static str = "The light: a sun, and an even light from everywhere.";
-
-    fn usual() -> Self {
-        Self::default()
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        let usual = Self::default();
+        keys.form("LightForm", "The light: a sun, and an even light from everywhere.");
+        let _usual = Self::default();
         let azimuth = Quantity::angle("azimuth of the sun").within(-360.0, 360.0);
         let elevation = Quantity::angle("elevation of the sun").within(1.0, 90.0);
         let ambient = Quantity::number("share of ambient light", 0.0, 1.0);
@@ -191,64 +173,39 @@ impl Form for LightSpec {
             "azimuth_deg",
             "Direction in degrees in which the sun stands, counter-clockwise from x; -120 if left out.",
         )
-        .unless(usual.azimuth, Bounded(azimuth), &mut self.azimuth);
-        keys.key("elevation_deg", "Its angle above the floor in degrees; 50 if left out.").unless(
-            usual.elevation,
-            Bounded(elevation),
-            &mut self.elevation,
-        );
-        keys.key("ambient", "Share of the light that comes evenly from everywhere; 0.4 if left out.").unless(
-            usual.ambient,
-            Bounded(ambient),
-            &mut self.ambient,
-        );
-        keys.key("shadows", "Whether things cast shadows; false if left out.").unless(
-            usual.shadows,
-            Flag,
-            &mut self.shadows,
-        );
+        .optional(Bounded(azimuth), &mut self.azimuth);
+        keys.key("elevation_deg", "Its angle above the floor in degrees; 50 if left out.")
+            .optional(Bounded(elevation), &mut self.elevation);
+        keys.key("ambient", "Share of the light that comes evenly from everywhere; 0.4 if left out.")
+            .optional(Bounded(ambient), &mut self.ambient);
+        keys.key("shadows", "Whether things cast shadows; false if left out.").optional(Flag, &mut self.shadows);
     }
 }
 
 impl Form for SkySpec {
-    const NAME: &'static str = "SkyForm";
-    const ABOUT: &'static str = "What is seen where nothing stands: red, green and blue, 0 to 255.";
-
-    fn usual() -> Self {
-        Self::default()
-    }
-
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        let usual = Self::default();
-        keys.key("horizon", "The sky at the horizon.").unless(usual.horizon, Shades, &mut self.horizon);
-        keys.key("zenith", "The sky straight above.").unless(usual.zenith, Shades, &mut self.zenith);
-        keys.key("ground", "The ground beyond the floor.").unless(usual.ground, Shades, &mut self.ground);
+        keys.form("SkyForm", "What is seen where nothing stands: red, green and blue, 0 to 255.");
+        let _usual = Self::default();
+        keys.key("horizon", "The sky at the horizon.").optional(Shades, &mut self.horizon);
+        keys.key("zenith", "The sky straight above.").optional(Shades, &mut self.zenith);
+        keys.key("ground", "The ground beyond the floor.").optional(Shades, &mut self.ground);
     }
 }
 
 impl Form for WallSpec {
-    const NAME: &'static str = "WallForm";
-    const ABOUT: &'static str = "A wall: a straight piece between two points.";
-
     fn usual() -> Self {
-        let (from, to, height) = (DVec2::ZERO, DVec2::ZERO, DEFAULT_WALL_HEIGHT);
-        Self { from, to, thickness: 0.0, height, colour: None, surface: None, span: Span::default() }
+        Self { height: DEFAULT_WALL_HEIGHT, ..Self::default() }
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("WallForm", "A wall: a straight piece between two points.");
         keys.span(&mut self.span);
         keys.key("from_mm", "One end, x and y in mm.").required(POINT, &mut self.from);
         keys.key("to_mm", "The other end, x and y in mm.").required(POINT, &mut self.to);
-        keys.key("thickness_mm", "Thickness in mm, half of it on either side; 0 if left out.").unless(
-            0.0,
-            Bounded(Quantity::length("thickness")),
-            &mut self.thickness,
-        );
-        keys.key("height_mm", "Height above the floor in mm; 200 if left out.").unless(
-            DEFAULT_WALL_HEIGHT,
-            Bounded(Quantity::size("height")),
-            &mut self.height,
-        );
+        keys.key("thickness_mm", "Thickness in mm, half of it on either side; 0 if left out.")
+            .optional(Bounded(Quantity::length("thickness")), &mut self.thickness);
+        keys.key("height_mm", "Height above the floor in mm; 200 if left out.")
+            .optional(Bounded(Quantity::size("height")), &mut self.height);
         keys.key("colour", "Red, green and blue, 0 to 255.").maybe(Shades, &mut self.colour);
         keys.key("surface", "How it reflects; as the world says if left out.").maybe(PART, &mut self.surface);
         let is_point = keys.is_complete() && self.from == self.to;

@@ -9,9 +9,9 @@ use super::number::{degrees, written, written_degrees, written_mm};
 use super::sim::quoted;
 use super::{Printed, text};
 use crate::form::sensor::psd_keys;
-use crate::form::{print, print_table};
+use crate::form::{print, print_beside};
 use crate::robi::DRIVES;
-use crate::spec::{Axis, Collider, JointSpec, Lens, RobiSpec};
+use crate::spec::{Axis, Collider, JointSpec, Lens, PsdSpec, RobiSpec};
 use crate::{read_companion, read_robi, same};
 use sim_core::drive::DriveKind;
 
@@ -51,7 +51,12 @@ pub fn print_companion(robi: &RobiSpec) -> String {
     }
     if !robi.psds.is_empty() {
         let psds = robi.psds.iter().cloned();
-        let ranges = psds.map(|mut psd| (psd.name.clone(), print_table(|keys| psd_keys(keys, &mut psd)).into()));
+        let ranges = psds.map(|mut psd| {
+            (
+                psd.name.clone(),
+                print_beside(|keys| psd_keys(keys, &mut psd), |keys| psd_keys(keys, &mut PsdSpec::default())).into(),
+            )
+        });
         whole.insert("psd".to_owned(), Table::from_iter(ranges).into());
     }
     text::document(&whole)

@@ -5,7 +5,7 @@ use serde_json::json;
 use toml::{Table, Value};
 
 use super::text;
-use crate::form::{Form, print};
+use crate::form::{Form, print, schema as schema_of};
 use crate::spec::SimSpec;
 
 /// The text of a scene. All that a spec can say has its place in it.
@@ -18,7 +18,7 @@ pub fn print_scene(sim: &SimSpec) -> String {
 /// The JSON schema of [`print_scene`]'s texts, from which editors complete.
 pub fn scene_schema() -> String {
     let mut generator = SchemaGenerator::default();
-    let mut schema = SimSpec::schema(&mut generator);
+    let mut schema = schema_of(&mut generator, |keys| SimSpec::default().keys(keys));
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
     schema["title"] = "eyesim scene".into();
     schema["$defs"] = json!(generator.take_definitions(true));
