@@ -64,7 +64,7 @@ pub struct DriveSpec {
 }
 
 /// The wheels, all alike.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelSpec {
     /// Diameter in metres.
     pub diameter: f64,
@@ -74,6 +74,17 @@ pub struct WheelSpec {
     pub ticks_per_turn: f64,
     /// Distance between left and right wheels in metres.
     pub track: f64,
+}
+
+impl Default for WheelSpec {
+    fn default() -> Self {
+        Self {
+            diameter: DEFAULT_WHEEL_DIAMETER,
+            max_rate: radians_from_degrees(DEFAULT_MAX_RATE_DEG),
+            ticks_per_turn: DEFAULT_TICKS,
+            track: DEFAULT_TRACK,
+        }
+    }
 }
 
 /// A robot type: a `.robi` and the `.toml` beside it.
@@ -159,12 +170,7 @@ impl Default for RobiSpec {
             max_speed: DEFAULT_MAX_SPEED,
             max_turn: radians_from_degrees(DEFAULT_MAX_TURN_DEG),
             axis_offset: 0.0,
-            wheel: WheelSpec {
-                diameter: DEFAULT_WHEEL_DIAMETER,
-                max_rate: radians_from_degrees(DEFAULT_MAX_RATE_DEG),
-                ticks_per_turn: DEFAULT_TICKS,
-                track: DEFAULT_TRACK,
-            },
+            wheel: WheelSpec::default(),
             drive: DriveSpec {
                 kind: DriveKind::Differential,
                 motors: MotorSpec::pairs(&["MOTOR_LEFT", "QUAD_LEFT", "MOTOR_RIGHT", "QUAD_RIGHT"]),

@@ -16,6 +16,8 @@ pub(crate) mod shape;
 pub(crate) mod terrain;
 pub(crate) mod world;
 
+use std::mem::discriminant;
+
 use schemars::SchemaGenerator;
 use serde_json::{Map, Value as Json, json};
 use toml::{Table, Value};
@@ -41,15 +43,15 @@ pub(crate) trait Form: Clone + Default {
 }
 
 /// A form of several variants, which the key `kind` tells apart.
-pub(crate) trait Variants: Form {
-    /// The words for the variants, with what each is.
-    const KINDS: &'static [(&'static str, &'static str)];
+pub(crate) trait Variants: Form + 'static {
+    /// The words for the variants, with what each is, and one about which nothing else is said.
+    const KINDS: &'static [(&'static str, &'static str, fn() -> Self)];
 
-    /// The variant of a word, by its place, with nothing said about it.
-    fn variant(place: usize) -> Self;
-
-    /// The place of this variant's word.
-    fn place(&self) -> usize;
+    /// The place of this variant among them.
+    fn place(&self) -> usize {
+        let is_same = |made: Self| discriminant(&made) == discriminant(self);
+        Self::KINDS.iter().position(|(.., make)| is_same(make())).unwrap_or_default()
+    }
 }
 
 /// One walk over the keys of a table.
@@ -143,9 +145,9 @@ impl<'k> Keys<'k> {
         let word = |form: &F| F::KINDS[form.place()].0;
         match &mut self.walk {
             Walk::Read(reader, section) => {
-                let words: Vec<&str> = F::KINDS.iter().map(|(word, _)| *word).collect();
+                let words: Vec<&str> = F::KINDS.iter().map(|(word, ..)| *word).collect();
                 let place = reader.required_choice(section, "kind", &words);
-                place.into_iter().for_each(|place| *form = F::variant(place));
+                place.into_iter().for_each(|place| *form = F::KINDS[place].2());
                 self.is_abandoned = place.is_none();
                 self.is_complete &= !self.is_abandoned;
             }
@@ -155,13 +157,11 @@ impl<'k> Keys<'k> {
                 description.required.push("kind");
             }
             Walk::Describe(generator, description) => {
-                description.variants = (0..)
-                    .zip(F::KINDS)
-                    .map(|(place, (_, about))| {
-                        let part = Description { variant: Some(about), ..Description::default() };
-                        describe(generator, part, |keys| F::variant(place).keys(keys)).schema()
-                    })
-                    .collect();
+                let kinds = F::KINDS.iter().map(|(_, about, make)| {
+                    let part = Description { variant: Some(about), ..Description::default() };
+                    describe(generator, part, |keys| make().keys(keys)).schema()
+                });
+                description.variants = kinds.collect();
                 self.is_abandoned = true;
             }
         }

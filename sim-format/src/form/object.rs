@@ -12,7 +12,6 @@ pub(crate) const MESH_UNIT: Quantity = Quantity::coordinate("length of the mesh'
 impl Form for ObjectType {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("ObjectTypeForm", "An object type: a file alone, or all that an `.esObj` can say.");
-        let _usual = Self::usual();
         keys.key("file", "An `.esObj`; no other key then.").maybe(TEXT, &mut None::<PathRef>);
         keys.key("name", "Name under which objects have it; required without a `file`.").expected(TEXT, &mut self.name);
         keys.key("model", "Its looks.").maybe(PART, &mut self.model);

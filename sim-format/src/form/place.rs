@@ -198,7 +198,7 @@ impl Reader {
 
 impl Form for Layout {
     fn bare(&self) -> Self {
-        Self::variant(self.place())
+        Self::KINDS[self.place()].2()
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
@@ -269,34 +269,31 @@ fn area_keys(keys: &mut Keys<'_>, area: &mut Option<[DVec2; 2]>) -> bool {
 }
 
 impl Variants for Layout {
-    const KINDS: &'static [(&'static str, &'static str)] = &[
-        ("starts", "Each at the next start of the world."),
-        ("line", "On a line at equal distances, the first and the last at its ends."),
-        ("grid", "In rows along x, filled from left to right, then the next one above."),
-        ("circle", "On a circle at equal angles, counter-clockwise."),
-        ("random", "At random places where there is room, drawn from the seed."),
+    const KINDS: &'static [(&'static str, &'static str, fn() -> Self)] = &[
+        ("starts", "Each at the next start of the world.", || Self::Starts),
+        ("line", "On a line at equal distances, the first and the last at its ends.", || Self::Line {
+            from: DVec2::ZERO,
+            to: DVec2::ZERO,
+            heading: 0.0,
+        }),
+        ("grid", "In rows along x, filled from left to right, then the next one above.", || Self::Grid {
+            from: DVec2::ZERO,
+            spacing: DVec2::ZERO,
+            columns: None,
+            heading: 0.0,
+        }),
+        ("circle", "On a circle at equal angles, counter-clockwise.", || Self::Circle {
+            centre: DVec2::ZERO,
+            radius: 0.0,
+            first: 0.0,
+            facing: 0.0,
+        }),
+        ("random", "At random places where there is room, drawn from the seed.", || Self::Random {
+            area: None,
+            clearance: 0.0,
+            heading: None,
+        }),
     ];
-
-    fn variant(place: usize) -> Self {
-        let (from, to, heading) = (DVec2::ZERO, DVec2::ZERO, 0.0);
-        match place {
-            0 => Self::Starts,
-            1 => Self::Line { from, to, heading },
-            2 => Self::Grid { from, spacing: DVec2::ZERO, columns: None, heading },
-            3 => Self::Circle { centre: DVec2::ZERO, radius: 0.0, first: 0.0, facing: 0.0 },
-            _ => Self::Random { area: None, clearance: 0.0, heading: None },
-        }
-    }
-
-    fn place(&self) -> usize {
-        match self {
-            Self::Starts => 0,
-            Self::Line { .. } => 1,
-            Self::Grid { .. } => 2,
-            Self::Circle { .. } => 3,
-            Self::Random { .. } => 4,
-        }
-    }
 }
 
 impl Form for ObjectLine {

@@ -50,6 +50,9 @@ impl Form for RobiSpec {
         frame(keys, self);
         keys.key("psd", "PSD distance sensors.").list(PARTS, &mut self.psds);
         devices(keys, self);
+        if let Some((reader, _)) = keys.reading() {
+            reader.settle_devices(self);
+        }
     }
 }
 

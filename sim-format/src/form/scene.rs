@@ -16,9 +16,7 @@ use crate::Span;
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::print::number::shortest;
-use crate::spec::{
-    CostEntry, CostTable, CostsRef, ObjectType, PathRef, RobiSpec, RobotLine, RunSpec, Settings, SimSpec,
-};
+use crate::spec::{CostEntry, CostTable, CostsRef, PathRef, RobotLine, RunSpec, Settings, SimSpec};
 use crate::table::{Reader, Section};
 use sim_core::radio::{Medium, Model};
 use sim_core::time::Time;
@@ -192,7 +190,6 @@ impl Form for Settings {
 impl Form for Model {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("RadioForm", "What carries messages between robots.");
-        let _usual = Self::default();
         keys.key("medium", "How the robots share the medium; `free` if left out.").optional(Word, &mut self.medium);
         keys.key("baud", "Bits a second, of which a byte takes ten; 115200 if left out.")
             .optional(1..=MAX_BAUD, &mut self.baud);
@@ -217,42 +214,6 @@ impl Words for Medium {
     ];
 }
 
-/// A type that a scene describes in place.
-pub(crate) trait InScene: Form {
-    /// The type in the scene `file` before anything is said about it.
-    fn in_scene(file: &str) -> Self;
-
-    /// Its name, and the file that stands for it.
-    fn name_and_file(&mut self) -> (&str, &mut String);
-
-    /// What is left to say once all its keys are read.
-    fn settle(&mut self, _: &mut Reader) {}
-}
-
-impl InScene for RobiSpec {
-    fn in_scene(file: &str) -> Self {
-        Self::with_defaults(file)
-    }
-
-    fn name_and_file(&mut self) -> (&str, &mut String) {
-        (&self.name, &mut self.file)
-    }
-
-    fn settle(&mut self, reader: &mut Reader) {
-        reader.settle_devices(self);
-    }
-}
-
-impl InScene for ObjectType {
-    fn in_scene(file: &str) -> Self {
-        Self::with_defaults(file)
-    }
-
-    fn name_and_file(&mut self) -> (&str, &mut String) {
-        (&self.name, &mut self.file)
-    }
-}
-
 /// A type of a scene.
 enum TypeEntry<F> {
     File(PathRef),
@@ -263,7 +224,7 @@ enum TypeEntry<F> {
 /// Types of a scene.
 struct Types;
 
-impl<F: InScene> Kind<Vec<TypeEntry<F>>> for Types {
+impl<F: Form> Kind<Vec<TypeEntry<F>>> for Types {
     fn read(&self, at: At<'_, '_>, _: Option<&Vec<TypeEntry<F>>>) -> Option<Vec<TypeEntry<F>>> {
         let sections = at.reader.sections(at.section, at.key);
         Some(sections.into_iter().filter_map(|section| at.reader.scene_type(section)).collect())
@@ -283,17 +244,14 @@ impl<F: InScene> Kind<Vec<TypeEntry<F>>> for Types {
 }
 
 impl Reader {
-    fn scene_type<F: InScene>(&mut self, mut section: Section<'_, '_>) -> Option<TypeEntry<F>> {
+    fn scene_type<F: Form>(&mut self, mut section: Section<'_, '_>) -> Option<TypeEntry<F>> {
         if section.has("file") {
             let path = self.reference(&mut section, "file");
             self.alone(&section);
             return path.map(TypeEntry::File);
         }
-        let mut form = F::in_scene(self.sink.file());
         let (span, name) = (section.span, self.value_span(&section, "name"));
-        let is_complete = self.table(section, |keys| form.keys(keys));
-        form.settle(self);
-        is_complete.then_some(TypeEntry::Inline(form, span, name))
+        self.form(section, F::usual()).map(|form| TypeEntry::Inline(form, span, name))
     }
 
     /// A type that is a file has no other keys.
@@ -308,18 +266,19 @@ impl Reader {
     }
 
     /// Takes the types of a scene apart; those of a name that an earlier one has are reported and left out.
-    fn split<F: InScene>(
+    fn split<F>(
         &mut self,
         types: Vec<TypeEntry<F>>,
+        name_and_file: fn(&mut F) -> (&str, &mut String),
         names: &mut BTreeSet<String>,
         files: &mut Vec<PathRef>,
-        inline: &mut Vec<(F, Span)>,
-    ) {
+    ) -> Vec<(F, Span)> {
+        let mut inline = Vec::new();
         for entry in types {
             match entry {
                 TypeEntry::File(path) => files.push(path),
                 TypeEntry::Inline(mut form, span, name_span) => {
-                    let (name, file) = form.name_and_file();
+                    let (name, file) = name_and_file(&mut form);
                     if names.insert(name.to_owned()) {
                         // No two types have the same.
                         *file = format!("{}#{}", self.sink.file(), name.replace(['/', '\\'], "_"));
@@ -331,11 +290,12 @@ impl Reader {
                 }
             }
         }
+        inline
     }
 }
 
 /// The types of a scene: files first.
-fn entries<F: InScene>(files: &[PathRef], inline: &[(F, Span)]) -> Vec<TypeEntry<F>> {
+fn entries<F: Clone>(files: &[PathRef], inline: &[(F, Span)]) -> Vec<TypeEntry<F>> {
     let files = files.iter().cloned().map(TypeEntry::File);
     files.chain(inline.iter().map(|(form, span)| TypeEntry::Inline(form.clone(), *span, Span::default()))).collect()
 }
@@ -349,8 +309,10 @@ fn robots(keys: &mut Keys<'_>, sim: &mut SimSpec) {
     let mut lines: Vec<RobotLine> = sim.robots.iter().chain(&sim.named).cloned().collect();
     if let Some((reader, section)) = keys.reading() {
         let mut names = BTreeSet::new();
-        reader.split(robot_types, &mut names, &mut sim.robot_types, &mut sim.inline.robot_types);
-        reader.split(object_types, &mut names, &mut sim.object_types, &mut sim.inline.object_types);
+        sim.inline.robot_types =
+            reader.split(robot_types, |robi| (&robi.name, &mut robi.file), &mut names, &mut sim.robot_types);
+        sim.inline.object_types =
+            reader.split(object_types, |object| (&object.name, &mut object.file), &mut names, &mut sim.object_types);
         sim.robots = reader.robots(section, "robot");
     } else {
         keys.key("robot", "Robots, alone and in groups; those without an `id` are numbered 1, 2, ... in this order.")

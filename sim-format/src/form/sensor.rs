@@ -78,7 +78,6 @@ impl Words for Axis {
 impl Form for Surface {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("SurfaceForm", "How a surface reflects.");
-        let _usual = Self::default();
         let share = |name| Bounded(Quantity::number(name, 0.0, 1.0));
         keys.key("reflectivity", "Share of the energy that comes back, 0 to 1; 1 if left out.")
             .optional(share("reflectivity"), &mut self.reflectivity);
@@ -142,7 +141,6 @@ pub(crate) fn psd_keys(keys: &mut Keys<'_>, psd: &mut PsdSpec) {
 impl Form for LidarSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("LidarForm", "The laser scanner.");
-        let _usual = Self::usual();
         keys.span(&mut self.span);
         mount(keys, &mut self.mount);
         keys.key("range_mm", "Greatest distance along a ray in mm; 9999 if left out.")
@@ -259,7 +257,6 @@ fn echo_keys(keys: &mut Keys<'_>, echo: &mut Echo) {
 }
 
 fn sonar_keys(keys: &mut Keys<'_>, sonar: &mut Sonar, bus: &mut u32) {
-    let _usual = Sonar::srf08();
     let half_angle = Quantity::angle("half of the beam's angle").within(0.1, 90.0);
     let about = [
         "Least distance in mm; that of the preset if left out: 30.",

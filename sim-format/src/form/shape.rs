@@ -28,7 +28,7 @@ pub(crate) fn turns(keys: &mut Keys<'_>, turns: &mut DVec3) {
 
 impl Form for Collider {
     fn bare(&self) -> Self {
-        Self::variant(self.place())
+        Self::KINDS[self.place()].2()
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
@@ -67,29 +67,15 @@ fn radius(keys: &mut Keys<'_>, radius: &mut f64) {
 }
 
 impl Variants for Collider {
-    const KINDS: &'static [(&'static str, &'static str)] = &[
-        ("box", "A box along the axes."),
-        ("sphere", "A sphere."),
-        ("capsule", "A cylinder with half spheres at its ends."),
-        ("cylinder", "An upright cylinder."),
+    const KINDS: &'static [(&'static str, &'static str, fn() -> Self)] = &[
+        ("box", "A box along the axes.", || Self::Box { centre: DVec3::ZERO, size: DVec3::ZERO }),
+        ("sphere", "A sphere.", || Self::Sphere { centre: DVec3::ZERO, radius: 0.0 }),
+        ("capsule", "A cylinder with half spheres at its ends.", || Self::Capsule {
+            centre: DVec3::ZERO,
+            radius: 0.0,
+            height: 0.0,
+            axis: Axis::Z,
+        }),
+        ("cylinder", "An upright cylinder.", || Self::Cylinder { centre: DVec3::ZERO, radius: 0.0, height: 0.0 }),
     ];
-
-    fn variant(place: usize) -> Self {
-        let (centre, radius, height) = (DVec3::ZERO, 0.0, 0.0);
-        match place {
-            0 => Self::Box { centre, size: DVec3::ZERO },
-            1 => Self::Sphere { centre, radius },
-            2 => Self::Capsule { centre, radius, height, axis: Axis::Z },
-            _ => Self::Cylinder { centre, radius, height },
-        }
-    }
-
-    fn place(&self) -> usize {
-        match self {
-            Self::Box { .. } => 0,
-            Self::Sphere { .. } => 1,
-            Self::Capsule { .. } => 2,
-            Self::Cylinder { .. } => 3,
-        }
-    }
 }

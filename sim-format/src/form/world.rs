@@ -165,7 +165,6 @@ fn looks(keys: &mut Keys<'_>, looks: &mut LooksSpec) {
 impl Form for LightSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("LightForm", "The light: a sun, and an even light from everywhere.");
-        let _usual = Self::default();
         let azimuth = Quantity::angle("azimuth of the sun").within(-360.0, 360.0);
         let elevation = Quantity::angle("elevation of the sun").within(1.0, 90.0);
         let ambient = Quantity::number("share of ambient light", 0.0, 1.0);
@@ -185,7 +184,6 @@ impl Form for LightSpec {
 impl Form for SkySpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("SkyForm", "What is seen where nothing stands: red, green and blue, 0 to 255.");
-        let _usual = Self::default();
         keys.key("horizon", "The sky at the horizon.").optional(Shades, &mut self.horizon);
         keys.key("zenith", "The sky straight above.").optional(Shades, &mut self.zenith);
         keys.key("ground", "The ground beyond the floor.").optional(Shades, &mut self.ground);
