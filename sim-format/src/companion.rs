@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use toml::de::{DeTable, DeValue};
+use toml::de::DeValue;
 
 use super::Span;
 use super::code::Code;
 use super::diagnostic::Diagnostic;
-use super::form::robot::{body, devices, drive_keys, frame};
+use super::form::robot::companion;
 use super::form::sensor::{RANGE_OF_PSDS, model_name, psd_keys};
 use super::given::Given;
 use super::line;
@@ -23,28 +23,20 @@ const MAX_LISTED: usize = 32;
 /// leaves the default.
 pub fn read_companion(file: &str, text: &str, robi: &mut RobiSpec) -> Vec<Diagnostic> {
     let (mut reader, root) = Reader::parse(file, text);
-    reader.companion(&root, robi);
+    reader.table(Section::root(&root), |keys| {
+        keys.mention(&["drive"]);
+        if let Some((reader, root)) = keys.reading()
+            && let Some(section) = reader.section(root, "psd")
+        {
+            reader.psd(section, robi);
+        }
+        companion(keys, robi);
+    });
+    reader.settle_devices(robi);
     reader.sink.finish()
 }
 
 impl Reader {
-    fn companion(&mut self, table: &DeTable<'_>, robi: &mut RobiSpec) {
-        self.table(Section::root(table), |keys| {
-            if let Some((reader, root)) = keys.reading() {
-                if let Some(section) = reader.section(root, "drive") {
-                    reader.table(section, |keys| drive_keys(keys, &mut robi.drive, 0.0));
-                }
-                if let Some(section) = reader.section(root, "psd") {
-                    reader.psd(section, robi);
-                }
-            }
-            body(keys, robi);
-            frame(keys, robi);
-            devices(keys, robi);
-        });
-        self.settle_devices(robi);
-    }
-
     /// `range_mm` for all sensors, and a table for each that differs.
     fn psd(&mut self, mut section: Section<'_, '_>, robi: &mut RobiSpec) {
         if let Some(range) = self.number(&mut section, "range_mm", &RANGE_OF_PSDS) {

@@ -191,14 +191,6 @@ impl Reader {
         Some(PathRef { text, span })
     }
 
-    /// The same where it must be there.
-    pub(super) fn required_reference(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<PathRef> {
-        if !section.has(key) {
-            self.missing(section, key);
-        }
-        self.reference(section, key)
-    }
-
     /// Texts, each of which may be empty.
     pub(super) fn texts(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Vec<String> {
         let Some(items) = self.array(section, key, "an array of texts") else {
@@ -239,19 +231,6 @@ impl Reader {
             self.sink.error(Code::TomlChoice, self.span(value.span()), message, expected).suggestion = suggestion;
         }
         place
-    }
-
-    /// The same where it must be there.
-    pub(super) fn required_choice(
-        &mut self,
-        section: &mut Section<'_, '_>,
-        key: &'static str,
-        words: &[&str],
-    ) -> Option<usize> {
-        if !section.has(key) {
-            self.missing(section, key);
-        }
-        self.choice(section, key, words)
     }
 
     /// An array of `N` numbers.

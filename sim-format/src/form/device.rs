@@ -18,9 +18,9 @@ use crate::line::Quantity;
 use crate::print::number::shortest;
 use crate::spec::{
     BumperSpec, CameraSpec, CompassSpec, DEFAULT_FIELD_OF_VIEW, InfraredSpec, InputSpec, JointSpec, LcdSpec, Lens,
-    MAX_FIELD_OF_VIEW_DEG, MAX_SAMPLES, SerialLine, SerialSpec, ServoSpec,
+    MAX_FIELD_OF_VIEW_DEG, MAX_SAMPLES, PathRef, SerialLine, SerialSpec, ServoSpec,
 };
-use crate::table::{Reader, Section};
+use crate::table::Reader;
 use sim_core::unit::{degrees_from_radians, radians_from_degrees};
 
 /// Distance below which an infrared switch answers when the file does not say, in metres.
@@ -243,18 +243,16 @@ impl Reader {
     fn serial_line(&mut self, key: &str, value: &Spanned<DeValue<'_>>) -> Option<SerialLine> {
         match value.get_ref() {
             DeValue::String(word) if word == "loopback" => Some(SerialLine::Loopback),
-            DeValue::Table(_) => self.as_section("serial", value).and_then(|section| self.serial_file(section)),
+            DeValue::Table(_) => {
+                let (section, mut path) = (self.as_section("serial", value)?, PathRef::default());
+                let is_complete = self.table(section, |keys| keys.key("file", "The file.").required(TEXT, &mut path));
+                is_complete.then(|| SerialLine::File { path, bytes: Arc::default() })
+            }
             _ => {
                 self.wrong_type(key, value, "`\"loopback\"` or `{ file = \"NAME\" }`");
                 None
             }
         }
-    }
-
-    fn serial_file(&mut self, mut section: Section<'_, '_>) -> Option<SerialLine> {
-        let path = self.required_reference(&mut section, "file");
-        self.unknown_keys(&section);
-        Some(SerialLine::File { path: path?, bytes: Arc::default() })
     }
 }
 

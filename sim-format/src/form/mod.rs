@@ -146,7 +146,10 @@ impl<'k> Keys<'k> {
         match &mut self.walk {
             Walk::Read(reader, section) => {
                 let words: Vec<&str> = F::KINDS.iter().map(|(word, ..)| *word).collect();
-                let place = reader.required_choice(section, "kind", &words);
+                if !section.has("kind") {
+                    reader.missing(section, "kind");
+                }
+                let place = reader.choice(section, "kind", &words);
                 place.into_iter().for_each(|place| *form = F::KINDS[place].2());
                 self.is_abandoned = place.is_none();
                 self.is_complete &= !self.is_abandoned;

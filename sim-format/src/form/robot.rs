@@ -12,7 +12,7 @@ use super::{Form, Keys};
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::robi::{drive_devices, usual_wheelbase};
-use crate::spec::{DriveSpec, LinkSpec, MotorSpec, PathRef, RobiSpec, WheelSpec};
+use crate::spec::{LinkSpec, MotorSpec, PathRef, RobiSpec, WheelSpec};
 use sim_core::drive::DriveKind;
 
 /// Most links of a robot: none needs a tenth of them.
@@ -41,10 +41,10 @@ impl Form for RobiSpec {
         keys.key("collider", "The body's shape in space; contacts are those of the disc.")
             .list(PARTS, &mut self.colliders);
         keys.mention(&["wheel", "drive", "psd"]);
-        body(keys, self);
+        keys.key("body", "Mass and traction.").always(PartOf(body_table), self);
         keys.key("wheel", "The wheels, all alike.").always(PART, &mut self.wheel);
         if keys.reading().is_some() {
-            self.drive.wheelbase = usual_wheelbase(self.drive.kind, self.diameter, self.wheel.track);
+            self.drive.wheelbase = wheelbase_of(self);
         }
         keys.key("drive", "The drive.").always(PartOf(drive_table), self);
         frame(keys, self);
@@ -56,20 +56,23 @@ impl Form for RobiSpec {
     }
 }
 
-/// The keys of a companion in three parts, between which a robot type has some more: mass and traction.
-pub(crate) fn body(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
+/// The keys of a companion but for the PSDs.
+pub(crate) fn companion(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     keys.key("body", "Mass and traction.").always(PartOf(body_table), robi);
+    keys.key("drive", "The drive.").always(PartOf(drive_keys), robi);
+    frame(keys, robi);
+    devices(keys, robi);
 }
 
 /// What devices sit on, and what it stands on.
-pub(crate) fn frame(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
+fn frame(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     keys.key("surface", "How the body reflects.").optional(PART, &mut robi.surface);
     keys.key("link", "Links: parts that sensors sit on.").list(LINKS, &mut robi.links);
     legs(keys, robi);
 }
 
 /// Its devices but for the PSDs.
-pub(crate) fn devices(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
+fn devices(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     ranges(keys, &mut robi.ranges);
     keys.key("camera", "The camera.").maybe(PART, &mut robi.camera);
     keys.key("lidar", "The laser scanner.").maybe(PART, &mut robi.lidar);
@@ -107,7 +110,7 @@ impl Form for WheelSpec {
 fn drive_table(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
     keys.form("DriveForm", "The drive.");
     keys.key("kind", "Its kind; differential if left out.").always(Word, &mut robi.drive.kind);
-    let wheelbase = usual_wheelbase(robi.drive.kind, robi.diameter, robi.wheel.track);
+    let wheelbase = wheelbase_of(robi);
     let drive = &mut robi.drive;
     let mut steering = drive.steering.take().map(|text| PathRef { text, ..PathRef::default() });
     if keys.reading().is_some() {
@@ -130,12 +133,19 @@ fn drive_table(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
             reader.sink.warn(Code::TomlConflict, servo.span, message, "`kind = \"ackermann\"`");
         }
     }
-    drive_keys(keys, drive, wheelbase);
+    drive_keys(robi, keys);
 }
 
-/// What a drive has besides its kind and its devices; `wheelbase` is the usual one.
-pub(crate) fn drive_keys(keys: &mut Keys<'_>, drive: &mut DriveSpec, wheelbase: f64) {
-    let mut said = Some(drive.wheelbase).filter(|said| *said != wheelbase && keys.reading().is_none());
+/// The wheelbase of a type that does not say.
+fn wheelbase_of(robi: &RobiSpec) -> f64 {
+    usual_wheelbase(robi.drive.kind, robi.diameter, robi.wheel.track)
+}
+
+/// What a drive has besides its kind and its devices.
+fn drive_keys(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
+    let usual = wheelbase_of(robi);
+    let drive = &mut robi.drive;
+    let mut said = Some(drive.wheelbase).filter(|said| *said != usual && keys.reading().is_none());
     keys.key(
         "wheelbase_mm",
         "Distance between front and rear wheels in mm; of a car 0.6 of the diameter if left out, else the track.",

@@ -8,8 +8,9 @@ use toml::Table;
 use super::number::{degrees, written, written_degrees, written_mm};
 use super::sim::quoted;
 use super::{Printed, text};
+use crate::form::print_beside;
+use crate::form::robot::companion;
 use crate::form::sensor::psd_keys;
-use crate::form::{print, print_beside};
 use crate::robi::DRIVES;
 use crate::spec::{Axis, Collider, JointSpec, Lens, PsdSpec, RobiSpec};
 use crate::{read_companion, read_robi, same};
@@ -30,23 +31,13 @@ pub fn print_robi(robi: &RobiSpec) -> Printed {
 
 /// The text of the companion of [`print_robi`]'s text.
 pub fn print_companion(robi: &RobiSpec) -> String {
-    let mut whole = print(robi);
+    let mut whole =
+        print_beside(|keys| companion(keys, &mut robi.clone()), |keys| companion(keys, &mut RobiSpec::default()));
     // What the robi itself says.
-    for key in ["name", "diameter_mm", "max_speed_mm_per_s", "max_turn_deg_per_s", "axis_mm", "centre_of_mass_mm"] {
-        whole.remove(key);
-    }
-    for key in ["model", "collider", "wheel", "psd"] {
-        whole.remove(key);
-    }
     if let Some(camera) = whole.get_mut("camera").and_then(toml::Value::as_table_mut) {
         camera.retain(|key, _| matches!(key, "fov_deg" | "samples"));
         if camera.is_empty() {
             whole.remove("camera");
-        }
-    }
-    if let Some(drive) = whole.get_mut("drive").and_then(toml::Value::as_table_mut) {
-        for key in ["kind", "motor", "steering"] {
-            drive.remove(key);
         }
     }
     if !robi.psds.is_empty() {
