@@ -17,7 +17,7 @@ use crate::code::Code;
 use crate::line::Quantity;
 use crate::print::number::shortest;
 use crate::spec::{
-    BumperSpec, CameraSpec, CompassSpec, DEFAULT_FIELD_OF_VIEW, InfraredSpec, InputSpec, JointSpec, LcdSpec, Lens,
+    BumperSpec, CameraSpec, CompassSpec, DEFAULT_LENS, InfraredSpec, InputSpec, JointSpec, LcdSpec, Lens,
     MAX_FIELD_OF_VIEW_DEG, MAX_SAMPLES, PathRef, SerialLine, SerialSpec, ServoSpec,
 };
 use crate::table::Reader;
@@ -333,7 +333,7 @@ impl Form for JointSpec {
 fn lens(keys: &mut Keys<'_>, lens: &mut Lens) {
     let (mut pinhole, mut fisheye) = match *lens {
         _ if keys.reading().is_some() => (None, None),
-        Lens::Pinhole { fov } => (Some(fov).filter(|fov| *fov != DEFAULT_FIELD_OF_VIEW), None),
+        Lens::Pinhole { fov } => (Some(fov).filter(|_| *lens != DEFAULT_LENS), None),
         Lens::Fisheye { fov } => (None, Some(fov)),
     };
     keys.key("fov_deg", "Horizontal field of view in degrees; 60 if left out.")

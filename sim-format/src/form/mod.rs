@@ -44,8 +44,8 @@ pub(crate) trait Form: Clone + Default {
 
 /// A form of several variants, which the key `kind` tells apart.
 pub(crate) trait Variants: Form + 'static {
-    /// The words for the variants, with what each is, and one about which nothing else is said.
-    const KINDS: &'static [(&'static str, &'static str, fn() -> Self)];
+    /// The variants.
+    const KINDS: &'static [Variant<Self>];
 
     /// The place of this variant among them.
     fn place(&self) -> usize {
@@ -53,6 +53,9 @@ pub(crate) trait Variants: Form + 'static {
         Self::KINDS.iter().position(|(.., make)| is_same(make())).unwrap_or_default()
     }
 }
+
+/// A variant: its word, what it is, and one about which nothing else is said.
+pub(crate) type Variant<F> = (&'static str, &'static str, fn() -> F);
 
 /// One walk over the keys of a table.
 pub(crate) struct Keys<'k> {

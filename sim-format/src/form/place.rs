@@ -7,7 +7,7 @@ use toml::Value;
 
 use super::kind::{At, Bounded, Custom, Kind, PART, Shades, TEXT, Word, Words};
 use super::noise::NOISE;
-use super::{Form, Keys, Variants};
+use super::{Form, Keys, Variant, Variants};
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::path;
@@ -269,7 +269,7 @@ fn area_keys(keys: &mut Keys<'_>, area: &mut Option<[DVec2; 2]>) -> bool {
 }
 
 impl Variants for Layout {
-    const KINDS: &'static [(&'static str, &'static str, fn() -> Self)] = &[
+    const KINDS: &'static [Variant<Self>] = &[
         ("starts", "Each at the next start of the world.", || Self::Starts),
         ("line", "On a line at equal distances, the first and the last at its ends.", || Self::Line {
             from: DVec2::ZERO,

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::kind::{TEXT, Word};
 use super::sensor::PLACE;
-use super::{Form, Keys, Variants};
+use super::{Form, Keys, Variant, Variants};
 use crate::line::Quantity;
 use crate::spec::{Axis, Collider, ModelSpec};
 
@@ -67,7 +67,7 @@ fn radius(keys: &mut Keys<'_>, radius: &mut f64) {
 }
 
 impl Variants for Collider {
-    const KINDS: &'static [(&'static str, &'static str, fn() -> Self)] = &[
+    const KINDS: &'static [Variant<Self>] = &[
         ("box", "A box along the axes.", || Self::Box { centre: DVec3::ZERO, size: DVec3::ZERO }),
         ("sphere", "A sphere.", || Self::Sphere { centre: DVec3::ZERO, radius: 0.0 }),
         ("capsule", "A cylinder with half spheres at its ends.", || Self::Capsule {
