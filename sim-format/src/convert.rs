@@ -315,7 +315,7 @@ impl Conversion<'_> {
 
     fn write_robi(&mut self, robi: &super::RobiSpec, target: Kind) {
         if target == Kind::Scene {
-            let text = print::section("robot_type", print::robot_type_form(robi));
+            let text = print::section("robot_type", robi);
             return self.write(self.to.to_owned(), Printed { text, lost: Vec::new() });
         }
         self.write(self.to.to_owned(), print::print_robi(robi));
@@ -337,7 +337,7 @@ impl Conversion<'_> {
 
     fn write_object(&mut self, object: &super::ObjectType, target: Kind) {
         let printed = if target == Kind::Scene {
-            Printed { text: print::section("object_type", print::object_form(object)), lost: Vec::new() }
+            Printed { text: print::section("object_type", object), lost: Vec::new() }
         } else {
             print::print_esobj(object)
         };

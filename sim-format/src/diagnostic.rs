@@ -79,6 +79,11 @@ impl Sink {
         Self { file: file.to_owned(), diagnostics: Vec::new(), left_out: 0, last_left_out: None }
     }
 
+    /// The file that is read.
+    pub(super) fn file(&self) -> &str {
+        &self.file
+    }
+
     /// True as long as there is nothing to say.
     pub(super) fn is_empty(&self) -> bool {
         self.diagnostics.is_empty()

@@ -7,15 +7,14 @@
 #![forbid(unsafe_code)]
 
 pub mod builtin;
-mod camera;
 mod clearance;
 mod code;
 mod companion;
 mod convert;
 mod diagnostic;
 mod esobj;
+mod form;
 mod given;
-mod legs;
 mod line;
 mod load;
 mod maze;

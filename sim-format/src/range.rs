@@ -1,194 +1,19 @@
-//! Links, poses in space and range sensors in tables of TOML: the same words in a companion and in a scene.
+//! Links, buses and servos of a robot type: what shows once all its devices are known.
 
 use std::collections::BTreeMap;
 
 use super::Span;
 use super::code::Code;
-use super::line::{self, Quantity};
-use super::spec::{
-    Axis, BODY, LinkSpec, MAX_SONARS_ON_BUS, MountSpec, PathRef, RangeSpec, RobiSpec, Surface, TurnSpec,
-};
-use super::table::{Reader, Section};
+use super::line;
+use super::spec::{BODY, LinkSpec, MAX_SONARS_ON_BUS, PathRef, RobiSpec};
+use super::table::Reader;
 use sim_core::build;
-use sim_core::sensor::{Echo, PAPER_SIGMA, RangeModel, SideLobes, Sonar};
 
 /// Names that a message lists at most.
 const MAX_LISTED: usize = 32;
 
-/// Most links of a robot: none needs a tenth of them.
-const MAX_LINKS: usize = 256;
-/// Greatest number of a bus: a robot has more than one microcontroller for its sonars, but hardly a hundred.
-const MAX_BUS: i64 = 100;
-/// Most rays of a sonar's fan.
-const MAX_RAYS: i64 = 4096;
-/// Sonars whose values are known.
-const PRESETS: [&str; 1] = ["SRF08"];
-const AXES: [&str; 3] = ["x", "y", "z"];
-const ROLL: Quantity = Quantity::angle("roll");
-pub(super) const PITCH: Quantity = Quantity::angle("pitch");
-const YAW: Quantity = Quantity::angle("yaw");
-
-/// The word for a kind of range sensor: its table in TOML.
-pub(super) fn model_name(model: &RangeModel) -> &'static str {
-    match model {
-        RangeModel::Psd { .. } => "psd",
-        RangeModel::Laser(_) => "laser",
-        RangeModel::Ultrasonic(_) => "ultrasonic",
-        RangeModel::Reflectance(_) => "reflectance",
-        RangeModel::Sonar(_) => "sonar",
-    }
-}
-
-impl Reader<'_> {
-    /// `surface = { reflectivity = 0.8, specular = 0.5 }`
-    pub(super) fn surface(&mut self, mut section: Section<'_, '_>) -> Surface {
-        let mut surface = Surface::default();
-        let share = |name| Quantity::number(name, 0.0, 1.0);
-        self.set(&mut section, "reflectivity", &share("reflectivity"), &mut surface.reflectivity);
-        self.set(&mut section, "specular", &share("specular share"), &mut surface.specular);
-        self.unknown_keys(&section);
-        surface
-    }
-
-    /// The link that something sits on, if it is not the body. Whether there is one of this name shows at the end.
-    pub(super) fn on(&mut self, section: &mut Section<'_, '_>) -> Option<PathRef> {
-        self.reference(section, "on").filter(|link| link.text != BODY)
-    }
-
-    /// Reads a pose in space into `mount`.
-    pub(super) fn mount(&mut self, section: &mut Section<'_, '_>, mount: &mut MountSpec) {
-        if section.has("on") {
-            mount.on = self.on(section);
-        } else {
-            section.get("on");
-        }
-        self.set(section, "x_mm", &Quantity::coordinate("x"), &mut mount.position.x);
-        self.set(section, "y_mm", &Quantity::coordinate("y"), &mut mount.position.y);
-        self.set(section, "z_mm", &Quantity::coordinate("z"), &mut mount.position.z);
-        self.set(section, "roll_deg", &ROLL, &mut mount.roll);
-        self.set(section, "pitch_deg", &PITCH, &mut mount.pitch);
-        self.set(section, "yaw_deg", &YAW, &mut mount.yaw);
-    }
-
-    /// The links.
-    pub(super) fn links(&mut self, parent: &mut Section<'_, '_>, robi: &mut RobiSpec) {
-        let sections = self.sections(parent, "link");
-        if sections.len() > MAX_LINKS {
-            let message = format!("the robot has {} links", sections.len());
-            let span = self.key_span(parent, "link");
-            self.sink.error(Code::NumberRange, span, message, format!("at most {MAX_LINKS} links"));
-            return;
-        }
-        for section in sections {
-            robi.links.extend(self.link(section));
-        }
-    }
-
-    /// `[[link]]`
-    fn link(&mut self, mut section: Section<'_, '_>) -> Option<LinkSpec> {
-        let name = self.required_reference(&mut section, "name");
-        let mut mount = MountSpec::default();
-        self.mount(&mut section, &mut mount);
-        let servo = self.reference(&mut section, "servo");
-        if section.has("axis") && !section.has("servo") {
-            self.missing(&section, "servo");
-        }
-        let axis = match self.choice(&mut section, "axis", &AXES) {
-            Some(0) => Axis::X,
-            Some(1) => Axis::Y,
-            _ => Axis::Z,
-        };
-        self.unknown_keys(&section);
-        let turn = servo.map(|servo| TurnSpec { axis, servo });
-        Some(LinkSpec { name: name?.text, mount, turn, span: section.span })
-    }
-
-    /// The range sensors beside the PSDs.
-    pub(super) fn ranges(&mut self, parent: &mut Section<'_, '_>, robi: &mut RobiSpec) {
-        for section in self.sections(parent, "laser") {
-            robi.ranges.extend(self.echo(section, Echo::LASER, RangeModel::Laser));
-        }
-        for section in self.sections(parent, "ultrasonic") {
-            robi.ranges.extend(self.echo(section, Echo::ULTRASONIC, RangeModel::Ultrasonic));
-        }
-        for section in self.sections(parent, "reflectance") {
-            robi.ranges.extend(self.echo(section, Echo::REFLECTANCE, RangeModel::Reflectance));
-        }
-        for section in self.sections(parent, "sonar") {
-            robi.ranges.extend(self.sonar(section));
-        }
-    }
-}
-
-impl Reader<'_> {
-    /// A sensor of one ray with the values of `usual` for what it does not say.
-    fn echo(&mut self, mut section: Section<'_, '_>, usual: Echo, model: fn(Echo) -> RangeModel) -> Option<RangeSpec> {
-        let incidence = Quantity::angle("greatest incidence").within(0.0, 90.0);
-        let mut echo = usual;
-        self.limits(&mut section, &mut echo.min, &mut echo.max);
-        self.set(&mut section, "incidence_deg", &incidence, &mut echo.incidence);
-        self.range(section, model(echo))
-    }
-
-    fn sonar(&mut self, mut section: Section<'_, '_>) -> Option<RangeSpec> {
-        // The one preset is what a sonar has that does not say.
-        self.choice(&mut section, "preset", &PRESETS);
-        let mut sonar = Sonar::srf08();
-        self.limits(&mut section, &mut sonar.min, &mut sonar.max);
-        let half_angle = Quantity::angle("half of the beam's angle").within(0.1, 90.0);
-        self.set(&mut section, "half_angle_deg", &half_angle, &mut sonar.half_angle);
-        self.set(&mut section, "threshold", &Quantity::number("threshold", 0.0, 1e9), &mut sonar.threshold);
-        if let Some(rays) = self.integer(&mut section, "rays", 1, MAX_RAYS) {
-            sonar.rays = rays as u32;
-        }
-        if let Some(lobes) = self.section(&mut section, "side_lobes") {
-            sonar.side_lobes = self.side_lobes(lobes);
-        }
-        let bus = self.integer(&mut section, "bus", 1, MAX_BUS).map_or(1, |bus| bus as u32);
-        let range = self.range(section, RangeModel::Sonar(sonar))?;
-        Some(RangeSpec { bus: Some(bus), ..range })
-    }
-
-    fn side_lobes(&mut self, mut section: Section<'_, '_>) -> Option<SideLobes> {
-        let angle = Quantity::angle("angle of the side lobes").within(0.0, 90.0);
-        let half_width = Quantity::angle("half of the side lobes' width").within(0.01, 90.0);
-        let angle = self.required(&mut section, "angle_deg", &angle);
-        let half_width = self.required(&mut section, "half_width_deg", &half_width);
-        let gain = self.required(&mut section, "gain", &Quantity::number("gain of the side lobes", 0.0, 1.0));
-        self.unknown_keys(&section);
-        Some(SideLobes { angle: angle?, half_width: half_width?, gain: gain? })
-    }
-
-    /// Least and greatest distance. Two that leave nothing between them are reported and change nothing.
-    fn limits(&mut self, section: &mut Section<'_, '_>, min: &mut f64, max: &mut f64) {
-        let low = self.number(section, "min_mm", &Quantity::length("least distance")).unwrap_or(*min);
-        let high = self.number(section, "max_mm", &Quantity::size("greatest distance")).unwrap_or(*max);
-        if low < high {
-            (*min, *max) = (low, high);
-            return;
-        }
-        let key = if section.has("min_mm") { "min_mm" } else { "max_mm" };
-        let [low, high] = [low, high].map(sim_core::unit::mm_from_metres);
-        let message = format!("the least distance, {low} mm, is not below the greatest, {high} mm");
-        let span = self.key_span(section, key);
-        self.sink.error(Code::RobiRange, span, message, "`min_mm` below `max_mm`");
-    }
-
-    /// What all range sensors have besides their model.
-    fn range(&mut self, mut section: Section<'_, '_>, model: RangeModel) -> Option<RangeSpec> {
-        let (name, id) = self.device(&mut section);
-        let mut mount = MountSpec::default();
-        self.mount(&mut section, &mut mount);
-        let [mut sigma, mut mean] = [PAPER_SIGMA, 0.0];
-        self.set(&mut section, "sigma", &Quantity::number("standard deviation", 0.0, 1e3), &mut sigma);
-        self.set(&mut section, "mean", &Quantity::number("mean", -1e3, 1e3), &mut mean);
-        self.unknown_keys(&section);
-        Some(RangeSpec { name: name?, id, mount, model, sigma, mean, bus: None, span: section.span })
-    }
-}
-
 /// What is left to say once all devices of a robot type are known.
-impl Reader<'_> {
+impl Reader {
     /// Reports devices that a program could not tell apart, and links and servos that there are not; sensors whose link is
     /// not there sit on the body.
     pub(super) fn settle_devices(&mut self, robi: &mut RobiSpec) {

@@ -14,7 +14,7 @@ use super::spec::{DriveKind, DriveSpec, MotorSpec, RobiSpec, WheelSpec};
 use body::values_of;
 pub(super) use device::{LIDAR_SWEEP, LIDAR_TILT, MAX_LIDAR_POINTS};
 use dialect::Dialect;
-pub(super) use whole::WHEELBASE_OF_DIAMETER;
+pub(super) use whole::usual_wheelbase;
 
 const KEYWORDS: [&str; 15] = [
     "name", "diameter", "speed", "turn", "model", "axis", "psd", "camera", "wheel", "drive", "mass", "collider",
@@ -234,33 +234,23 @@ impl Reader {
     fn drive(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let span = span_of(keyword, rest);
         self.drive = Some(span);
-        let (kind, default): (_, &[&str]) = match rest.first().map(|word| word.text) {
-            Some("DIFFERENTIAL_DRIVE") => {
-                (DriveKind::Differential, &["MOTOR_LEFT", "QUAD_LEFT", "MOTOR_RIGHT", "QUAD_RIGHT"])
-            }
-            Some("ACKERMANN_DRIVE") => (DriveKind::Ackermann, &["MOTOR_DRIVE", "QUAD_DRIVE", "SERVO_STEER"]),
-            Some("OMNI_DRIVE") => (DriveKind::Omni, &OMNI),
-            Some("LEGGED_DRIVE") => (DriveKind::Legged, &[]),
-            other => {
-                let word = rest.first().unwrap_or(keyword);
-                let message = format!("unknown drive `{}`; a differential drive is taken", other.unwrap_or_default());
-                let diagnostic = self.sink.error(Code::RobiDriveKind, word.span, message, DRIVE_FORM);
-                diagnostic.suggestion =
-                    line::nearest(other.unwrap_or_default(), DRIVES).map(|kind| format!("write `{kind}`"));
-                return;
-            }
+        let word = rest.first().unwrap_or(keyword);
+        let named = rest.first().map_or("", |word| word.text);
+        let Some((_, kind, default)) = DRIVES.iter().find(|(word, ..)| *word == named) else {
+            let message = format!("unknown drive `{named}`; a differential drive is taken");
+            let diagnostic = self.sink.error(Code::RobiDriveKind, word.span, message, DRIVE_FORM);
+            let words = DRIVES.iter().map(|(word, ..)| *word);
+            diagnostic.suggestion = line::nearest(named, words).map(|kind| format!("write `{kind}`"));
+            return;
         };
         let names: Vec<&str> = rest[1..].iter().map(|word| word.text).collect();
         if !names.is_empty() && names.len() != default.len() {
             let message = format!("`{}` has {} of {} devices", rest[0].text, names.len(), default.len());
             self.sink.warn(Code::RobiDriveArity, span, message, DRIVE_FORM);
         }
-        let names = if names.len() == default.len() { &names } else { default };
-        let (motors, steering) = match kind {
-            DriveKind::Ackermann => (&names[..2], Some(names[2].to_owned())),
-            _ => (names, None),
-        };
-        self.robi.drive = DriveSpec { kind, motors: MotorSpec::pairs(motors), steering, ..self.robi.drive.clone() };
+        let names = if names.len() == default.len() { &names } else { *default };
+        let (motors, steering) = motors_and_steering(*kind, names);
+        self.robi.drive = DriveSpec { kind: *kind, motors, steering, ..self.robi.drive.clone() };
     }
 
     fn unknown(&mut self, word: &Word<'_>) {
@@ -290,8 +280,31 @@ const VR_WHEEL_FORM: &str =
 const DRIVE_FORM: &str = "`drive DIFFERENTIAL_DRIVE MOTOR QUAD MOTOR QUAD`, `drive OMNI_DRIVE` with four pairs (front left, \
                           front right, back left, back right), `drive ACKERMANN_DRIVE MOTOR QUAD SERVO`, or \
                           `drive LEGGED_DRIVE` with legs in the companion";
-const DRIVES: [&str; 4] = ["DIFFERENTIAL_DRIVE", "ACKERMANN_DRIVE", "OMNI_DRIVE", "LEGGED_DRIVE"];
-const OMNI: [&str; 8] = ["MOTOR_FL", "QUAD_FL", "MOTOR_FR", "QUAD_FR", "MOTOR_BL", "QUAD_BL", "MOTOR_BR", "QUAD_BR"];
+/// Drives: the word for each, and the names that its devices have where none are given.
+pub(super) const DRIVES: [(&str, DriveKind, &[&str]); 4] = [
+    ("DIFFERENTIAL_DRIVE", DriveKind::Differential, &["MOTOR_LEFT", "QUAD_LEFT", "MOTOR_RIGHT", "QUAD_RIGHT"]),
+    ("ACKERMANN_DRIVE", DriveKind::Ackermann, &["MOTOR_DRIVE", "QUAD_DRIVE", "SERVO_STEER"]),
+    (
+        "OMNI_DRIVE",
+        DriveKind::Omni,
+        &["MOTOR_FL", "QUAD_FL", "MOTOR_FR", "QUAD_FR", "MOTOR_BL", "QUAD_BL", "MOTOR_BR", "QUAD_BR"],
+    ),
+    ("LEGGED_DRIVE", DriveKind::Legged, &[]),
+];
+
+/// The motors and the servo that steers of a drive that names none.
+pub(super) fn drive_devices(kind: DriveKind) -> (Vec<MotorSpec>, Option<String>) {
+    let names = DRIVES.iter().find(|(_, known, _)| *known == kind).map_or(&[] as &[&str], |(.., names)| *names);
+    motors_and_steering(kind, names)
+}
+
+/// Motors and steering of a drive whose devices have these names.
+fn motors_and_steering(kind: DriveKind, names: &[&str]) -> (Vec<MotorSpec>, Option<String>) {
+    match (kind, names) {
+        (DriveKind::Ackermann, [motors @ .., servo]) => (MotorSpec::pairs(motors), Some((*servo).to_owned())),
+        _ => (MotorSpec::pairs(names), None),
+    }
+}
 
 const WHEEL: [Quantity; 4] = [
     Quantity::size("wheel diameter"),

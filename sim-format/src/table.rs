@@ -1,9 +1,9 @@
 //! Tables of TOML: what the reader of companions and that of scenes have in common.
 
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::{DeString, DeTable, DeValue};
 
 use super::Span;
 use super::code::Code;
@@ -12,10 +12,10 @@ use super::line::{self, Quantity};
 use super::spec::PathRef;
 
 /// A text of TOML that is being read, and what is wrong with it.
-pub(super) struct Reader<'t> {
+pub(super) struct Reader {
     pub(super) sink: Sink,
     /// The text without byte order mark.
-    pub(super) text: &'t str,
+    pub(super) text: String,
     /// Length of the byte order mark.
     offset: usize,
     starts: Vec<usize>,
@@ -49,13 +49,17 @@ impl<'a, 'i> Section<'a, 'i> {
     }
 }
 
-impl<'t> Reader<'t> {
+impl Reader {
     /// Takes the text of `file` apart; what is no TOML is reported, and what can be read of it is read.
-    pub(super) fn parse(file: &str, text: &'t str) -> (Self, DeTable<'t>) {
+    pub(super) fn parse<'t>(file: &str, text: &'t str) -> (Self, DeTable<'t>) {
         let whole = text.len();
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut reader =
-            Self { sink: Sink::new(file), starts: line::line_starts(text), offset: whole - text.len(), text };
+        let mut reader = Self {
+            sink: Sink::new(file),
+            starts: line::line_starts(text),
+            offset: whole - text.len(),
+            text: text.to_owned(),
+        };
         let (root, errors) = DeTable::parse_recoverable(text);
         for error in errors {
             let span = reader.span(error.span().unwrap_or(0..0));
@@ -66,7 +70,7 @@ impl<'t> Reader<'t> {
     }
 }
 
-impl Reader<'_> {
+impl Reader {
     /// Where `range` lies in the file.
     pub(super) fn span(&self, range: Range<usize>) -> Span {
         let mut start = range.start.min(self.text.len());
@@ -99,18 +103,6 @@ impl Reader<'_> {
             return None;
         }
         self.number(section, key, quantity)
-    }
-
-    pub(super) fn set(
-        &mut self,
-        section: &mut Section<'_, '_>,
-        key: &'static str,
-        quantity: &Quantity,
-        place: &mut f64,
-    ) {
-        if let Some(value) = self.number(section, key, quantity) {
-            *place = value;
-        }
     }
 
     pub(super) fn number(
@@ -168,7 +160,12 @@ impl Reader<'_> {
     }
 
     /// A text that is not empty; `expected` says of what.
-    fn text_of(&mut self, section: &mut Section<'_, '_>, key: &'static str, expected: &str) -> Option<String> {
+    pub(super) fn text_of(
+        &mut self,
+        section: &mut Section<'_, '_>,
+        key: &'static str,
+        expected: &str,
+    ) -> Option<String> {
         let value = section.get(key)?;
         let text = value.get_ref().as_str().filter(|text| !text.trim().is_empty());
         if text.is_none() {
@@ -192,14 +189,6 @@ impl Reader<'_> {
         let text = self.text_of(section, key, expected)?;
         let span = section.get(key).map_or(section.span, |value| self.span(value.span()));
         Some(PathRef { text, span })
-    }
-
-    /// The same where it must be there.
-    pub(super) fn required_reference(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<PathRef> {
-        if !section.has(key) {
-            self.missing(section, key);
-        }
-        self.reference(section, key)
     }
 
     /// Texts, each of which may be empty.
@@ -244,19 +233,6 @@ impl Reader<'_> {
         place
     }
 
-    /// The same where it must be there.
-    pub(super) fn required_choice(
-        &mut self,
-        section: &mut Section<'_, '_>,
-        key: &'static str,
-        words: &[&str],
-    ) -> Option<usize> {
-        if !section.has(key) {
-            self.missing(section, key);
-        }
-        self.choice(section, key, words)
-    }
-
     /// An array of `N` numbers.
     pub(super) fn numbers<const N: usize>(
         &mut self,
@@ -287,19 +263,6 @@ impl Reader<'_> {
             }
         }
         is_complete.then_some(values)
-    }
-
-    /// The same where it must be there.
-    pub(super) fn required_numbers<const N: usize>(
-        &mut self,
-        section: &mut Section<'_, '_>,
-        key: &'static str,
-        quantities: &[Quantity; N],
-    ) -> Option<[f64; N]> {
-        if !section.has(key) {
-            self.missing(section, key);
-        }
-        self.numbers(section, key, quantities)
     }
 
     /// `N` shades of colours, each 0 to 255.
@@ -356,6 +319,28 @@ impl Reader<'_> {
         written.map_or(section.span, |(name, _)| self.span(name.span()))
     }
 
+    /// Where the value of a key is written; the table where it is not.
+    pub(super) fn value_span(&self, section: &Section<'_, '_>, key: &str) -> Span {
+        let written = section.table.iter().find(|(name, _)| name.get_ref() == key);
+        written.map_or(section.span, |(_, value)| self.span(value.span()))
+    }
+
+    /// The number that a key is.
+    pub(super) fn number_of(
+        &mut self,
+        key: &Spanned<DeString<'_>>,
+        numbers: &RangeInclusive<u8>,
+        what: &str,
+    ) -> Option<u8> {
+        let number = key.get_ref().parse().ok().filter(|number| numbers.contains(number));
+        if number.is_none() {
+            let message = format!("`{}` is no {what}", key.get_ref());
+            let expected = format!("a number from {} to {}", numbers.start(), numbers.end());
+            self.sink.error(Code::TomlKey, self.span(key.span()), message, expected);
+        }
+        number
+    }
+
     pub(super) fn section<'a, 'i>(
         &mut self,
         parent: &mut Section<'a, 'i>,
@@ -373,7 +358,10 @@ impl Reader<'_> {
         example: &str,
     ) -> Option<Section<'a, 'i>> {
         let value = parent.get(key)?;
-        self.as_section_or(key, value, &format!("a table such as `{key} = {{ {example} }}`"))
+        match example {
+            "" => self.as_section(key, value),
+            example => self.as_section_or(key, value, &format!("a table such as `{key} = {{ {example} }}`")),
+        }
     }
 
     pub(super) fn as_section<'a, 'i>(

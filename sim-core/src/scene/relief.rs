@@ -67,7 +67,7 @@ pub struct Boulders {
 }
 
 /// A disc on the plane, in metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Disc {
     /// Its middle, world frame.
     pub centre: DVec2,

@@ -8,7 +8,7 @@ use super::{Bounds, FieldError, HeightField};
 pub const MAX_STEPS: u32 = 1000;
 
 /// Level ground with blocks and stairs on it; in metres, world frame. Where several stand, the highest counts.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Steps {
     /// Corner with the least x and y.
     pub origin: DVec2,
@@ -23,9 +23,10 @@ pub struct Steps {
 }
 
 /// The way that stairs go up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Way {
     /// Towards greater x.
+    #[default]
     East,
     /// Towards greater y.
     North,
@@ -51,7 +52,7 @@ impl Way {
 }
 
 /// A flight of stairs.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stairs {
     /// Middle of the foot of the first step.
     pub from: DVec2,
@@ -72,7 +73,7 @@ pub struct Stairs {
 }
 
 /// A block with level top and vertical sides.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Block {
     /// What it covers.
     pub bounds: Bounds,

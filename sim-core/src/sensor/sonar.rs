@@ -42,7 +42,7 @@ pub struct Sonar {
 /// A ring of sensitivity around the main lobe.
 ///
 /// Source: France et al. 1999, Figures 4 and 5 (the pattern); a single Gaussian ring: our choice.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SideLobes {
     /// Angle between the line of sight and the middle of the ring, rad.
     pub angle: f64,

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::{JointSpec, MountSpec, PathRef};
 use crate::camera::Lens;
-use crate::sensor::RangeModel;
+use crate::sensor::{Echo, PAPER_SIGMA, RangeModel};
 use crate::spec::Span;
 
 /// Greatest distance of a PSD sensor without a companion file, in metres: the Sharp GP2D02 of the EyeBot robots.
@@ -29,7 +29,7 @@ pub const DEFAULT_LIDAR_HEIGHT: f64 = 0.1;
 pub const DEFAULT_LIDAR_RANGE: f64 = 9.999;
 
 /// A PSD distance sensor.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PsdSpec {
     /// Name, `PSD_FRONT`.
     pub name: String,
@@ -73,6 +73,22 @@ pub struct RangeSpec {
     pub span: Span,
 }
 
+impl Default for RangeSpec {
+    /// A laser range finder.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            id: None,
+            mount: MountSpec::default(),
+            model: RangeModel::Laser(Echo::LASER),
+            sigma: PAPER_SIGMA,
+            mean: 0.0,
+            bus: None,
+            span: Span::default(),
+        }
+    }
+}
+
 /// Horizontal field of view of a camera that does not say, in radians: 60 degrees, near that of the EyeCam. Source: our choice;
 /// the files do not say.
 pub const DEFAULT_FIELD_OF_VIEW: f64 = FRAC_PI_3;
@@ -108,11 +124,17 @@ pub struct CameraSpec {
     pub span: Span,
 }
 
-impl CameraSpec {
-    /// A camera written at `span` that says nothing about itself.
-    pub fn new(span: Span) -> Self {
-        let [pan, tilt] = [JointSpec::Fixed(0.0), JointSpec::Fixed(0.0)];
-        Self { position: DVec3::ZERO, pan, tilt, image: None, lens: DEFAULT_LENS, samples: DEFAULT_SAMPLES, span }
+impl Default for CameraSpec {
+    fn default() -> Self {
+        Self {
+            position: DVec3::ZERO,
+            pan: JointSpec::default(),
+            tilt: JointSpec::default(),
+            image: None,
+            lens: DEFAULT_LENS,
+            samples: DEFAULT_SAMPLES,
+            span: Span::default(),
+        }
     }
 }
 
@@ -133,9 +155,9 @@ pub struct LidarSpec {
     pub span: Span,
 }
 
-impl LidarSpec {
-    /// A scanner written at `span` that says nothing about itself.
-    pub fn new(span: Span) -> Self {
+impl Default for LidarSpec {
+    fn default() -> Self {
+        let span = Span::default();
         let position = DVec3::new(0.0, 0.0, DEFAULT_LIDAR_HEIGHT);
         let mount = MountSpec { position, ..MountSpec::default() };
         Self { mount, range: DEFAULT_LIDAR_RANGE, points: DEFAULT_LIDAR_POINTS, tilt: 0.0, sweep: TAU, span }
@@ -143,7 +165,7 @@ impl LidarSpec {
 }
 
 /// An infrared proximity switch: tells whether something is nearer than its range.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct InfraredSpec {
     /// Name, `IR_LF`.
     pub name: String,
@@ -160,7 +182,7 @@ pub struct InfraredSpec {
 }
 
 /// A bumper: an arc of the robot's circumference that feels contacts.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct BumperSpec {
     /// Name, `BUMP_FRONT`.
     pub name: String,
@@ -175,7 +197,7 @@ pub struct BumperSpec {
 }
 
 /// A servo.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ServoSpec {
     /// Name, `SERVO1`.
     pub name: String,
@@ -206,7 +228,7 @@ impl Default for LcdSpec {
 }
 
 /// The compass.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct CompassSpec {
     /// Name, `COMPASS`.
     pub name: String,

@@ -53,7 +53,7 @@ pub struct GaitSpec {
 }
 
 /// A leg.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LegSpec {
     /// Its name.
     pub name: PathRef,

@@ -21,6 +21,12 @@ pub enum JointSpec {
     },
 }
 
+impl Default for JointSpec {
+    fn default() -> Self {
+        Self::Fixed(0.0)
+    }
+}
+
 /// Name of the body among the links.
 pub const BODY: &str = "body";
 
@@ -56,7 +62,7 @@ pub struct TurnSpec {
 }
 
 /// A rigid part on the body or on another link.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LinkSpec {
     /// Its name; never [`BODY`].
     pub name: String,

@@ -60,12 +60,12 @@ pub struct ObjectType {
     pub buoyancy: f64,
 }
 
-impl ObjectType {
-    /// An object type with the defaults for all that a file leaves out, named by the file's stem: an upright cylinder.
-    pub fn with_defaults(file: &str) -> Self {
+impl Default for ObjectType {
+    /// What a file says that leaves all out: an upright cylinder.
+    fn default() -> Self {
         Self {
-            file: file.to_owned(),
-            name: stem(file).to_owned(),
+            file: String::new(),
+            name: String::new(),
             model: None,
             scale: 1.0,
             colliders: vec![Collider::Cylinder {
@@ -84,6 +84,13 @@ impl ObjectType {
             solid: Solid::Colliders,
             buoyancy: 0.0,
         }
+    }
+}
+
+impl ObjectType {
+    /// An object type with the defaults for all that a file leaves out, named by the file's stem.
+    pub fn with_defaults(file: &str) -> Self {
+        Self { file: file.to_owned(), name: stem(file).to_owned(), ..Self::default() }
     }
 }
 

@@ -76,6 +76,17 @@ pub struct WheelSpec {
     pub track: f64,
 }
 
+impl Default for WheelSpec {
+    fn default() -> Self {
+        Self {
+            diameter: DEFAULT_WHEEL_DIAMETER,
+            max_rate: radians_from_degrees(DEFAULT_MAX_RATE_DEG),
+            ticks_per_turn: DEFAULT_TICKS,
+            track: DEFAULT_TRACK,
+        }
+    }
+}
+
 /// A robot type: a `.robi` and the `.toml` beside it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobiSpec {
@@ -149,22 +160,17 @@ pub struct ServoRef<'r> {
     pub swing: [f64; 2],
 }
 
-impl RobiSpec {
-    /// A robot type with the defaults for all that a file leaves out, named by the file's stem.
-    pub fn with_defaults(file: &str) -> Self {
+impl Default for RobiSpec {
+    /// What a file says that leaves all out.
+    fn default() -> Self {
         Self {
-            file: file.to_owned(),
-            name: stem(file).to_owned(),
+            file: String::new(),
+            name: String::new(),
             diameter: DEFAULT_DIAMETER,
             max_speed: DEFAULT_MAX_SPEED,
             max_turn: radians_from_degrees(DEFAULT_MAX_TURN_DEG),
             axis_offset: 0.0,
-            wheel: WheelSpec {
-                diameter: DEFAULT_WHEEL_DIAMETER,
-                max_rate: radians_from_degrees(DEFAULT_MAX_RATE_DEG),
-                ticks_per_turn: DEFAULT_TICKS,
-                track: DEFAULT_TRACK,
-            },
+            wheel: WheelSpec::default(),
             drive: DriveSpec {
                 kind: DriveKind::Differential,
                 motors: MotorSpec::pairs(&["MOTOR_LEFT", "QUAD_LEFT", "MOTOR_RIGHT", "QUAD_RIGHT"]),
@@ -194,6 +200,13 @@ impl RobiSpec {
             serials: Vec::new(),
             hdt: Vec::new(),
         }
+    }
+}
+
+impl RobiSpec {
+    /// A robot type with the defaults for all that a file leaves out, named by the file's stem.
+    pub fn with_defaults(file: &str) -> Self {
+        Self { file: file.to_owned(), name: stem(file).to_owned(), ..Self::default() }
     }
 
     /// All servos: that of the steering first, then those of the companion, then the camera's. That is the order in which

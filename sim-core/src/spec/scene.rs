@@ -13,7 +13,7 @@ use crate::spec::Span;
 use crate::time::Time;
 
 /// A passive object as a line places it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjectLine {
     /// Its type.
     pub kind: TypeRef,
@@ -39,7 +39,7 @@ pub struct ObjectSpec {
 }
 
 /// A flat spot of colour on the floor, which nothing touches and no distance sensor sees.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MarkerSpec {
     /// Its middle in the world frame, in metres.
     pub position: DVec2,
@@ -56,6 +56,12 @@ pub enum TypeRef {
     File(PathRef),
     /// By its name: a built-in type or one that the scene has loaded.
     Name(PathRef),
+}
+
+impl Default for TypeRef {
+    fn default() -> Self {
+        Self::Name(PathRef::default())
+    }
 }
 
 impl TypeRef {
@@ -88,9 +94,10 @@ pub struct WorldLine {
 }
 
 /// Where a robot of a scene starts.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum StartRef {
     /// At the next start of the world that no robot before has taken.
+    #[default]
     Next,
     /// With its centre at this pose in the world frame.
     Pose(Pose),
@@ -111,9 +118,10 @@ pub enum StartRef {
 }
 
 /// How several robots stand. Lengths in metres, angles in radians, world frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Layout {
     /// Each at the next start of the world that no robot before has taken.
+    #[default]
     Starts,
     /// On a line at equal distances, the first and the last at its ends.
     Line {
@@ -247,7 +255,7 @@ pub struct InlineSpec {
 }
 
 /// One robot of a sim file.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RobotLine {
     /// Its number where the scene gives it one; no other line has the same. Robots without take the free numbers from 1, in the
     /// order of the file. A group has none.

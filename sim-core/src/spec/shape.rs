@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use super::PathRef;
 
 /// A mesh file and how it is put into the frame of the body that it shows.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModelSpec {
     /// The mesh file.
     pub path: PathRef,
@@ -63,6 +63,13 @@ pub enum Collider {
         /// Its full height; positive.
         height: f64,
     },
+}
+
+impl Default for Collider {
+    /// A point.
+    fn default() -> Self {
+        Self::Sphere { centre: DVec3::ZERO, radius: 0.0 }
+    }
 }
 
 impl Collider {

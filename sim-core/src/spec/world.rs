@@ -19,7 +19,7 @@ pub const DEFAULT_CELL: f64 = 0.36;
 pub const DEFAULT_TERRAIN_SCALE: f64 = 1.0;
 
 /// A wall: the straight piece from `from` to `to`, standing on the floor.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WallSpec {
     /// One end, in metres, world frame.
     pub from: DVec2,
@@ -38,7 +38,7 @@ pub struct WallSpec {
 }
 
 /// A place where a robot may start.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StartSpec {
     /// Pose of the robot's centre in the world frame.
     pub pose: Pose,
@@ -114,7 +114,7 @@ pub enum TerrainShape {
 }
 
 /// A height field from an image: the middles of its pixels are the corners of the grid.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct TerrainImage {
     /// The image file.
     pub path: PathRef,

@@ -5,10 +5,9 @@
 pub struct Quantity {
     /// What it is, in a few words.
     pub name: &'static str,
-    unit: &'static str,
+    unit: Unit,
     low: f64,
     high: f64,
-    to_si: fn(f64) -> f64,
     /// The scene is the same without it, so that a value out of bounds is only warned about.
     is_minor: bool,
 }
@@ -16,68 +15,94 @@ pub struct Quantity {
 /// Largest coordinate or size that a file may have, in metres.
 pub const MAX_LENGTH: f64 = 1e6;
 
+/// A unit of files.
+#[derive(Clone, Copy, Debug)]
+struct Unit {
+    name: &'static str,
+    to_si: fn(f64) -> f64,
+    from_si: fn(f64) -> f64,
+}
+
+impl Unit {
+    const MM: Self = Self { name: "mm", to_si: super::metres_from_mm, from_si: super::mm_from_metres };
+    const DEGREES: Self =
+        Self { name: "degrees", to_si: super::radians_from_degrees, from_si: super::degrees_from_radians };
+    const MS: Self = Self { name: "ms", to_si: |ms| ms / 1e3, from_si: |seconds| seconds * 1e3 };
+    const PERCENT: Self = Self { name: "percent", to_si: |percent| percent / 100.0, from_si: |share| share * 100.0 };
+
+    /// A unit that is that of the SI.
+    const fn si(name: &'static str) -> Self {
+        Self { name, to_si: std::convert::identity, from_si: std::convert::identity }
+    }
+
+    /// The same unit a second.
+    const fn per_second(self, name: &'static str) -> Self {
+        Self { name, ..self }
+    }
+}
+
 const MAX_LENGTH_MM: f64 = MAX_LENGTH * 1000.0;
 /// Smallest size that is not absurd, in millimetres.
 const MIN_SIZE_MM: f64 = 1e-3;
 
 impl Quantity {
-    const fn new(name: &'static str, unit: &'static str, low: f64, high: f64, to_si: fn(f64) -> f64) -> Self {
-        Self { name, unit, low, high, to_si, is_minor: false }
+    const fn new(name: &'static str, unit: Unit, low: f64, high: f64) -> Self {
+        Self { name, unit, low, high, is_minor: false }
     }
 
     /// A coordinate: millimetres of either sign.
     pub const fn coordinate(name: &'static str) -> Self {
-        Self::new(name, "mm", -MAX_LENGTH_MM, MAX_LENGTH_MM, super::metres_from_mm)
+        Self::new(name, Unit::MM, -MAX_LENGTH_MM, MAX_LENGTH_MM)
     }
 
     /// A length that may be 0: millimetres.
     pub const fn length(name: &'static str) -> Self {
-        Self::new(name, "mm", 0.0, MAX_LENGTH_MM, super::metres_from_mm)
+        Self::new(name, Unit::MM, 0.0, MAX_LENGTH_MM)
     }
 
     /// A size: millimetres above 0.
     pub const fn size(name: &'static str) -> Self {
-        Self::new(name, "mm", MIN_SIZE_MM, MAX_LENGTH_MM, super::metres_from_mm)
+        Self::new(name, Unit::MM, MIN_SIZE_MM, MAX_LENGTH_MM)
     }
 
     /// An angle in degrees.
     pub const fn angle(name: &'static str) -> Self {
-        Self::new(name, "degrees", -1e6, 1e6, super::radians_from_degrees)
+        Self::new(name, Unit::DEGREES, -1e6, 1e6)
     }
 
     /// A speed above 0 in mm/s.
     pub const fn speed(name: &'static str) -> Self {
-        Self::new(name, "mm/s", MIN_SIZE_MM, 1e9, super::metres_from_mm)
+        Self::new(name, Unit::MM.per_second("mm/s"), MIN_SIZE_MM, 1e9)
     }
 
     /// A turning rate above 0 in degrees/s.
     pub const fn rate(name: &'static str) -> Self {
-        Self::new(name, "degrees/s", 1e-3, 1e9, super::radians_from_degrees)
+        Self::new(name, Unit::DEGREES.per_second("degrees/s"), 1e-3, 1e9)
     }
 
     /// A span of time in milliseconds, of at most an hour.
     pub const fn milliseconds(name: &'static str) -> Self {
-        Self::new(name, "ms", 0.0, 3.6e6, seconds_from_ms)
+        Self::new(name, Unit::MS, 0.0, 3.6e6)
     }
 
     /// A span of time in seconds.
     pub const fn seconds(name: &'static str) -> Self {
-        Self::new(name, "s", 0.0, 1e9, std::convert::identity)
+        Self::new(name, Unit::si("s"), 0.0, 1e9)
     }
 
     /// A mass above 0 in kilograms.
     pub const fn mass(name: &'static str) -> Self {
-        Self::new(name, "kg", 1e-6, 1e6, std::convert::identity)
+        Self::new(name, Unit::si("kg"), 1e-6, 1e6)
     }
 
     /// A pure number.
     pub const fn number(name: &'static str, low: f64, high: f64) -> Self {
-        Self::new(name, "", low, high, std::convert::identity)
+        Self::new(name, Unit::si(""), low, high)
     }
 
     /// A share, written in percent.
     pub const fn percent(name: &'static str, low: f64, high: f64) -> Self {
-        Self::new(name, "percent", low, high, share_from_percent)
+        Self::new(name, Unit::PERCENT, low, high)
     }
 
     /// The same quantity between other bounds, in its own unit.
@@ -92,18 +117,23 @@ impl Quantity {
 
     /// A value of its own unit in SI units, whatever the bounds.
     pub fn si(&self, value: f64) -> f64 {
-        (self.to_si)(value)
+        (self.unit.to_si)(value)
     }
 
-    /// A value in SI units in its own unit, to twelve digits, so that what was written comes back.
+    /// A value in SI units in its own unit.
+    pub fn in_unit(&self, si: f64) -> f64 {
+        (self.unit.from_si)(si)
+    }
+
+    /// The same to twelve digits, so that what was written comes back.
     pub fn in_own_unit(&self, si: f64) -> f64 {
-        let value = si / (self.to_si)(1.0);
+        let value = si / (self.unit.to_si)(1.0);
         format!("{value:.11e}").parse().unwrap_or(value)
     }
 
     /// Its unit; empty for a pure number.
     pub const fn unit(&self) -> &'static str {
-        self.unit
+        self.unit.name
     }
 
     /// Least and greatest value in its own unit.
@@ -118,7 +148,7 @@ impl Quantity {
 
     /// What the reader of a message should have written.
     pub fn expected(&self) -> String {
-        let unit = if self.unit.is_empty() { String::new() } else { format!(" in {}", self.unit) };
+        let unit = if self.unit().is_empty() { String::new() } else { format!(" in {}", self.unit()) };
         format!("a number{unit} from {} to {}", self.low, self.high)
     }
 
@@ -126,12 +156,4 @@ impl Quantity {
     pub fn check(&self, value: f64) -> Option<f64> {
         (value >= self.low && value <= self.high).then(|| self.si(value))
     }
-}
-
-fn seconds_from_ms(ms: f64) -> f64 {
-    ms / 1000.0
-}
-
-fn share_from_percent(percent: f64) -> f64 {
-    percent / 100.0
 }

@@ -1,89 +1,6 @@
-//! What a noise profile may hold, as types: for printing, and for the schema.
-
-use std::collections::BTreeMap;
+//! What the numbers of a noise profile are, for the schema.
 
 use schemars::JsonSchema;
-use serde::Serialize;
-use toml::Table;
-
-use crate::scene::form::Number;
-
-/// A noise profile.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[serde(untagged)]
-pub(crate) enum NoiseForm {
-    /// `none`, `mild`, `real`, `harsh`, or a file.
-    Name(String),
-    /// In place.
-    Profile(Box<ProfileForm>),
-}
-
-/// A noise profile in place: a preset, and what is different from it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct ProfileForm {
-    /// What it starts from; `none` if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) base: Option<PresetForm>,
-    /// PSD sensors.
-    #[serde(skip_serializing_if = "Table::is_empty", default)]
-    #[schemars(with = "RangeNoiseForm")]
-    pub(crate) psd: Table,
-    /// Laser range finders.
-    #[serde(skip_serializing_if = "Table::is_empty", default)]
-    #[schemars(with = "EchoNoiseForm")]
-    pub(crate) laser: Table,
-    /// Ultrasonic sensors of one ray.
-    #[serde(skip_serializing_if = "Table::is_empty", default)]
-    #[schemars(with = "EchoNoiseForm")]
-    pub(crate) ultrasonic: Table,
-    /// Reflectance sensors.
-    #[serde(skip_serializing_if = "Table::is_empty", default)]
-    #[schemars(with = "EchoNoiseForm")]
-    pub(crate) reflectance: Table,
-    /// Sonars with a beam.
-    #[serde(skip_serializing_if = "Table::is_empty", default)]
-    #[schemars(with = "EchoNoiseForm")]
-    pub(crate) sonar: Table,
-    /// The laser scanner; each of its points is a reading.
-    #[serde(skip_serializing_if = "Table::is_empty", default)]
-    #[schemars(with = "RangeNoiseForm")]
-    pub(crate) lidar: Table,
-    /// The compass.
-    #[serde(skip_serializing_if = "Table::is_empty", default)]
-    #[schemars(with = "CompassNoiseForm")]
-    pub(crate) compass: Table,
-    /// The camera.
-    #[serde(skip_serializing_if = "Table::is_empty", default)]
-    #[schemars(with = "CameraNoiseForm")]
-    pub(crate) camera: Table,
-    /// What lies between commands and motion.
-    #[serde(skip_serializing_if = "Table::is_empty", default)]
-    #[schemars(with = "DriveNoiseForm")]
-    pub(crate) drive: Table,
-    /// What lies between motion and odometry.
-    #[serde(skip_serializing_if = "Table::is_empty", default)]
-    #[schemars(with = "OdometryNoiseForm")]
-    pub(crate) odometry: Table,
-    /// What the radio receives.
-    #[serde(skip_serializing_if = "Table::is_empty", default)]
-    #[schemars(with = "RadioNoiseForm")]
-    pub(crate) radio: Table,
-    /// What is different of single sensors, by their names.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
-    #[schemars(with = "BTreeMap<String, EchoNoiseForm>")]
-    pub(crate) sensor: BTreeMap<String, Table>,
-}
-
-/// A preset.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum PresetForm {
-    None,
-    Mild,
-    Real,
-    Harsh,
-}
 
 /// Types of which the schema alone is made: what is printed are tables of the keys that a profile sets.
 macro_rules! sections {
@@ -93,8 +10,8 @@ macro_rules! sections {
             #[derive(JsonSchema)]
             #[serde(deny_unknown_fields)]
             #[expect(dead_code, reason = "only its schema is used")]
-            struct $name {
-                $($(#[$meta])* #[schemars(range(min = $min, max = $max))] $key: Option<Number>,)+
+            pub(crate) struct $name {
+                $($(#[$meta])* #[schemars(range(min = $min, max = $max))] $key: Option<f64>,)+
             }
         )+
     };

@@ -8,16 +8,12 @@ pub(super) mod form;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use toml::de::DeValue;
-
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
 use super::line;
 use super::path;
-use super::spec::{LIDAR, NoiseEntry, NoiseRef, NoiseSection, NoiseSpec, Preset, RobiSpec, RobotSpec};
+use super::spec::{LIDAR, NoiseRef, NoiseSection, NoiseSpec, Preset, RobiSpec, RobotSpec};
 use super::table::{Reader, Section};
-use sim_core::noise::RangeKind;
-use sim_core::noise::keys::{CAMERA, COMPASS, DRIVE, Key, Keys, ODOMETRY, OWN, RADIO, RANGE};
 
 /// Names that a message lists at most.
 const MAX_LISTED: usize = 32;
@@ -66,8 +62,8 @@ pub fn read_noise(file: &str, text: &str) -> (NoiseSpec, Vec<Diagnostic>) {
         let span = reader.span(0..0);
         reader.warn_of_empty(span);
     }
-    let mut spec = reader.noise(Section::root(&root));
-    file.clone_into(&mut spec.file);
+    let spec = NoiseSpec { file: file.to_owned(), ..NoiseSpec::default() };
+    let spec = reader.form(Section::root(&root), spec).unwrap_or_default();
     (spec, reader.sink.finish())
 }
 
@@ -104,98 +100,4 @@ pub fn unknown_sensors(robots: &[RobotSpec]) -> Vec<Diagnostic> {
         diagnostics.extend(sink.finish());
     }
     diagnostics
-}
-
-impl Reader<'_> {
-    /// `noise = "mild"`, `noise = "FILE.toml"` or a profile in place; that is of the file `file`.
-    pub(super) fn noise_ref(&mut self, section: &mut Section<'_, '_>, file: &str) -> Option<NoiseRef> {
-        if section.get("noise").is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_))) {
-            let part = self.section(section, "noise")?;
-            if part.table.is_empty() {
-                self.warn_of_empty(part.span);
-            }
-            let mut spec = self.noise(part);
-            file.clone_into(&mut spec.file);
-            return Some(NoiseRef::Profile(spec.into()));
-        }
-        let reference = self.reference(section, "noise")?;
-        if path::extension(&reference.text) == "toml" {
-            return Some(NoiseRef::File(reference));
-        }
-        let preset = self.preset(&reference.text, reference.span, ", or a file NAME.toml");
-        preset.map(NoiseRef::Preset)
-    }
-
-    fn preset(&mut self, name: &str, span: super::Span, or: &str) -> Option<Preset> {
-        let preset = preset(name);
-        if preset.is_none() {
-            let message = format!("`{name}` is no noise profile");
-            let expected = format!("one of {}{or}", PRESETS.join(", "));
-            let suggestion = line::nearest(name, PRESETS).map(|name| format!("write `{name}`"));
-            self.sink.error(Code::TomlChoice, span, message, expected).suggestion = suggestion;
-        }
-        preset
-    }
-
-    fn warn_of_empty(&mut self, span: super::Span) {
-        let expected = "`base = \"none\"` or another preset, or sections such as `[psd]`";
-        self.sink.warn(Code::NoiseEmpty, span, "the noise profile is empty: there are no errors", expected);
-    }
-
-    /// A whole profile.
-    fn noise(&mut self, mut section: Section<'_, '_>) -> NoiseSpec {
-        let mut spec = NoiseSpec::default();
-        if let Some(base) = self.reference(&mut section, "base") {
-            spec.base = self.preset(&base.text, base.span, "").unwrap_or_default();
-        }
-        for kind in RangeKind::ALL {
-            if let Some(part) = self.section(&mut section, kind.name()) {
-                let own: Keys<_> = if kind.has_own_noise() { OWN } else { &[] };
-                self.entries(part, &NoiseSection::Range(kind), &[RANGE, own], &mut spec);
-            }
-        }
-        if let Some(part) = self.section(&mut section, "compass") {
-            self.entries(part, &NoiseSection::Compass, &[COMPASS], &mut spec);
-        }
-        if let Some(part) = self.section(&mut section, "camera") {
-            self.entries(part, &NoiseSection::Camera, &[CAMERA], &mut spec);
-        }
-        if let Some(part) = self.section(&mut section, "drive") {
-            self.entries(part, &NoiseSection::Drive, &[DRIVE], &mut spec);
-        }
-        if let Some(part) = self.section(&mut section, "odometry") {
-            self.entries(part, &NoiseSection::Odometry, &[ODOMETRY], &mut spec);
-        }
-        if let Some(part) = self.section(&mut section, "radio") {
-            self.entries(part, &NoiseSection::Radio, &[RADIO], &mut spec);
-        }
-        if let Some(sensors) = self.section(&mut section, "sensor") {
-            for (name, value) in sensors.table {
-                if let Some(part) = self.as_section("sensor", value) {
-                    let sensor = NoiseSection::Sensor(name.get_ref().to_string());
-                    self.entries(part, &sensor, &[RANGE, OWN], &mut spec);
-                }
-            }
-        }
-        self.unknown_keys(&section);
-        spec.entries.sort_by(|a, b| a.section.cmp(&b.section));
-        spec
-    }
-
-    /// Those of `keys` that a section has.
-    fn entries<M: 'static>(
-        &mut self,
-        mut part: Section<'_, '_>,
-        section: &NoiseSection,
-        keys: &[Keys<M>],
-        spec: &mut NoiseSpec,
-    ) {
-        for Key { name, quantity, .. } in keys.iter().copied().flatten() {
-            if let Some(value) = self.number(&mut part, name, quantity) {
-                let span = self.key_span(&part, name);
-                spec.entries.push(NoiseEntry { section: section.clone(), key: name, value, span });
-            }
-        }
-        self.unknown_keys(&part);
-    }
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::looks::LOOKS;
+use super::LOOKS;
 use super::number::written_mm;
 use crate::spec::{DEFAULT_CELL, LooksSpec, WorldSpec};
 use crate::{read_maze, same};

@@ -1,13 +1,13 @@
 //! Numbers as people write them.
 
 use sim_core::pose::Heading;
-use sim_core::unit::{degrees_from_radians, metres_from_mm, mm_from_metres, radians_from_degrees};
+use sim_core::unit::{Quantity, degrees_from_radians, metres_from_mm, mm_from_metres, radians_from_degrees};
 
 /// Doubles above and below that are tried when the nearest does not read back.
 const NEIGHBOURS: u32 = 4;
 
 /// The number of fewest digits near `near` for which `reads_back` holds; `near` if there is none.
-pub(super) fn shortest(near: f64, reads_back: impl Fn(f64) -> bool) -> f64 {
+pub(crate) fn shortest(near: f64, reads_back: impl Fn(f64) -> bool) -> f64 {
     if near == 0.0 && reads_back(0.0) {
         return 0.0;
     }
@@ -18,6 +18,11 @@ pub(super) fn shortest(near: f64, reads_back: impl Fn(f64) -> bool) -> f64 {
         [above, below]
     });
     rounded.chain(around).find(|number| reads_back(*number)).unwrap_or(near)
+}
+
+/// What `quantity` is in its own unit.
+pub(crate) fn in_unit(quantity: &Quantity, si: f64) -> f64 {
+    shortest(quantity.in_unit(si), |number| quantity.si(number) == si)
 }
 
 /// Millimetres of a length in metres.
@@ -31,7 +36,7 @@ pub(super) fn degrees(radians: f64) -> f64 {
 }
 
 /// Degrees of a heading, with its whole turns.
-pub(super) fn heading(heading: Heading) -> f64 {
+pub(crate) fn heading(heading: Heading) -> f64 {
     let near = degrees_from_radians(heading.radians());
     shortest(near, |degrees| Heading::new(radians_from_degrees(degrees)) == heading)
 }

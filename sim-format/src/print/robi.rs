@@ -6,10 +6,13 @@ use glam::DVec3;
 use toml::Table;
 
 use super::number::{degrees, written, written_degrees, written_mm};
-use super::scene::robot_type_form;
 use super::sim::quoted;
 use super::{Printed, text};
-use crate::spec::{Axis, Collider, JointSpec, Lens, RobiSpec};
+use crate::form::print_beside;
+use crate::form::robot::companion;
+use crate::form::sensor::psd_keys;
+use crate::robi::DRIVES;
+use crate::spec::{Axis, Collider, JointSpec, Lens, PsdSpec, RobiSpec};
 use crate::{read_companion, read_robi, same};
 use sim_core::drive::DriveKind;
 
@@ -28,39 +31,24 @@ pub fn print_robi(robi: &RobiSpec) -> Printed {
 
 /// The text of the companion of [`print_robi`]'s text.
 pub fn print_companion(robi: &RobiSpec) -> String {
-    let form = robot_type_form(robi);
-    let mut whole = Table::try_from(form).unwrap_or_default();
+    let mut whole =
+        print_beside(|keys| companion(keys, &mut robi.clone()), |keys| companion(keys, &mut RobiSpec::default()));
     // What the robi itself says.
-    for key in ["name", "diameter_mm", "max_speed_mm_per_s", "max_turn_deg_per_s", "axis_mm", "centre_of_mass_mm"] {
-        whole.remove(key);
-    }
-    for key in ["model", "collider", "wheel", "psd"] {
-        whole.remove(key);
-    }
     if let Some(camera) = whole.get_mut("camera").and_then(toml::Value::as_table_mut) {
         camera.retain(|key, _| matches!(key, "fov_deg" | "samples"));
         if camera.is_empty() {
             whole.remove("camera");
         }
     }
-    if let Some(drive) = whole.get_mut("drive").and_then(toml::Value::as_table_mut) {
-        for key in ["kind", "motor", "steering"] {
-            drive.remove(key);
-        }
-    }
     if !robi.psds.is_empty() {
-        let mut ranges = Table::new();
-        for psd in &robi.psds {
-            let mut range = Table::from_iter([("range_mm".to_owned(), super::number::mm(psd.range).into())]);
-            if psd.pitch != 0.0 {
-                range.insert("pitch_deg".to_owned(), degrees(psd.pitch).into());
-            }
-            if let Some(on) = &psd.on {
-                range.insert("on".to_owned(), on.text.clone().into());
-            }
-            ranges.insert(psd.name.clone(), range.into());
-        }
-        whole.insert("psd".to_owned(), ranges.into());
+        let psds = robi.psds.iter().cloned();
+        let ranges = psds.map(|mut psd| {
+            (
+                psd.name.clone(),
+                print_beside(|keys| psd_keys(keys, &mut psd), |keys| psd_keys(keys, &mut PsdSpec::default())).into(),
+            )
+        });
+        whole.insert("psd".to_owned(), Table::from_iter(ranges).into());
     }
     text::document(&whole)
 }
@@ -148,12 +136,7 @@ fn vr(robi: &RobiSpec) -> String {
 fn head(robi: &RobiSpec) -> String {
     let motors = robi.drive.motors.iter().flat_map(|motor| [Some(motor.motor.as_str()), motor.encoder.as_deref()]);
     let names = motors.flatten().chain(robi.drive.steering.as_deref());
-    let kind = match robi.drive.kind {
-        DriveKind::Differential => "DIFFERENTIAL_DRIVE",
-        DriveKind::Ackermann => "ACKERMANN_DRIVE",
-        DriveKind::Omni => "OMNI_DRIVE",
-        DriveKind::Legged => "LEGGED_DRIVE",
-    };
+    let kind = DRIVES.iter().find(|(_, kind, _)| *kind == robi.drive.kind).map_or("", |(word, ..)| *word);
     let mut out = format!("drive {kind}");
     names.for_each(|name| {
         let _ = write!(out, " {name}");

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
+use super::LOOKS;
 use super::Printed;
-use super::looks::LOOKS;
 use super::number::{heading, written, written_degrees, written_mm};
 use crate::path;
 use crate::spec::{

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
+use super::LOOKS;
 use super::Printed;
-use super::looks::LOOKS;
 use super::number::{heading, written, written_mm};
 use super::sim::quoted;
 use crate::spec::{DEFAULT_WALL_HEIGHT, LooksSpec, WallSpec, WorldSpec};

@@ -126,7 +126,7 @@ impl Reader {
                     (within(pan, PAN_SERVO, max_pan), within(tilt, TILT_SERVO, max_tilt), None)
                 }
             };
-            self.robi.camera = Some(CameraSpec { position, pan, tilt, image, ..CameraSpec::new(span) });
+            self.robi.camera = Some(CameraSpec { position, pan, tilt, image, span, ..CameraSpec::default() });
         }
     }
 
@@ -181,8 +181,9 @@ impl Reader {
 
     pub(super) fn lidar(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let span = span_of(keyword, rest);
-        let lidar =
-            |points: f64, tilt, sweep| Some(LidarSpec { points: points as u32, tilt, sweep, ..LidarSpec::new(span) });
+        let lidar = |points: f64, tilt, sweep| {
+            Some(LidarSpec { points: points as u32, tilt, sweep, span, ..LidarSpec::default() })
+        };
         let read = match rest.len() {
             3 => values_of(&mut self.sink, "lidar", rest, span, &SWEPT_LIDAR, LIDAR_FORM)
                 .and_then(|[sweep, points, tilt]| lidar(points, tilt, sweep)),

@@ -9,7 +9,15 @@ use sim_core::math;
 use sim_core::unit;
 
 /// Distance of the axles of an Ackermann robot, as a part of its diameter, where nothing says it.
-pub(crate) const WHEELBASE_OF_DIAMETER: f64 = 0.6;
+const WHEELBASE_OF_DIAMETER: f64 = 0.6;
+
+/// The wheelbase of a robot type that does not say.
+pub(crate) fn usual_wheelbase(kind: DriveKind, diameter: f64, track: f64) -> f64 {
+    match kind {
+        DriveKind::Ackermann => WHEELBASE_OF_DIAMETER * diameter,
+        _ => track,
+    }
+}
 
 impl Reader {
     /// Says what the file lacks, and what EyeSim VR would not take.
@@ -105,13 +113,13 @@ impl Reader {
 
     fn wheelbase(&mut self) -> f64 {
         let robi = &mut self.robi;
+        let suggested = usual_wheelbase(robi.drive.kind, robi.diameter, robi.wheel.track);
         if robi.drive.kind != DriveKind::Ackermann {
-            return robi.wheel.track;
+            return suggested;
         }
         if let [Some((driven, _)), _] = self.axles {
             robi.axis_offset = driven;
         }
-        let suggested = WHEELBASE_OF_DIAMETER * robi.diameter;
         match self.axles {
             [Some((driven, _)), Some((steered, _))] if steered - driven > 1e-6 => (steered - driven).min(MAX_LENGTH),
             [Some(_), Some((_, span))] => {

@@ -1,6 +1,7 @@
 //! Hand-written values for the readers.
 
 mod dialects;
+mod keys;
 mod maze;
 mod mesh;
 mod mistakes;

@@ -41,7 +41,7 @@ pub struct Leg {
 }
 
 /// A flat foot, as long as from its heel to its toe and without width.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Foot {
     /// From the ankle back to the heel, m.
     pub heel: f64,

@@ -1,0 +1,368 @@
+//! Devices of a robot that measure no distances, and what is connected to its inputs.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+
+use schemars::SchemaGenerator;
+use serde_json::{Value as Json, json};
+use toml::de::DeValue;
+use toml::{Spanned, Table, Value};
+
+use super::kind::{At, Bounded, Custom, Kind, PART, TEXT, Whole, array, whole};
+use super::sensor::{device, number, position};
+use super::{Form, Keys, definition};
+use crate::code::Code;
+use crate::line::Quantity;
+use crate::print::number::shortest;
+use crate::spec::{
+    BumperSpec, CameraSpec, CompassSpec, DEFAULT_LENS, InfraredSpec, InputSpec, JointSpec, LcdSpec, Lens,
+    MAX_FIELD_OF_VIEW_DEG, MAX_SAMPLES, PathRef, SerialLine, SerialSpec, ServoSpec,
+};
+use crate::table::Reader;
+use sim_core::unit::{degrees_from_radians, radians_from_degrees};
+
+/// Distance below which an infrared switch answers when the file does not say, in metres.
+const DEFAULT_INFRARED_RANGE: f64 = 0.1;
+/// Fewest pixels of the display in either direction: a menu with some text above it.
+const MIN_LCD_SIDE: i64 = 64;
+/// Most pixels of the display in a row.
+const MAX_LCD_WIDTH: i64 = 1920;
+/// Most rows of pixels of the display.
+const MAX_LCD_HEIGHT: i64 = 1200;
+/// Most pixels of an image's side.
+const MAX_PIXELS: i64 = 65_536;
+/// Digital lines, and serial interfaces, numbered from 1.
+const LINES: u8 = 16;
+/// Greatest voltage of a battery.
+const MAX_VOLTAGE: f64 = 1000.0;
+
+impl Form for InfraredSpec {
+    fn usual() -> Self {
+        Self { range: DEFAULT_INFRARED_RANGE, ..Self::default() }
+    }
+
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("InfraredForm", "An infrared switch.");
+        keys.span(&mut self.span);
+        device(keys, "Its name, such as `IR_LEFT`.", &mut self.name, &mut self.id);
+        position(keys, [Quantity::coordinate("coordinate of the sensor"); 3], &mut self.position);
+        keys.key("angle_deg", "Direction in degrees, counter-clockwise from forward; 0 if left out.")
+            .optional(Quantity::angle("angle of the sensor"), &mut self.angle);
+        keys.key("range_mm", "Range in mm; 100 if left out.")
+            .always(Quantity::size("range of the sensor"), &mut self.range);
+    }
+}
+
+impl Form for BumperSpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("ArcForm", "A bumper: an arc of the body.");
+        keys.span(&mut self.span);
+        device(keys, "Its name, such as `BUMP_FRONT`.", &mut self.name, &mut self.id);
+        keys.key("from_deg", "Where the arc begins, in degrees counter-clockwise from forward.")
+            .required(BUMPER_END, &mut self.from);
+        keys.key("to_deg", "Where it ends, counter-clockwise.").required(ArcEnd(self.from), &mut self.to);
+    }
+}
+
+const BUMPER_END: Bounded = Bounded(Quantity::angle("end of the bumper").within(-360.0, 360.0));
+
+/// The end of an arc that begins at this angle: counter-clockwise from there, less than a turn.
+struct ArcEnd(f64);
+
+impl ArcEnd {
+    fn settled(&self, mut to: f64) -> f64 {
+        while to <= self.0 {
+            to += TAU;
+        }
+        while to > self.0 + TAU {
+            to -= TAU;
+        }
+        to
+    }
+}
+
+impl Kind<f64> for ArcEnd {
+    fn read(&self, at: At<'_, '_>, old: Option<&f64>) -> Option<f64> {
+        BUMPER_END.read(at, old).map(|to| self.settled(to))
+    }
+
+    /// An angle that the reader finds again, within -360 to 360 degrees.
+    fn print(&self, end: &f64) -> Value {
+        let reads_back = |degrees: f64| self.settled(radians_from_degrees(degrees)) == *end;
+        let near = degrees_from_radians(*end);
+        let candidates = [near, near - 360.0].map(|near| shortest(near, reads_back));
+        let good = candidates.into_iter().find(|to| reads_back(*to) && (-360.0..=360.0).contains(to));
+        good.unwrap_or(if near > 360.0 { near - 360.0 } else { near }).into()
+    }
+
+    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+        BUMPER_END.describe(generator)
+    }
+}
+
+const SERVO_END: Bounded = Bounded(Quantity::angle("end of the servo").within(-360.0, 360.0));
+
+impl Form for ServoSpec {
+    /// A half turn in all.
+    fn usual() -> Self {
+        Self { from: -TAU / 4.0, to: TAU / 4.0, ..Self::default() }
+    }
+
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("ServoForm", "A servo.");
+        keys.span(&mut self.span);
+        device(keys, "Its name, such as `SERVO1`.", &mut self.name, &mut self.id);
+        keys.key("from_deg", "Angle at position 0 in degrees; -90 if left out.").always(SERVO_END, &mut self.from);
+        keys.key("to_deg", "Angle at position 255 in degrees; 90 if left out.").always(SERVO_END, &mut self.to);
+    }
+}
+
+impl Form for CompassSpec {
+    fn usual() -> Self {
+        Self { name: "COMPASS".to_owned(), ..Self::default() }
+    }
+
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("CompassForm", "The compass.");
+        keys.span(&mut self.span);
+        keys.key("name", "Its name; `COMPASS` if left out.").always(TEXT, &mut self.name);
+        number(keys, &mut self.id);
+        keys.key("north_deg", "Direction in the world in which it reads 0, in degrees; 0 if left out.")
+            .optional(Quantity::angle("north"), &mut self.north);
+    }
+}
+
+impl Form for LcdSpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("LcdForm", "The colour display of RoBIOS-7.");
+        keys.key("width_px", "Pixels in a row; 320 if left out.").always(MIN_LCD_SIDE..=MAX_LCD_WIDTH, &mut self.width);
+        keys.key("height_px", "Rows of pixels; 240 if left out.")
+            .always(MIN_LCD_SIDE..=MAX_LCD_HEIGHT, &mut self.height);
+    }
+}
+
+impl Form for InputSpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("InputForm", "What inputs read that nothing simulated drives.");
+        let (channels, latches, lines) = (
+            Numbered { what: "A/D channel", numbers: 0..=15, largest: 1023 },
+            Numbered { what: "latch", numbers: 0..=255, largest: 255 },
+            Numbered { what: "digital line", numbers: 1..=LINES, largest: 1 },
+        );
+        keys.key("analog", "A/D converter: values 0 to 1023 by channels 0 to 15.").list(channels, &mut self.analog);
+        keys.key("latch", "Input latches: values 0 to 255 by numbers.").list(latches, &mut self.latches);
+        keys.key("digital", "Digital lines: 0 or 1 by numbers 1 to 16.").list(lines, &mut self.digital);
+        let voltage = Quantity::number("voltage of the battery", 0.0, MAX_VOLTAGE);
+        keys.key("voltage_v", "Voltage of the battery; 7.2 if left out.").optional(voltage, &mut self.voltage);
+        keys.key("microphone", "What the microphone reads; 128 if left out.").optional(0..=255, &mut self.microphone);
+        keys.key("parallel_data", "Data register of the parallel port; 0 if left out.")
+            .optional(0..=255, &mut self.parallel_data);
+        keys.key("parallel_status", "Status register of the parallel port; 0 if left out.")
+            .optional(0..=255, &mut self.parallel_status);
+        self.analog.sort_unstable();
+        self.latches.sort_unstable();
+        self.digital.sort_unstable();
+    }
+}
+
+/// A table whose keys are numbers: `3 = 512`.
+struct Numbered {
+    what: &'static str,
+    numbers: RangeInclusive<u8>,
+    largest: i64,
+}
+
+impl<T: Whole> Kind<Vec<(u8, T)>> for Numbered {
+    fn read(&self, at: At<'_, '_>, _: Option<&Vec<(u8, T)>>) -> Option<Vec<(u8, T)>> {
+        let mut values = Vec::new();
+        for (key, value) in at.reader.section(at.section, at.key)?.table {
+            let Some(number) = at.reader.number_of(key, &self.numbers, self.what) else { continue };
+            let value = at.reader.as_integer(key.get_ref(), value, 0, self.largest);
+            values.extend(value.and_then(|value| Some((number, T::try_from(value).ok()?))));
+        }
+        Some(values)
+    }
+
+    fn print(&self, values: &Vec<(u8, T)>) -> Value {
+        by_name(values.iter().map(|(number, value)| (number.to_string(), value.number().into())))
+    }
+
+    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+        json!({ "type": "object", "additionalProperties": whole::<T>() })
+    }
+}
+
+/// A table in the order of its keys.
+pub(crate) fn by_name(entries: impl Iterator<Item = (String, Value)>) -> Value {
+    Table::from_iter(entries.collect::<BTreeMap<String, Value>>()).into()
+}
+
+/// What is connected to the serial interfaces: `1 = "loopback"`, `2 = { file = "gps.txt" }`.
+pub(crate) const SERIALS: Custom<Vec<SerialSpec>> = Custom {
+    read: |at| {
+        let mut serials = Vec::new();
+        for (key, value) in at.reader.section(at.section, at.key)?.table {
+            let Some(interface) = at.reader.number_of(key, &(1..=LINES), "serial interface") else { continue };
+            let line = at.reader.serial_line(key.get_ref(), value);
+            serials.extend(line.map(|line| SerialSpec { interface, line }));
+        }
+        serials.sort_by_key(|serial| serial.interface);
+        Some(serials)
+    },
+    print: |serials| {
+        let line = |line: &SerialLine| match line {
+            SerialLine::Loopback => "loopback".into(),
+            SerialLine::File { path, .. } => Table::from_iter([("file".to_owned(), TEXT.print(path))]).into(),
+        };
+        by_name(serials.iter().map(|serial| (serial.interface.to_string(), line(&serial.line))))
+    },
+    describe: |generator| {
+        let word = definition(generator, "SerialWord", |_| {
+            let loopback =
+                json!({ "description": "Everything that is sent comes back.", "type": "string", "const": "loopback" });
+            json!({ "description": "What needs no file.", "oneOf": [loopback] })
+        });
+        let line = definition(generator, "SerialForm", |_| {
+            let mut word = word;
+            word["description"] = "A word.".into();
+            let file = json!({
+                "description": "A device that sends the bytes of a file.",
+                "type": "object",
+                "properties": { "file": { "description": "The file.", "type": "string" } },
+                "required": ["file"],
+            });
+            json!({ "description": "What is at the other end of a serial line.", "anyOf": [word, file] })
+        });
+        json!({ "type": "object", "additionalProperties": line })
+    },
+};
+
+impl Reader {
+    fn serial_line(&mut self, key: &str, value: &Spanned<DeValue<'_>>) -> Option<SerialLine> {
+        match value.get_ref() {
+            DeValue::String(word) if word == "loopback" => Some(SerialLine::Loopback),
+            DeValue::Table(_) => {
+                let (section, mut path) = (self.as_section("serial", value)?, PathRef::default());
+                let is_complete = self.table(section, |keys| keys.key("file", "The file.").required(TEXT, &mut path));
+                is_complete.then(|| SerialLine::File { path, bytes: Arc::default() })
+            }
+            _ => {
+                self.wrong_type(key, value, "`\"loopback\"` or `{ file = \"NAME\" }`");
+                None
+            }
+        }
+    }
+}
+
+/// Numbers of devices by their names.
+pub(crate) const HDT: Custom<Vec<(String, i32)>> = Custom {
+    read: |at| {
+        let mut entries = Vec::new();
+        for (key, value) in at.reader.section(at.section, at.key)?.table {
+            let id = at.reader.as_integer(key.get_ref(), value, i64::from(i32::MIN), i64::from(i32::MAX));
+            entries.extend(id.map(|id| (key.get_ref().to_string(), id as i32)));
+        }
+        entries.sort();
+        Some(entries)
+    },
+    print: |entries| by_name(entries.iter().map(|(name, id)| (name.clone(), (*id).into()))),
+    describe: |_| json!({ "type": "object", "additionalProperties": whole::<i32>() }),
+};
+
+const CAMERA_PLACE: [Quantity; 3] = [
+    Quantity::coordinate("x of the camera"),
+    Quantity::coordinate("y of the camera"),
+    Quantity::coordinate("z of the camera"),
+];
+const FIELD_OF_VIEW: Quantity = Quantity::angle("field of view").within(1.0, MAX_FIELD_OF_VIEW_DEG);
+const FISHEYE: Quantity = Quantity::angle("field of view").within(1.0, 360.0);
+
+impl Form for CameraSpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("CameraForm", "The camera.");
+        keys.span(&mut self.span);
+        position(keys, CAMERA_PLACE, &mut self.position);
+        let about = [
+            "Turn about the vertical axis in degrees, counter-clockwise; 0 if left out.",
+            "The servo that pans, in place of `pan_deg`.",
+        ];
+        joint(keys, ["pan_deg", "pan_servo"], about, &mut self.pan);
+        let about = ["Turn upwards in degrees; 0 if left out.", "The servo that tilts, in place of `tilt_deg`."];
+        joint(keys, ["tilt_deg", "tilt_servo"], about, &mut self.tilt);
+        keys.key("image_px", "Largest image: width and height in pixels.").maybe(PIXELS, &mut self.image);
+        lens(keys, &mut self.lens);
+        keys.key("samples", "Points per side of a pixel whose colours are averaged; 2 if left out.")
+            .optional(1..=i64::from(MAX_SAMPLES), &mut self.samples);
+    }
+}
+
+/// A fixed angle, or a servo that turns the camera.
+fn joint(keys: &mut Keys<'_>, [angle, servo]: [&'static str; 2], about: [&'static str; 2], joint: &mut JointSpec) {
+    let (mut fixed, mut turned) = match joint {
+        _ if keys.reading().is_some() => (None, None),
+        JointSpec::Fixed(angle) => (Some(*angle).filter(|angle| *angle != 0.0), None),
+        JointSpec::Servo { .. } => (None, Some(joint.clone())),
+    };
+    keys.key(angle, about[0]).maybe(Quantity::angle("angle of the camera"), &mut fixed);
+    keys.key(servo, about[1]).maybe(PART, &mut turned);
+    if let Some((reader, section)) = keys.reading() {
+        if section.get(servo).is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_))) {
+            reader.exclude(section, servo, &[angle]);
+        }
+        turned.or(fixed.map(JointSpec::Fixed)).into_iter().for_each(|read| *joint = read);
+    }
+}
+
+/// A joint with a servo.
+impl Form for JointSpec {
+    fn usual() -> Self {
+        Self::Servo { name: String::new(), from: 0.0, to: 0.0 }
+    }
+
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("JointForm", "A servo that turns the camera.");
+        let Self::Servo { name, from, to } = self else { return };
+        keys.key("name", "Its name, such as `SERVO1`.").required(TEXT, name);
+        keys.key("from_deg", "Angle at position 0 in degrees.").required(SERVO_END, from);
+        keys.key("to_deg", "Angle at position 255 in degrees.").required(SERVO_END, to);
+    }
+}
+
+fn lens(keys: &mut Keys<'_>, lens: &mut Lens) {
+    let (mut pinhole, mut fisheye) = match *lens {
+        _ if keys.reading().is_some() => (None, None),
+        Lens::Pinhole { fov } => (Some(fov).filter(|_| *lens != DEFAULT_LENS), None),
+        Lens::Fisheye { fov } => (None, Some(fov)),
+    };
+    keys.key("fov_deg", "Horizontal field of view in degrees; 60 if left out.")
+        .maybe(Bounded(FIELD_OF_VIEW), &mut pinhole);
+    keys.key("fisheye_deg", "Horizontal field of view of a fisheye lens in degrees, in place of `fov_deg`.")
+        .maybe(Bounded(FISHEYE), &mut fisheye);
+    if let Some((reader, section)) = keys.reading() {
+        if fisheye.is_some() {
+            reader.exclude(section, "fisheye_deg", &["fov_deg"]);
+        }
+        let read = fisheye.map(|fov| Lens::Fisheye { fov }).or(pinhole.map(|fov| Lens::Pinhole { fov }));
+        read.into_iter().for_each(|read| *lens = read);
+    }
+}
+
+/// Width and height of an image.
+const PIXELS: Custom<[u32; 2]> = Custom {
+    read: |at| {
+        let At { reader, section, key } = at;
+        let items = reader.array(section, key, "an array of 2 integers")?;
+        let [width, height] = items else {
+            let span = reader.key_span(section, key);
+            let message = format!("`{key}` has {} values", items.len());
+            reader.sink.error(Code::TomlType, span, message, "an array of 2 integers");
+            return None;
+        };
+        let [width, height] = [width, height].map(|side| reader.as_integer(key, side, 1, MAX_PIXELS));
+        Some([width? as u32, height? as u32])
+    },
+    print: |sides| sides.to_vec().into(),
+    describe: |_| array(whole::<u32>(), 2),
+};

@@ -1,0 +1,342 @@
+//! Kinds of values: how each is read, printed and described.
+
+use std::ops::RangeInclusive;
+
+use schemars::SchemaGenerator;
+use serde_json::{Value as Json, json};
+use toml::Value;
+
+use super::{Form, Keys, definition, print, print_beside, reference};
+use crate::line::Quantity;
+use crate::print::number::in_unit;
+use crate::spec::PathRef;
+use crate::table::{Reader, Section};
+
+/// The place of a value that is read.
+pub(crate) struct At<'r, 's> {
+    pub(crate) reader: &'r mut Reader,
+    pub(crate) section: &'r mut Section<'s, 's>,
+    pub(crate) key: &'static str,
+}
+
+/// What stands behind a key.
+pub(crate) trait Kind<T> {
+    /// The value that is read, where it is there and good; a table changes the `old` one.
+    fn read(&self, at: At<'_, '_>, old: Option<&T>) -> Option<T>;
+
+    /// The value as it is written.
+    fn print(&self, value: &T) -> Value;
+
+    /// What it may be.
+    fn describe(&self, generator: &mut SchemaGenerator) -> Json;
+}
+
+/// A kind of its own.
+pub(crate) struct Custom<T> {
+    pub(crate) read: fn(At<'_, '_>) -> Option<T>,
+    pub(crate) print: fn(&T) -> Value,
+    pub(crate) describe: fn(&mut SchemaGenerator) -> Json,
+}
+
+impl<T> Kind<T> for Custom<T> {
+    fn read(&self, at: At<'_, '_>, _: Option<&T>) -> Option<T> {
+        (self.read)(at)
+    }
+
+    fn print(&self, value: &T) -> Value {
+        (self.print)(value)
+    }
+
+    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+        (self.describe)(generator)
+    }
+}
+
+/// A number with a unit.
+impl Kind<f64> for Quantity {
+    fn read(&self, at: At<'_, '_>, _: Option<&f64>) -> Option<f64> {
+        at.reader.number(at.section, at.key, self)
+    }
+
+    fn print(&self, value: &f64) -> Value {
+        in_unit(self, *value).into()
+    }
+
+    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+        json!({ "type": "number", "format": "double" })
+    }
+}
+
+/// A number with a unit whose bounds stand in the schema.
+pub(crate) struct Bounded(pub(crate) Quantity);
+
+impl Kind<f64> for Bounded {
+    fn read(&self, at: At<'_, '_>, _: Option<&f64>) -> Option<f64> {
+        at.reader.number(at.section, at.key, &self.0)
+    }
+
+    fn print(&self, value: &f64) -> Value {
+        self.0.print(value)
+    }
+
+    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+        let [minimum, maximum] = self.0.bounds();
+        json!({ "type": "number", "format": "double", "minimum": minimum, "maximum": maximum })
+    }
+}
+
+/// As many numbers as a point has coordinates.
+impl<P: Copy + From<[f64; N]> + Into<[f64; N]>, const N: usize> Kind<P> for [Quantity; N] {
+    fn read(&self, at: At<'_, '_>, _: Option<&P>) -> Option<P> {
+        at.reader.numbers(at.section, at.key, self).map(P::from)
+    }
+
+    fn print(&self, point: &P) -> Value {
+        let numbers = self.iter().zip((*point).into());
+        Value::Array(numbers.map(|(quantity, number)| quantity.print(&number)).collect())
+    }
+
+    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+        array(json!({ "type": "number", "format": "double" }), N)
+    }
+}
+
+/// The schema of an array of `length` items.
+pub(crate) fn array(items: Json, length: usize) -> Json {
+    json!({ "type": "array", "items": items, "minItems": length, "maxItems": length })
+}
+
+/// A text that is not empty; what a message says of it where it is none.
+#[derive(Clone, Copy)]
+pub(crate) struct Text(&'static str);
+
+pub(crate) const TEXT: Text = Text("a text that is not empty, between double quotes");
+pub(crate) const IMAGE: Text = Text("the name of an image file, between double quotes");
+
+impl Kind<String> for Text {
+    fn read(&self, at: At<'_, '_>, _: Option<&String>) -> Option<String> {
+        at.reader.text_of(at.section, at.key, self.0)
+    }
+
+    fn print(&self, value: &String) -> Value {
+        value.as_str().into()
+    }
+
+    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+        json!({ "type": "string" })
+    }
+}
+
+/// A file, or a name of something.
+impl Kind<PathRef> for Text {
+    fn read(&self, at: At<'_, '_>, _: Option<&PathRef>) -> Option<PathRef> {
+        at.reader.reference_to(at.section, at.key, self.0)
+    }
+
+    fn print(&self, value: &PathRef) -> Value {
+        value.text.as_str().into()
+    }
+
+    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+        json!({ "type": "string" })
+    }
+}
+
+/// `true` or `false`.
+pub(crate) struct Flag;
+
+impl Kind<bool> for Flag {
+    fn read(&self, at: At<'_, '_>, _: Option<&bool>) -> Option<bool> {
+        at.reader.flag(at.section, at.key)
+    }
+
+    fn print(&self, value: &bool) -> Value {
+        (*value).into()
+    }
+
+    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+        json!({ "type": "boolean" })
+    }
+}
+
+/// A type of whole numbers.
+pub(crate) trait Whole: Copy + TryFrom<i64> {
+    /// Its name in the schema.
+    const FORMAT: &'static str;
+    /// Its least and its greatest number, where the schema says them of the type.
+    const LIMITS: [Option<i64>; 2];
+    /// The number.
+    fn number(self) -> i64;
+}
+
+macro_rules! whole {
+    ($($number:ty, $format:literal, $limits:expr;)+) => {
+        $(impl Whole for $number {
+            const FORMAT: &'static str = $format;
+            const LIMITS: [Option<i64>; 2] = $limits;
+            fn number(self) -> i64 {
+                self as i64
+            }
+        })+
+    };
+}
+
+whole! {
+    u8, "uint8", [Some(0), Some(255)];
+    u16, "uint16", [Some(0), Some(65_535)];
+    u32, "uint32", [Some(0), None];
+    u64, "uint64", [Some(0), None];
+    i32, "int32", [None; 2];
+}
+
+/// The schema of all numbers of a type.
+pub(crate) fn whole<T: Whole>() -> Json {
+    let mut schema = json!({ "type": "integer", "format": T::FORMAT });
+    for (name, limit) in ["minimum", "maximum"].into_iter().zip(T::LIMITS) {
+        limit.into_iter().for_each(|limit| schema[name] = limit.into());
+    }
+    schema
+}
+
+/// A whole number between bounds.
+impl<T: Whole> Kind<T> for RangeInclusive<i64> {
+    fn read(&self, at: At<'_, '_>, _: Option<&T>) -> Option<T> {
+        at.reader.integer(at.section, at.key, *self.start(), *self.end()).and_then(|number| T::try_from(number).ok())
+    }
+
+    fn print(&self, value: &T) -> Value {
+        value.number().into()
+    }
+
+    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+        let mut schema = whole::<T>();
+        (schema["minimum"], schema["maximum"]) = ((*self.start()).into(), (*self.end()).into());
+        schema
+    }
+}
+
+/// The same, without bounds in the schema.
+pub(crate) struct Loose(pub(crate) RangeInclusive<i64>);
+
+impl<T: Whole> Kind<T> for Loose {
+    fn read(&self, at: At<'_, '_>, old: Option<&T>) -> Option<T> {
+        self.0.read(at, old)
+    }
+
+    fn print(&self, value: &T) -> Value {
+        self.0.print(value)
+    }
+
+    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+        whole::<T>()
+    }
+}
+
+/// Shades of colours, 0 to 255.
+pub(crate) struct Shades;
+
+impl<const N: usize> Kind<[u8; N]> for Shades {
+    fn read(&self, at: At<'_, '_>, _: Option<&[u8; N]>) -> Option<[u8; N]> {
+        at.reader.shades(at.section, at.key)
+    }
+
+    fn print(&self, value: &[u8; N]) -> Value {
+        Value::Array(value.iter().map(|shade| i64::from(*shade).into()).collect())
+    }
+
+    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+        array(whole::<u8>(), N)
+    }
+}
+
+/// Things that words stand for.
+pub(crate) trait Words: Copy + PartialEq + 'static {
+    /// Name of their kind in the JSON schema.
+    const NAME: &'static str;
+    /// What they are, in a sentence.
+    const ABOUT: &'static str;
+    /// Each with its word and what it is.
+    const WORDS: &'static [(Self, &'static str, &'static str)];
+}
+
+/// One of several words.
+pub(crate) struct Word;
+
+impl<W: Words> Kind<W> for Word {
+    fn read(&self, at: At<'_, '_>, _: Option<&W>) -> Option<W> {
+        let words: Vec<&str> = W::WORDS.iter().map(|(_, word, _)| *word).collect();
+        at.reader.choice(at.section, at.key, &words).map(|place| W::WORDS[place].0)
+    }
+
+    fn print(&self, value: &W) -> Value {
+        let word = W::WORDS.iter().find(|(known, ..)| known == value);
+        word.map_or("", |(_, word, _)| *word).into()
+    }
+
+    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+        definition(generator, W::NAME, |_| {
+            let word =
+                |(_, word, about): &(W, &str, &str)| json!({ "description": about, "type": "string", "const": word });
+            json!({ "description": W::ABOUT, "oneOf": W::WORDS.iter().map(word).collect::<Vec<_>>() })
+        })
+    }
+}
+
+/// A table, with an example of what it may say; none where that is empty.
+pub(crate) struct Part(pub(crate) &'static str);
+
+pub(crate) const PART: Part = Part("");
+
+impl<F: Form> Kind<F> for Part {
+    fn read(&self, at: At<'_, '_>, old: Option<&F>) -> Option<F> {
+        let part = at.reader.section_like(at.section, at.key, self.0)?;
+        at.reader.form(part, old.cloned().unwrap_or_else(F::usual))
+    }
+
+    fn print(&self, value: &F) -> Value {
+        print(value).into()
+    }
+
+    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+        reference(generator, |keys| F::usual().keys(keys))
+    }
+}
+
+/// A table that says a part of something, whose keys this function declares.
+pub(crate) struct PartOf<T>(pub(crate) fn(&mut T, &mut Keys<'_>));
+
+impl<T: Clone + Default> Kind<T> for PartOf<T> {
+    fn read(&self, at: At<'_, '_>, old: Option<&T>) -> Option<T> {
+        let part = at.reader.section(at.section, at.key)?;
+        let mut whole = old.cloned().unwrap_or_default();
+        at.reader.table(part, |keys| (self.0)(&mut whole, keys)).then_some(whole)
+    }
+
+    fn print(&self, whole: &T) -> Value {
+        print_beside(|keys| (self.0)(&mut whole.clone(), keys), |keys| (self.0)(&mut T::default(), keys)).into()
+    }
+
+    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+        reference(generator, |keys| (self.0)(&mut T::default(), keys))
+    }
+}
+
+/// Tables, at most as many; those that lack something are left out.
+pub(crate) struct Parts(pub(crate) usize);
+
+pub(crate) const PARTS: Parts = Parts(usize::MAX);
+
+impl<F: Form> Kind<Vec<F>> for Parts {
+    fn read(&self, at: At<'_, '_>, _: Option<&Vec<F>>) -> Option<Vec<F>> {
+        let parts = at.reader.sections(at.section, at.key).into_iter().take(self.0);
+        Some(parts.filter_map(|part| at.reader.form(part, F::usual())).collect())
+    }
+
+    fn print(&self, values: &Vec<F>) -> Value {
+        Value::Array(values.iter().map(|value| print(value).into()).collect())
+    }
+
+    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+        json!({ "type": "array", "items": Kind::<F>::describe(&PART, generator) })
+    }
+}

@@ -1,0 +1,208 @@
+//! Noise profiles: a preset, and what is different from it.
+
+use std::collections::BTreeMap;
+
+use schemars::SchemaGenerator;
+use serde_json::{Value as Json, json};
+use toml::de::DeValue;
+use toml::{Table, Value};
+
+use super::device::by_name;
+use super::kind::{At, Custom, Kind, PART, TEXT};
+use super::{Form, Keys, definition, print};
+use crate::Span;
+use crate::code::Code;
+use crate::line::{self, Quantity};
+use crate::noise::form::{
+    CameraNoiseForm, CompassNoiseForm, DriveNoiseForm, EchoNoiseForm, OdometryNoiseForm, RadioNoiseForm, RangeNoiseForm,
+};
+use crate::noise::{PRESETS, preset};
+use crate::path;
+use crate::print::number::shortest;
+use crate::spec::{NoiseEntry, NoiseRef, NoiseSection, NoiseSpec, Preset};
+use crate::table::{Reader, Section};
+use sim_core::noise::RangeKind;
+use sim_core::noise::keys::{CAMERA, COMPASS, DRIVE, Keys as NoiseKeys, ODOMETRY, OWN, RADIO, RANGE};
+
+/// `noise = "mild"`, `noise = "FILE.toml"` or a profile in place.
+pub(crate) const NOISE: Custom<NoiseRef> = Custom {
+    read: |at| {
+        let At { reader, section, key } = at;
+        if section.get(key).is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_))) {
+            let part = reader.section(section, key)?;
+            if part.table.is_empty() {
+                reader.warn_of_empty(part.span);
+            }
+            let spec = NoiseSpec { file: reader.sink.file().to_owned(), ..NoiseSpec::default() };
+            return reader.form(part, spec).map(|spec| NoiseRef::Profile(spec.into()));
+        }
+        let reference = reader.reference(section, key)?;
+        if path::extension(&reference.text) == "toml" {
+            return Some(NoiseRef::File(reference));
+        }
+        reader.preset(&reference.text, reference.span, ", or a file NAME.toml").map(NoiseRef::Preset)
+    },
+    print: |noise| match noise {
+        NoiseRef::Preset(preset) => preset.name.into(),
+        NoiseRef::File(path) => TEXT.print(path),
+        NoiseRef::Profile(spec) => print(&**spec).into(),
+    },
+    describe: |generator| {
+        definition(generator, "NoiseForm", |generator| {
+            let name = json!({ "description": "`none`, `mild`, `real`, `harsh`, or a file.", "type": "string" });
+            let mut profile = Kind::<NoiseSpec>::describe(&PART, generator);
+            profile["description"] = "In place.".into();
+            json!({ "description": "A noise profile.", "anyOf": [name, profile] })
+        })
+    },
+};
+
+impl Reader {
+    fn preset(&mut self, name: &str, span: Span, or: &str) -> Option<Preset> {
+        let preset = preset(name);
+        if preset.is_none() {
+            let message = format!("`{name}` is no noise profile");
+            let expected = format!("one of {}{or}", PRESETS.join(", "));
+            let suggestion = line::nearest(name, PRESETS).map(|name| format!("write `{name}`"));
+            self.sink.error(Code::TomlChoice, span, message, expected).suggestion = suggestion;
+        }
+        preset
+    }
+
+    pub(crate) fn warn_of_empty(&mut self, span: Span) {
+        let expected = "`base = \"none\"` or another preset, or sections such as `[psd]`";
+        self.sink.warn(Code::NoiseEmpty, span, "the noise profile is empty: there are no errors", expected);
+    }
+}
+
+impl Form for NoiseSpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("ProfileForm", "A noise profile in place: a preset, and what is different from it.");
+        // Always: a file is known by it to be a profile.
+        keys.key("base", "What it starts from; `none` if left out.").always(BASE, &mut self.base);
+        let entries = &mut self.entries;
+        let about = [
+            "PSD sensors.",
+            "Laser range finders.",
+            "Ultrasonic sensors of one ray.",
+            "Reflectance sensors.",
+            "Sonars with a beam.",
+            "The laser scanner; each of its points is a reading.",
+        ];
+        for (kind, about) in RangeKind::ALL.into_iter().zip(about) {
+            keys.key(kind.name(), about).list(Errors(NoiseSection::Range(kind)), entries);
+        }
+        keys.key("compass", "The compass.").list(Errors(NoiseSection::Compass), entries);
+        keys.key("camera", "The camera.").list(Errors(NoiseSection::Camera), entries);
+        keys.key("drive", "What lies between commands and motion.").list(Errors(NoiseSection::Drive), entries);
+        keys.key("odometry", "What lies between motion and odometry.").list(Errors(NoiseSection::Odometry), entries);
+        keys.key("radio", "What the radio receives.").list(Errors(NoiseSection::Radio), entries);
+        keys.key("sensor", "What is different of single sensors, by their names.").list(SENSORS, entries);
+        entries.sort_by(|a, b| a.section.cmp(&b.section));
+    }
+}
+
+/// A preset, by its name.
+const BASE: Custom<Preset> = Custom {
+    read: |at| {
+        let base = at.reader.reference(at.section, at.key)?;
+        at.reader.preset(&base.text, base.span, "")
+    },
+    print: |preset| preset.name.into(),
+    describe: |generator| {
+        definition(
+            generator,
+            "PresetForm",
+            |_| json!({ "description": "A preset.", "type": "string", "enum": PRESETS }),
+        )
+    },
+};
+
+/// The numbers of a section.
+struct Errors(NoiseSection);
+
+impl Errors {
+    /// The keys that the section has.
+    fn quantities(&self) -> Vec<(&'static str, &'static Quantity)> {
+        fn of<M>(keys: NoiseKeys<M>) -> impl Iterator<Item = (&'static str, &'static Quantity)> {
+            keys.iter().map(|key| (key.name, &key.quantity))
+        }
+        match &self.0 {
+            NoiseSection::Range(kind) if !kind.has_own_noise() => of(RANGE).collect(),
+            NoiseSection::Range(_) | NoiseSection::Sensor(_) => of(RANGE).chain(of(OWN)).collect(),
+            NoiseSection::Compass => of(COMPASS).collect(),
+            NoiseSection::Camera => of(CAMERA).collect(),
+            NoiseSection::Drive => of(DRIVE).collect(),
+            NoiseSection::Odometry => of(ODOMETRY).collect(),
+            NoiseSection::Radio => of(RADIO).collect(),
+        }
+    }
+
+    fn read_section(&self, reader: &mut Reader, mut part: Section<'_, '_>) -> Vec<NoiseEntry> {
+        let mut entries = Vec::new();
+        for (key, quantity) in self.quantities() {
+            if let Some(value) = reader.number(&mut part, key, quantity) {
+                let span = reader.key_span(&part, key);
+                entries.push(NoiseEntry { section: self.0.clone(), key, value, span });
+            }
+        }
+        reader.unknown_keys(&part);
+        entries
+    }
+}
+
+impl Kind<Vec<NoiseEntry>> for Errors {
+    fn read(&self, at: At<'_, '_>, _: Option<&Vec<NoiseEntry>>) -> Option<Vec<NoiseEntry>> {
+        let part = at.reader.section(at.section, at.key)?;
+        Some(self.read_section(at.reader, part))
+    }
+
+    fn print(&self, entries: &Vec<NoiseEntry>) -> Value {
+        let quantities: BTreeMap<&str, &Quantity> = self.quantities().into_iter().collect();
+        let number = |entry: &NoiseEntry| match quantities.get(entry.key) {
+            Some(quantity) => shortest(entry.value / quantity.si(1.0), |number| quantity.si(number) == entry.value),
+            // A reader gives no key that its section has not.
+            None => entry.value,
+        };
+        let own = entries.iter().filter(|entry| entry.section == self.0);
+        Table::from_iter(own.map(|entry| (entry.key.to_owned(), number(entry).into()))).into()
+    }
+
+    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+        let schema = match &self.0 {
+            NoiseSection::Range(kind) if !kind.has_own_noise() => generator.subschema_for::<RangeNoiseForm>(),
+            NoiseSection::Range(_) | NoiseSection::Sensor(_) => generator.subschema_for::<EchoNoiseForm>(),
+            NoiseSection::Compass => generator.subschema_for::<CompassNoiseForm>(),
+            NoiseSection::Camera => generator.subschema_for::<CameraNoiseForm>(),
+            NoiseSection::Drive => generator.subschema_for::<DriveNoiseForm>(),
+            NoiseSection::Odometry => generator.subschema_for::<OdometryNoiseForm>(),
+            NoiseSection::Radio => generator.subschema_for::<RadioNoiseForm>(),
+        };
+        schema.to_value()
+    }
+}
+
+/// The numbers of single sensors.
+const SENSORS: Custom<Vec<NoiseEntry>> = Custom {
+    read: |at| {
+        let mut entries = Vec::new();
+        for (name, value) in at.reader.section(at.section, at.key)?.table {
+            if let Some(part) = at.reader.as_section(at.key, value) {
+                let sensor = NoiseSection::Sensor(name.get_ref().to_string());
+                entries.extend(Errors(sensor).read_section(at.reader, part));
+            }
+        }
+        Some(entries)
+    },
+    print: |entries| {
+        let names = entries.iter().filter_map(|entry| match &entry.section {
+            NoiseSection::Sensor(name) => Some(name.clone()),
+            _ => None,
+        });
+        by_name(names.map(|name| (name.clone(), Errors(NoiseSection::Sensor(name)).print(entries))))
+    },
+    describe: |generator| {
+        let sensor = Errors(NoiseSection::Sensor(String::new()));
+        json!({ "type": "object", "additionalProperties": sensor.describe(generator) })
+    },
+};

@@ -1,0 +1,67 @@
+//! Types of objects: all that an `.esObj` can say.
+
+use super::kind::{Bounded, PART, PARTS, Shades, TEXT, Word, Words};
+use super::sensor::PLACE;
+use super::{Form, Keys};
+use crate::line::Quantity;
+use crate::spec::{Collider, DEFAULT_ROLLING, ObjectType, PathRef, Solid};
+
+/// Length of the unit of a mesh.
+pub(crate) const MESH_UNIT: Quantity = Quantity::coordinate("length of the mesh's unit").within(1e-6, 1e9);
+
+impl Form for ObjectType {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("ObjectTypeForm", "An object type: a file alone, or all that an `.esObj` can say.");
+        keys.key("file", "An `.esObj`; no other key then.").maybe(TEXT, &mut None::<PathRef>);
+        keys.key("name", "Name under which objects have it; required without a `file`.").expected(TEXT, &mut self.name);
+        keys.key("model", "Its looks.").maybe(PART, &mut self.model);
+        keys.key("scale_mm", "Length of the mesh's unit in mm; 1000 if left out.").optional(MESH_UNIT, &mut self.scale);
+        keys.key("collider", "Its shape; an upright cylinder 100 mm wide and high if left out.")
+            .items(PARTS, &mut self.colliders);
+        keys.key("mass_kg", "Mass in kg; 1 if left out.").always(Bounded(Quantity::mass("mass")), &mut self.mass);
+        keys.key("centre_of_mass_mm", "Centre of mass, x forward, y left, z up, in mm; 0 if left out.")
+            .optional(PLACE, &mut self.centre_of_mass);
+        keys.key("fixed", "Nothing can move it; false if left out.").flag(&mut self.is_fixed);
+        keys.key("friction", "Coefficient of sliding friction on the floor; 0.4 if left out.")
+            .always(Bounded(Quantity::number("friction", 0.0, 1e6)), &mut self.friction);
+        keys.key(
+            "rolling",
+            "Coefficient of rolling resistance; 0.02 if left out of a type of spheres alone, which rolls, else none: it \
+             slides.",
+        )
+        .maybe(Bounded(Quantity::number("rolling resistance", 0.0, 1e6)), &mut self.rolling);
+        keys.key("restitution", "Coefficient of restitution; 0.3 if left out.")
+            .always(Bounded(Quantity::number("restitution", 0.0, 1.0)), &mut self.restitution);
+        keys.key("colour", "Red, green and blue, 0 to 255.").maybe(Shades, &mut self.colour);
+        keys.key("surface", "How it reflects.").optional(PART, &mut self.surface);
+        let mut sight = if matches!(self.solid, Solid::Mesh(_)) { Sight::Mesh } else { Sight::Colliders };
+        keys.key("solid", "What range sensors see of it; its colliders if left out.").optional(Word, &mut sight);
+        keys.key("buoyancy_m3", "Volume in cubic metres by which it floats; 0 if left out.")
+            .optional(Bounded(Quantity::number("volume", 0.0, 1e6)), &mut self.buoyancy);
+        if let Some((reader, section)) = keys.reading() {
+            let is_ball = self.colliders.iter().all(|collider| matches!(collider, Collider::Sphere { .. }));
+            self.rolling = self.rolling.or(is_ball.then_some(DEFAULT_ROLLING));
+            match (sight, &self.model) {
+                (Sight::Colliders, _) => {}
+                (Sight::Mesh, Some(_)) => self.solid = Solid::Mesh(None),
+                (Sight::Mesh, None) => reader.missing(section, "model"),
+            }
+        }
+    }
+}
+
+/// What range sensors in space see of an object.
+#[derive(Clone, Copy, PartialEq)]
+enum Sight {
+    Colliders,
+    Mesh,
+}
+
+impl Words for Sight {
+    const NAME: &'static str = "SolidForm";
+    const ABOUT: &'static str = "What range sensors in space see of an object.";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Sight::Colliders, "colliders", "Its colliders."),
+        (Sight::Mesh, "mesh", "Its mesh; contacts stay those of the colliders."),
+    ];
+}

@@ -1,0 +1,350 @@
+//! What stands in a scene: robots, alone and in groups, objects, starts and markers.
+
+use glam::DVec2;
+use schemars::SchemaGenerator;
+use serde_json::{Value as Json, json};
+use toml::Value;
+
+use super::kind::{At, Bounded, Custom, Kind, PART, Shades, TEXT, Word, Words};
+use super::noise::NOISE;
+use super::{Form, Keys, Variant, Variants};
+use crate::code::Code;
+use crate::line::Quantity;
+use crate::path;
+use crate::print::number;
+use crate::spec::{Layout, MarkerSpec, ObjectLine, PathRef, RobotLine, StartRef, StartSpec, TypeRef};
+use crate::table::{Reader, Section};
+use sim_core::RobotId;
+use sim_core::pose::{Heading, Pose};
+
+/// Robots that a scene may have at most.
+pub(crate) const MAX_ROBOTS: u32 = 100_000;
+
+/// Extensions of files that are robot types, and of those that are object types.
+const ROBOT_FILES: TypeName = TypeName(&["robi"]);
+const OBJECT_FILES: TypeName = TypeName(&["esobj", "obj", "ms3d", "iv"]);
+
+/// Colour of a marker that does not say: red, as in sim files.
+const MARKER_COLOUR: [u8; 3] = [255, 0, 0];
+
+pub(crate) const POINT: [Quantity; 2] = [Quantity::coordinate("x"), Quantity::coordinate("y")];
+const HEADING: Quantity = Quantity::angle("heading");
+
+/// The name of a type, or its file where it ends as these do.
+struct TypeName(&'static [&'static str]);
+
+impl Kind<TypeRef> for TypeName {
+    fn read(&self, at: At<'_, '_>, _: Option<&TypeRef>) -> Option<TypeRef> {
+        let reference = at.reader.reference(at.section, at.key)?;
+        let is_file = self.0.contains(&path::extension(&reference.text).as_str());
+        Some(if is_file { TypeRef::File(reference) } else { TypeRef::Name(reference) })
+    }
+
+    fn print(&self, kind: &TypeRef) -> Value {
+        TEXT.print(kind.written())
+    }
+
+    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+        Kind::<PathRef>::describe(&TEXT, generator)
+    }
+}
+
+/// A heading with its whole turns.
+const FACING: Custom<Heading> = Custom {
+    read: |at| at.reader.number(at.section, at.key, &HEADING).map(Heading::new),
+    print: |heading| number::heading(*heading).into(),
+    describe: |generator| HEADING.describe(generator),
+};
+
+/// Letters of mazes that a robot may start at.
+impl Words for char {
+    const NAME: &'static str = "LetterForm";
+    const ABOUT: &'static str = "A start letter.";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        ('S', "S", "Up, the start."),
+        ('U', "U", "Up."),
+        ('R', "R", "To the right."),
+        ('D', "D", "Down."),
+        ('L', "L", "To the left."),
+    ];
+}
+
+/// Texts, each of which may be empty.
+const ARGUMENTS: Custom<Vec<String>> = Custom {
+    read: |at| Some(at.reader.texts(at.section, at.key)),
+    print: |texts| texts.clone().into(),
+    describe: |_| json!({ "type": "array", "items": { "type": "string" } }),
+};
+
+impl Form for RobotLine {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("RobotForm", "A robot, or several that differ only in where they start.");
+        keys.span(&mut self.span);
+        keys.key("type", "`LabBot`, `S4`, the name of a type of the scene, or a `.robi` file.")
+            .required(ROBOT_FILES, &mut self.kind);
+        keys.key(
+            "program",
+            "Its program: a library, a C or C++ file, several of them with commas, or the folder of a program.",
+        )
+        .maybe(TEXT, &mut self.program);
+        keys.key("arguments", "What the program gets behind its name.").list(ARGUMENTS, &mut self.arguments);
+        keys.key(
+            "api",
+            "Generation of the RoBIOS API that the program is written for, 6 or 7; that of the scene if left out.",
+        )
+        .maybe(6..=7, &mut self.api);
+        keys.key("noise", "What errors its devices and its drive have; those of the scene if left out.")
+            .maybe(NOISE, &mut self.noise);
+        let mut id = self.id.map(|id| id.0);
+        keys.key("id", "Its number, 1 to the number of robots; the next free one if left out. Not of several.")
+            .maybe(1..=i64::from(MAX_ROBOTS), &mut id);
+        let Some((reader, section)) = keys.reading() else { return start_keys(keys, &self.start) };
+        let start = reader.start(section);
+        if let Some(StartRef::Many { count: 2.., .. }) = start {
+            reader.exclude(section, "count", &["id"]);
+            id = None;
+        }
+        if self.program.is_none() && !self.arguments.is_empty() {
+            let span = reader.key_span(section, "arguments");
+            let message = "`arguments` without a `program`; one of the command line gets them";
+            reader.sink.warn(Code::TomlMissing, span, message, "a line `program = ...`");
+        }
+        self.id = id.map(RobotId);
+        match start {
+            Some(start) => self.start = start,
+            None => keys.refuse(),
+        }
+    }
+}
+
+/// The keys of a start, as they are printed.
+fn start_keys(keys: &mut Keys<'_>, start: &StartRef) {
+    let pose = match start {
+        StartRef::Pose(pose) => Some(*pose),
+        _ => None,
+    };
+    let (mut letter, mut heading) = match *start {
+        StartRef::Letter { letter, heading } => (Some(letter), heading),
+        _ => (None, None),
+    };
+    let (mut count, mut layout) = match *start {
+        StartRef::Many { count, layout } => (Some(count), Some(layout)),
+        _ => (None, None),
+    };
+    let [mut x, mut y] = [pose.map(|pose| pose.position.x), pose.map(|pose| pose.position.y)];
+    let most = i64::from(MAX_ROBOTS);
+    keys.key("x_mm", "Place of its centre along x in mm.").maybe(POINT[0], &mut x);
+    keys.key("y_mm", "Place of its centre along y in mm.").maybe(POINT[1], &mut y);
+    let key = keys.key(
+        "heading_deg",
+        "Heading in degrees, counter-clockwise from x; with `x_mm` 0 if left out, with `start` that of the letter.",
+    );
+    match pose {
+        Some(pose) => key.maybe(FACING, &mut Some(pose.heading).filter(|heading| *heading != Heading::default())),
+        None => key.maybe(HEADING, &mut heading),
+    }
+    keys.key("start", "Letter of the start of the world.").maybe(Word, &mut letter);
+    keys.key("count", "How many robots; 1 if left out. Without a `layout` they take the next starts of the world.")
+        .maybe(1..=most, &mut count);
+    keys.key("layout", "How they stand.").maybe(PART, &mut layout);
+}
+
+impl Reader {
+    /// Where a robot or the robots of a group start; `None` if that cannot be read, which has been told.
+    fn start<'s>(&mut self, section: &mut Section<'s, 's>) -> Option<StartRef> {
+        let has_count = section.has("count");
+        let count = self.integer(section, "count", 1, i64::from(MAX_ROBOTS)).map(|count| count as u32);
+        if has_count && count.is_none() {
+            return None;
+        }
+        if section.has("layout") {
+            let layout = self.section(section, "layout").and_then(|layout| self.form(layout, Layout::usual()));
+            self.exclude(section, "layout", &["x_mm", "y_mm", "heading_deg", "start"]);
+            return Some(StartRef::Many { count: count.unwrap_or(1), layout: layout? });
+        }
+        section.get("layout");
+        if has_count {
+            let is_clean = self.exclude(section, "count", &["x_mm", "y_mm", "heading_deg", "start"]);
+            return count.filter(|_| is_clean).map(|count| StartRef::Many { count, layout: Layout::Starts });
+        }
+        if section.has("start") {
+            let letter = Word.read(At { reader: self, section, key: "start" }, None);
+            self.exclude(section, "start", &["x_mm", "y_mm"]);
+            let heading = self.number(section, "heading_deg", &HEADING);
+            return letter.map(|letter| StartRef::Letter { letter, heading });
+        }
+        section.get("start");
+        if section.has("x_mm") || section.has("y_mm") || section.has("heading_deg") {
+            return self.pose(section).map(StartRef::Pose);
+        }
+        for key in ["x_mm", "y_mm", "heading_deg"] {
+            section.get(key);
+        }
+        Some(StartRef::Next)
+    }
+
+    /// `x_mm`, `y_mm` and `heading_deg`, which is 0 where it is left out.
+    fn pose(&mut self, section: &mut Section<'_, '_>) -> Option<Pose> {
+        let x = self.required(section, "x_mm", &POINT[0]);
+        let y = self.required(section, "y_mm", &POINT[1]);
+        let has_heading = section.has("heading_deg");
+        let heading = self.number(section, "heading_deg", &HEADING);
+        if has_heading && heading.is_none() {
+            return None;
+        }
+        Some(Pose::new(x?, y?, heading.unwrap_or_default()))
+    }
+}
+
+impl Form for Layout {
+    fn bare(&self) -> Self {
+        Self::KINDS[self.place()].2()
+    }
+
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("LayoutForm", "How several robots stand.");
+        if !keys.variant(self) {
+            return;
+        }
+        match self {
+            Self::Starts => {}
+            Self::Line { from, to, heading } => {
+                keys.key("from_mm", "Place of the first, x and y in mm.").required(POINT, from);
+                keys.key("to_mm", "Place of the last, x and y in mm.").required(POINT, to);
+                keys.key("heading_deg", "Heading of all in degrees; 0 if left out.").optional(HEADING, heading);
+            }
+            Self::Grid { from, spacing, columns, heading } => {
+                let distances = [Quantity::size("distance of columns"), Quantity::size("distance of rows")];
+                keys.key("from_mm", "Place of the first, x and y in mm.").required(POINT, from);
+                keys.key("spacing_mm", "Distance of columns and of rows in mm.").required(distances, spacing);
+                keys.key("columns", "How many stand in a row; as many as there are rows if left out.")
+                    .maybe(1..=i64::from(MAX_ROBOTS), columns);
+                keys.key("heading_deg", "Heading of all in degrees; 0 if left out.").optional(HEADING, heading);
+            }
+            Self::Circle { centre, radius, first, facing } => {
+                keys.key("centre_mm", "Its middle, x and y in mm.").required(POINT, centre);
+                keys.key("radius_mm", "Its radius in mm.").required(Bounded(Quantity::size("radius")), radius);
+                keys.key(
+                    "first_deg",
+                    "Direction in degrees in which the first stands, seen from the middle; 0 if left out.",
+                )
+                .optional(Quantity::angle("direction of the first"), first);
+                keys.key(
+                    "facing_deg",
+                    "Heading of each against its direction from the middle, in degrees: 0, if left out, looks outwards, \
+                     180 inwards.",
+                )
+                .optional(HEADING, facing);
+            }
+            Self::Random { area, clearance, heading } => {
+                if !area_keys(keys, area) {
+                    return;
+                }
+                keys.key("clearance_mm", "Smallest distance from walls and others in mm; 0 if left out.")
+                    .optional(Bounded(Quantity::length("clearance")), clearance);
+                keys.key("heading_deg", "Heading of all in degrees; drawn, too, if left out.").maybe(HEADING, heading);
+            }
+        }
+    }
+}
+
+/// Two corners of a rectangle; true unless only one of them is there.
+fn area_keys(keys: &mut Keys<'_>, area: &mut Option<[DVec2; 2]>) -> bool {
+    let [mut from, mut to] = [area.map(|[from, _]| from), area.map(|[_, to]| to)];
+    let mut is_said = false;
+    if let Some((reader, section)) = keys.reading() {
+        is_said = section.has("from_mm") || section.has("to_mm");
+        let missing = ["from_mm", "to_mm"].into_iter().filter(|key| is_said && !section.has(key));
+        missing.for_each(|key| reader.missing(section, key));
+    }
+    keys.key("from_mm", "A corner of the rectangle that the bodies stand in, x and y in mm; the floor if left out.")
+        .maybe(POINT, &mut from);
+    keys.key("to_mm", "The opposite corner.").maybe(POINT, &mut to);
+    *area = from.zip(to).map(|(from, to)| [from.min(to), from.max(to)]);
+    let is_good = !is_said || area.is_some();
+    if !is_good {
+        keys.refuse();
+    }
+    is_good
+}
+
+impl Variants for Layout {
+    const KINDS: &'static [Variant<Self>] = &[
+        ("starts", "Each at the next start of the world.", || Self::Starts),
+        ("line", "On a line at equal distances, the first and the last at its ends.", || Self::Line {
+            from: DVec2::ZERO,
+            to: DVec2::ZERO,
+            heading: 0.0,
+        }),
+        ("grid", "In rows along x, filled from left to right, then the next one above.", || Self::Grid {
+            from: DVec2::ZERO,
+            spacing: DVec2::ZERO,
+            columns: None,
+            heading: 0.0,
+        }),
+        ("circle", "On a circle at equal angles, counter-clockwise.", || Self::Circle {
+            centre: DVec2::ZERO,
+            radius: 0.0,
+            first: 0.0,
+            facing: 0.0,
+        }),
+        ("random", "At random places where there is room, drawn from the seed.", || Self::Random {
+            area: None,
+            clearance: 0.0,
+            heading: None,
+        }),
+    ];
+}
+
+impl Form for ObjectLine {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("ObjectForm", "A passive object.");
+        keys.span(&mut self.span);
+        keys.key(
+            "type",
+            "`Can`, `Soccer`, `Crate`, `Golf`, the name of a type of the scene, an `.esObj` file or a mesh.",
+        )
+        .required(OBJECT_FILES, &mut self.kind);
+        place_keys(keys, &mut self.pose.position);
+        keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; 0 if left out.")
+            .strictly(FACING, &mut self.pose.heading);
+        keys.key("friction", "Coefficient of friction on the floor; that of the type if left out.")
+            .maybe(Bounded(Quantity::number("friction", 0.0, 1e6)), &mut self.friction);
+    }
+}
+
+fn place_keys(keys: &mut Keys<'_>, place: &mut DVec2) {
+    keys.key("x_mm", "Place along x in mm.").required(POINT[0], &mut place.x);
+    keys.key("y_mm", "Place along y in mm.").required(POINT[1], &mut place.y);
+}
+
+impl Form for StartSpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("StartForm", "A place where a robot may start.");
+        keys.span(&mut self.span);
+        place_keys(keys, &mut self.pose.position);
+        keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; 0 if left out.")
+            .optional(FACING, &mut self.pose.heading);
+        keys.key("letter", "Letter by which robots choose it.").maybe(Word, &mut self.letter);
+    }
+}
+
+impl Form for MarkerSpec {
+    fn usual() -> Self {
+        let [red, green, blue] = MARKER_COLOUR;
+        Self { colour: [red, green, blue, 255], ..Self::default() }
+    }
+
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("MarkerForm", "A flat spot of colour on the floor.");
+        let [red, green, blue, mut opacity] = self.colour;
+        let mut colour = [red, green, blue];
+        keys.span(&mut self.span);
+        place_keys(keys, &mut self.position);
+        keys.key("colour", "Red, green and blue, 0 to 255; red if left out.").optional(Shades, &mut colour);
+        keys.key("opacity", "0 for nothing to see, 255, if left out, for nothing to see through.")
+            .optional(0..=255, &mut opacity);
+        let [red, green, blue] = colour;
+        self.colour = [red, green, blue, opacity];
+    }
+}

@@ -1,0 +1,223 @@
+//! Types of robots: all that a robi with its companion can say.
+
+use schemars::SchemaGenerator;
+use serde_json::Value as Json;
+use toml::Value;
+
+use super::device::{HDT, SERIALS};
+use super::kind::{At, Bounded, Custom, Kind, PART, PARTS, PartOf, TEXT, Word, Words};
+use super::legs::legs;
+use super::sensor::{PLACE, ranges};
+use super::{Form, Keys};
+use crate::code::Code;
+use crate::line::Quantity;
+use crate::robi::{drive_devices, usual_wheelbase};
+use crate::spec::{LinkSpec, MotorSpec, PathRef, RobiSpec, WheelSpec};
+use sim_core::drive::DriveKind;
+
+/// Most links of a robot: none needs a tenth of them.
+const MAX_LINKS: usize = 256;
+
+impl Form for RobiSpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("RobotTypeForm", "A robot type: a file alone, or all that a `.robi` and its companion can say.");
+        keys.key("file", "A `.robi`, with the companion beside it; no other key then.")
+            .maybe(TEXT, &mut None::<PathRef>);
+        keys.key("name", "Name under which robots have it; required without a `file`.").expected(TEXT, &mut self.name);
+        keys.key("diameter_mm", "Diameter of the body in mm; 180 if left out.")
+            .always(Quantity::size("diameter"), &mut self.diameter);
+        keys.key("max_speed_mm_per_s", "Largest speed in mm/s; 600 if left out.")
+            .always(Quantity::speed("largest speed"), &mut self.max_speed);
+        keys.key("max_turn_deg_per_s", "Largest turning speed in degrees/s; 300 if left out.")
+            .always(Quantity::rate("largest turning speed"), &mut self.max_turn);
+        keys.key(
+            "axis_mm",
+            "Place of the wheel axis on the robot's x axis in mm, positive ahead of the centre; 0 if left out.",
+        )
+        .optional(Quantity::coordinate("axis offset"), &mut self.axis_offset);
+        keys.key("centre_of_mass_mm", "Centre of mass, x forward, y left, z up, in mm; 0 if left out.")
+            .optional(PLACE, &mut self.centre_of_mass);
+        keys.key("model", "The body's looks.").maybe(PART, &mut self.model);
+        keys.key("collider", "The body's shape in space; contacts are those of the disc.")
+            .list(PARTS, &mut self.colliders);
+        keys.mention(&["wheel", "drive", "psd"]);
+        keys.key("body", "Mass and traction.").always(PartOf(body_table), self);
+        keys.key("wheel", "The wheels, all alike.").always(PART, &mut self.wheel);
+        if keys.reading().is_some() {
+            self.drive.wheelbase = wheelbase_of(self);
+        }
+        keys.key("drive", "The drive.").always(PartOf(drive_table), self);
+        frame(keys, self);
+        keys.key("psd", "PSD distance sensors.").list(PARTS, &mut self.psds);
+        devices(keys, self);
+        if let Some((reader, _)) = keys.reading() {
+            reader.settle_devices(self);
+        }
+    }
+}
+
+/// The keys of a companion but for the PSDs.
+pub(crate) fn companion(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
+    keys.key("body", "Mass and traction.").always(PartOf(body_table), robi);
+    keys.key("drive", "The drive.").always(PartOf(drive_keys), robi);
+    frame(keys, robi);
+    devices(keys, robi);
+}
+
+/// What devices sit on, and what it stands on.
+fn frame(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
+    keys.key("surface", "How the body reflects.").optional(PART, &mut robi.surface);
+    keys.key("link", "Links: parts that sensors sit on.").list(LINKS, &mut robi.links);
+    legs(keys, robi);
+}
+
+/// Its devices but for the PSDs.
+fn devices(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
+    ranges(keys, &mut robi.ranges);
+    keys.key("camera", "The camera.").maybe(PART, &mut robi.camera);
+    keys.key("lidar", "The laser scanner.").maybe(PART, &mut robi.lidar);
+    keys.key("infrared", "Infrared switches.").list(PARTS, &mut robi.infrareds);
+    keys.key("bumper", "Bumpers.").list(PARTS, &mut robi.bumpers);
+    keys.key("servo", "Servos.").list(PARTS, &mut robi.servos);
+    keys.key("compass", "The compass.").maybe(PART, &mut robi.compass);
+    keys.key("lcd", "The colour display of RoBIOS-7.").optional(PART, &mut robi.lcd);
+    keys.key("input", "What inputs read that nothing simulated drives.").optional(PART, &mut robi.inputs);
+    keys.key("serial", "What is connected to serial interfaces 1 to 16.").list(SERIALS, &mut robi.serials);
+    keys.key("hdt", "Numbers under which programs ask for devices.").list(HDT, &mut robi.hdt);
+}
+
+fn body_table(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
+    keys.form("BodyForm", "Mass and traction of a robot.");
+    keys.key("mass_kg", "Mass in kg; 1 if left out.").always(Bounded(Quantity::mass("mass")), &mut robi.mass);
+    keys.key("traction", "Coefficient of friction between wheels and floor; 0.6 if left out.")
+        .always(Bounded(Quantity::number("traction", 0.0, 100.0)), &mut robi.traction);
+}
+
+impl Form for WheelSpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("WheelForm", "The wheels.");
+        keys.key("diameter_mm", "Diameter in mm; 50 if left out.")
+            .always(Quantity::size("wheel diameter"), &mut self.diameter);
+        keys.key("max_rate_deg_per_s", "Largest turning rate in degrees/s; 3600 if left out.")
+            .always(Quantity::rate("largest rate"), &mut self.max_rate);
+        keys.key("ticks_per_turn", "Encoder ticks per turn; 1000 if left out.")
+            .always(Quantity::number("encoder ticks", 1e-3, 1e9), &mut self.ticks_per_turn);
+        keys.key("track_mm", "Distance between left and right wheels in mm; 90 if left out.")
+            .always(Quantity::size("track"), &mut self.track);
+    }
+}
+
+fn drive_table(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
+    keys.form("DriveForm", "The drive.");
+    keys.key("kind", "Its kind; differential if left out.").always(Word, &mut robi.drive.kind);
+    let wheelbase = wheelbase_of(robi);
+    let drive = &mut robi.drive;
+    let mut steering = drive.steering.take().map(|text| PathRef { text, ..PathRef::default() });
+    if keys.reading().is_some() {
+        (drive.motors, drive.steering) = drive_devices(drive.kind);
+        drive.wheelbase = wheelbase;
+    }
+    keys.key(
+        "motor",
+        "Motors: left, right; of a car one; of an omni drive front left, front right, back left, back right.",
+    )
+    .items(Motors(drive.motors.len()), &mut drive.motors);
+    keys.key("steering", "The servo that steers a car.").maybe(TEXT, &mut steering);
+    if let Some((reader, _)) = keys.reading()
+        && let Some(servo) = steering
+    {
+        if drive.kind == DriveKind::Ackermann {
+            drive.steering = Some(servo.text);
+        } else {
+            let message = "only an ackermann drive has a servo that steers; it is left out";
+            reader.sink.warn(Code::TomlConflict, servo.span, message, "`kind = \"ackermann\"`");
+        }
+    }
+    drive_keys(robi, keys);
+}
+
+/// The wheelbase of a type that does not say.
+fn wheelbase_of(robi: &RobiSpec) -> f64 {
+    usual_wheelbase(robi.drive.kind, robi.diameter, robi.wheel.track)
+}
+
+/// What a drive has besides its kind and its devices.
+fn drive_keys(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
+    let usual = wheelbase_of(robi);
+    let drive = &mut robi.drive;
+    let mut said = Some(drive.wheelbase).filter(|said| *said != usual && keys.reading().is_none());
+    keys.key(
+        "wheelbase_mm",
+        "Distance between front and rear wheels in mm; of a car 0.6 of the diameter if left out, else the track.",
+    )
+    .maybe(Quantity::size("wheelbase"), &mut said);
+    drive.wheelbase = said.unwrap_or(drive.wheelbase);
+    let steer = Quantity::angle("largest steering angle").within(0.1, 85.0);
+    keys.key("max_steer_deg", "Steering angle at the servo's ends in degrees; 45 if left out.")
+        .always(Bounded(steer), &mut drive.max_steer);
+    keys.key("wheel_lag_ms", "Time constant between a wheel's command and its speed in ms; 0 if left out.")
+        .optional(Bounded(Quantity::milliseconds("lag of the wheels")), &mut drive.wheel_lag);
+}
+
+impl Words for DriveKind {
+    const NAME: &'static str = "DriveKindForm";
+    const ABOUT: &'static str = "Kinds of drives.";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (DriveKind::Differential, "differential", "Two wheels."),
+        (DriveKind::Ackermann, "ackermann", "A car."),
+        (DriveKind::Omni, "omni", "Four Mecanum wheels."),
+        (DriveKind::Legged, "legged", "Legs."),
+    ];
+}
+
+impl Form for MotorSpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("MotorForm", "A motor with its encoder.");
+        keys.key("name", "Its name, such as `MOTOR_LEFT`.").required(TEXT, &mut self.motor);
+        keys.key("encoder", "The name of its encoder, such as `QUAD_LEFT`.").maybe(TEXT, &mut self.encoder);
+    }
+}
+
+/// As many motors as the drive has.
+struct Motors(usize);
+
+impl Kind<Vec<MotorSpec>> for Motors {
+    fn read(&self, at: At<'_, '_>, _: Option<&Vec<MotorSpec>>) -> Option<Vec<MotorSpec>> {
+        let At { reader, section, key } = at;
+        let sections = reader.sections(section, key);
+        let (count, expected) = (sections.len(), self.0);
+        let motors: Vec<MotorSpec> =
+            sections.into_iter().filter_map(|section| reader.form(section, MotorSpec::usual())).collect();
+        if count != 0 && count != expected {
+            let message = format!("the drive has {count} of {expected} motors");
+            let span = reader.key_span(section, key);
+            reader.sink.error(Code::RobiDriveArity, span, message, format!("{expected} motors"));
+        }
+        Some(motors).filter(|motors| motors.len() == expected)
+    }
+
+    fn print(&self, motors: &Vec<MotorSpec>) -> Value {
+        PARTS.print(motors)
+    }
+
+    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+        Kind::<Vec<MotorSpec>>::describe(&PARTS, generator)
+    }
+}
+
+/// Links, of which no robot has too many.
+const LINKS: Custom<Vec<LinkSpec>> = Custom {
+    read: |at| {
+        let At { reader, section, key } = at;
+        let sections = reader.sections(section, key);
+        if sections.len() > MAX_LINKS {
+            let message = format!("the robot has {} links", sections.len());
+            let span = reader.key_span(section, key);
+            reader.sink.error(Code::NumberRange, span, message, format!("at most {MAX_LINKS} links"));
+            return None;
+        }
+        Some(sections.into_iter().filter_map(|section| reader.form(section, LinkSpec::usual())).collect())
+    },
+    print: |links| PARTS.print(links),
+    describe: |generator| Kind::<Vec<LinkSpec>>::describe(&PARTS, generator),
+};

@@ -1,0 +1,321 @@
+//! Scenes: what one says about its run, and what it holds.
+
+use std::collections::BTreeSet;
+
+use schemars::SchemaGenerator;
+use serde_json::{Value as Json, json};
+use toml::Value;
+use toml::de::DeValue;
+
+use super::device::by_name;
+use super::kind::{At, Bounded, Custom, Kind, PART, PARTS, Part, TEXT, Word, Words, whole};
+use super::noise::NOISE;
+use super::world::World;
+use super::{Form, Keys, definition, print};
+use crate::Span;
+use crate::code::Code;
+use crate::line::Quantity;
+use crate::print::number::shortest;
+use crate::spec::{CostEntry, CostTable, CostsRef, PathRef, RobotLine, RunSpec, Settings, SimSpec};
+use crate::table::{Reader, Section};
+use sim_core::radio::{Medium, Model};
+use sim_core::time::Time;
+
+/// Greatest cost of a call: an hour, in microseconds.
+const MAX_COST_US: i64 = 3_600_000_000;
+/// Longest slot: an hour, in milliseconds; longest run: 31 years, in seconds.
+const MAX_SLOT_MS: f64 = 3.6e6;
+const MAX_UNTIL_S: f64 = 1e9;
+/// Fastest radio, bits a second.
+const MAX_BAUD: i64 = 1_000_000_000;
+
+impl Form for SimSpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form(
+            "SceneForm",
+            "A scene of eyesim: a world, robots with their programs, objects, and what a run needs besides.",
+        );
+        keys.key("scene", "What the scene says about its run; the command line goes before it.")
+            .optional(PART, &mut self.run);
+        let mut world = World::of(self);
+        keys.key("world", "The world: a file, or described in place by its walls or by the drawing of a maze.")
+            .required(PART, &mut world);
+        if keys.reading().is_some() {
+            world.put_into(self);
+        }
+        keys.key("settings", "What the window shows.").optional(PART, &mut self.settings);
+        keys.key("radio", "What carries messages between robots.")
+            .optional(Part("medium = \"aloha\", baud = 9600"), &mut self.radio);
+        robots(keys, self);
+        keys.key("object", "Passive objects.").list(PARTS, &mut self.objects);
+        keys.key("marker", "Flat spots of colour on the floor.").list(PARTS, &mut self.markers);
+    }
+}
+
+impl Form for RunSpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("RunForm", "What a scene says about its run.");
+        keys.key("seed", "Seed of all random numbers; 0 if left out.").maybe(SEED, &mut self.seed);
+        let slot = Quantity::milliseconds("length of a slot").within(1e-3, MAX_SLOT_MS);
+        keys.key("slot_ms", "Length of a time slot in milliseconds, a multiple of 0.001; 50 if left out.")
+            .maybe(WholeMicros(slot), &mut self.slot);
+        keys.key("until_s", "Simulated seconds at which the run ends; 600 if left out.").maybe(UNTIL, &mut self.until);
+        keys.key("costs", "Virtual time that RoBIOS calls take: a file, or a table for each generation of the API.")
+            .maybe(COSTS, &mut self.costs);
+        keys.key(
+            "api",
+            "Generation of the RoBIOS API that programs are written for, 6 or 7; that of the functions they call if left \
+             out.",
+        )
+        .maybe(6..=7, &mut self.api);
+        keys.key(
+            "noise",
+            "What errors devices and drives have: `none` (if left out), `mild`, `real`, `harsh`, a file, or a profile.",
+        )
+        .maybe(NOISE, &mut self.noise);
+    }
+}
+
+/// A seed: TOML has none above 2^63 - 1.
+const SEED: Custom<u64> = Custom {
+    read: |at| at.reader.integer(at.section, at.key, 0, i64::MAX).map(i64::unsigned_abs),
+    print: |seed| (*seed as i64).into(),
+    describe: |_| json!({ "type": "integer", "format": "int64", "minimum": 0 }),
+};
+
+/// A span of time that is a whole number of microseconds.
+struct WholeMicros(Quantity);
+
+impl Kind<Time> for WholeMicros {
+    fn read(&self, at: At<'_, '_>, _: Option<&Time>) -> Option<Time> {
+        let At { reader, section, key } = at;
+        let seconds = reader.number(section, key, &self.0)?;
+        let micros = (seconds * 1e6).round();
+        // Closer than any decimal of a ms that is meant as something else.
+        if (seconds * 1e6 - micros).abs() > 1e-5 {
+            let span = reader.key_span(section, key);
+            let message = format!("{} `{}` ms is no whole number of microseconds", self.0.name, seconds * 1e3);
+            reader.sink.error(Code::NumberRange, span, message, "a multiple of 0.001");
+            return None;
+        }
+        Some(Time(micros as i64))
+    }
+
+    fn print(&self, time: &Time) -> Value {
+        shortest(time.0 as f64 / 1e3, |ms| (ms * 1e3).round() as i64 == time.0).into()
+    }
+
+    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+        Bounded(self.0).describe(generator)
+    }
+}
+
+const END: Bounded = Bounded(Quantity::seconds("end of the run").within(1e-6, MAX_UNTIL_S));
+
+/// The end of a run, in seconds.
+const UNTIL: Custom<Time> = Custom {
+    read: |at| END.read(at, None).map(Time::from_seconds_ceil),
+    print: |time| shortest(time.0 as f64 / 1e6, |seconds| Time::from_seconds_ceil(seconds) == *time).into(),
+    describe: |generator| END.describe(generator),
+};
+
+/// A cost table: a file, or in place.
+const COSTS: Custom<CostsRef> = Custom {
+    read: |at| {
+        let At { reader, section, key } = at;
+        if !section.get(key).is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_))) {
+            return reader.reference(section, key).map(CostsRef::File);
+        }
+        let table = CostTable { file: reader.sink.file().to_owned(), ..CostTable::default() };
+        let part = reader.section(section, key)?;
+        reader.form(part, table).map(CostsRef::Table)
+    },
+    print: |costs| match costs {
+        CostsRef::File(path) => TEXT.print(path),
+        CostsRef::Table(table) => print(table).into(),
+    },
+    describe: |generator| {
+        definition(generator, "CostsForm", |generator| {
+            let mut table = Kind::<CostTable>::describe(&PART, generator);
+            table["description"] = "In place.".into();
+            let file = json!({ "description": "A file.", "type": "string" });
+            json!({ "description": "A cost table.", "anyOf": [file, table] })
+        })
+    },
+};
+
+impl Form for CostTable {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("GenerationsForm", "A cost table in place: microseconds of a call by the name of the function, or by the beginning of names and `*`.");
+        keys.key("robios6", "RoBIOS 6.").list(CostsOf("robios6"), &mut self.entries);
+        keys.key("robios7", "RoBIOS 7.").list(CostsOf("robios7"), &mut self.entries);
+        self.entries.sort_by_key(|entry| entry.span);
+    }
+}
+
+/// The costs of a generation of the API.
+struct CostsOf(&'static str);
+
+impl Kind<Vec<CostEntry>> for CostsOf {
+    fn read(&self, at: At<'_, '_>, _: Option<&Vec<CostEntry>>) -> Option<Vec<CostEntry>> {
+        let mut entries = Vec::new();
+        for (function, cost) in at.reader.section(at.section, at.key)?.table {
+            if let Some(micros) = at.reader.as_integer(function.get_ref(), cost, 1, MAX_COST_US) {
+                let (generation, name) = (self.0.to_owned(), function.get_ref().to_string());
+                let span = at.reader.span(function.span());
+                entries.push(CostEntry { generation, function: name, cost: Time(micros), span });
+            }
+        }
+        Some(entries)
+    }
+
+    fn print(&self, entries: &Vec<CostEntry>) -> Value {
+        let own = entries.iter().filter(|entry| entry.generation == self.0);
+        by_name(own.map(|entry| (entry.function.clone(), entry.cost.0.into())))
+    }
+
+    fn describe(&self, _: &mut SchemaGenerator) -> Json {
+        json!({ "type": "object", "additionalProperties": whole::<u32>() })
+    }
+}
+
+impl Form for Settings {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("SettingsForm", "What the window shows.");
+        keys.key("beams", "The beams of distance sensors; false if left out.").flag(&mut self.shows_beams);
+        keys.key("trace", "The paths of the robots; false if left out.").flag(&mut self.shows_trace);
+    }
+}
+
+impl Form for Model {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("RadioForm", "What carries messages between robots.");
+        keys.key("medium", "How the robots share the medium; `free` if left out.").optional(Word, &mut self.medium);
+        keys.key("baud", "Bits a second, of which a byte takes ten; 115200 if left out.")
+            .optional(1..=MAX_BAUD, &mut self.baud);
+        keys.key(
+            "latency_ms",
+            "Time from the end of a transmission to its arrival in milliseconds, a multiple of 0.001; 0 if left out.",
+        )
+        .optional(WholeMicros(Quantity::milliseconds("latency")), &mut self.latency);
+        keys.key("range_mm", "How far a message is heard in mm; everywhere if left out.")
+            .maybe(Bounded(Quantity::size("range")), &mut self.range);
+        keys.key("line_of_sight", "Walls stop messages; false if left out.").flag(&mut self.line_of_sight);
+    }
+}
+
+impl Words for Medium {
+    const NAME: &'static str = "MediumForm";
+    const ABOUT: &'static str = "How robots share the medium that carries their messages.";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Medium::Free, "free", "Nobody disturbs anybody."),
+        (Medium::Aloha, "aloha", "Of messages that overlap at a receiver none is heard."),
+        (Medium::TokenRing, "token_ring", "Who has the token sends."),
+    ];
+}
+
+/// A type of a scene.
+enum TypeEntry<F> {
+    File(PathRef),
+    /// In place, with the places of its table and of its name.
+    Inline(F, Span, Span),
+}
+
+/// Types of a scene.
+struct Types;
+
+impl<F: Form> Kind<Vec<TypeEntry<F>>> for Types {
+    fn read(&self, at: At<'_, '_>, _: Option<&Vec<TypeEntry<F>>>) -> Option<Vec<TypeEntry<F>>> {
+        let sections = at.reader.sections(at.section, at.key);
+        Some(sections.into_iter().filter_map(|section| at.reader.scene_type(section)).collect())
+    }
+
+    fn print(&self, types: &Vec<TypeEntry<F>>) -> Value {
+        let entry = |entry: &TypeEntry<F>| match entry {
+            TypeEntry::File(path) => by_name([("file".to_owned(), TEXT.print(path))].into_iter()),
+            TypeEntry::Inline(form, ..) => print(form).into(),
+        };
+        Value::Array(types.iter().map(entry).collect())
+    }
+
+    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+        Kind::<Vec<F>>::describe(&PARTS, generator)
+    }
+}
+
+impl Reader {
+    fn scene_type<F: Form>(&mut self, mut section: Section<'_, '_>) -> Option<TypeEntry<F>> {
+        if section.has("file") {
+            let path = self.reference(&mut section, "file");
+            self.alone(&section);
+            return path.map(TypeEntry::File);
+        }
+        let (span, name) = (section.span, self.value_span(&section, "name"));
+        self.form(section, F::usual()).map(|form| TypeEntry::Inline(form, span, name))
+    }
+
+    /// A type that is a file has no other keys.
+    fn alone(&mut self, section: &Section<'_, '_>) {
+        for (key, _) in section.table {
+            if key.get_ref() != "file" {
+                let span = self.span(key.span());
+                let message = format!("`{}` and `file` exclude each other", key.get_ref());
+                self.sink.error(Code::TomlConflict, span, message, "either `file` alone or the type in place");
+            }
+        }
+    }
+
+    /// Takes the types of a scene apart; those of a name that an earlier one has are reported and left out.
+    fn split<F>(
+        &mut self,
+        types: Vec<TypeEntry<F>>,
+        name_and_file: fn(&mut F) -> (&str, &mut String),
+        names: &mut BTreeSet<String>,
+        files: &mut Vec<PathRef>,
+    ) -> Vec<(F, Span)> {
+        let mut inline = Vec::new();
+        for entry in types {
+            match entry {
+                TypeEntry::File(path) => files.push(path),
+                TypeEntry::Inline(mut form, span, name_span) => {
+                    let (name, file) = name_and_file(&mut form);
+                    if names.insert(name.to_owned()) {
+                        // No two types have the same.
+                        *file = format!("{}#{}", self.sink.file(), name.replace(['/', '\\'], "_"));
+                        inline.push((form, span));
+                    } else {
+                        let message = format!("a second type named `{name}`; it is left out");
+                        self.sink.warn(Code::SimTypeTwice, name_span, message, "each name once");
+                    }
+                }
+            }
+        }
+        inline
+    }
+}
+
+/// The types of a scene: files first.
+fn entries<F: Clone>(files: &[PathRef], inline: &[(F, Span)]) -> Vec<TypeEntry<F>> {
+    let files = files.iter().cloned().map(TypeEntry::File);
+    files.chain(inline.iter().map(|(form, span)| TypeEntry::Inline(form.clone(), *span, Span::default()))).collect()
+}
+
+/// Robot types, object types and robots.
+fn robots(keys: &mut Keys<'_>, sim: &mut SimSpec) {
+    let mut robot_types = entries(&sim.robot_types, &sim.inline.robot_types);
+    let mut object_types = entries(&sim.object_types, &sim.inline.object_types);
+    keys.key("robot_type", "Robot types: files, or described in place.").list(Types, &mut robot_types);
+    keys.key("object_type", "Object types: files, or described in place.").list(Types, &mut object_types);
+    let mut lines: Vec<RobotLine> = sim.robots.iter().chain(&sim.named).cloned().collect();
+    if let Some((reader, section)) = keys.reading() {
+        let mut names = BTreeSet::new();
+        sim.inline.robot_types =
+            reader.split(robot_types, |robi| (&robi.name, &mut robi.file), &mut names, &mut sim.robot_types);
+        sim.inline.object_types =
+            reader.split(object_types, |object| (&object.name, &mut object.file), &mut names, &mut sim.object_types);
+        sim.robots = reader.robots(section, "robot");
+    } else {
+        keys.key("robot", "Robots, alone and in groups; those without an `id` are numbered 1, 2, ... in this order.")
+            .list(PARTS, &mut lines);
+    }
+}

@@ -1,0 +1,326 @@
+//! Where devices sit, and the sensors of distance.
+
+use std::mem::discriminant;
+
+use glam::DVec3;
+use schemars::SchemaGenerator;
+use serde_json::{Value as Json, json};
+use toml::Value;
+
+use super::kind::{At, Bounded, Kind, Loose, PART, TEXT, Word, Words};
+use super::{Form, Keys, print, reference};
+use crate::code::Code;
+use crate::line::Quantity;
+use crate::robi::{LIDAR_SWEEP, LIDAR_TILT, MAX_LIDAR_POINTS};
+use crate::spec::{
+    Axis, BODY, DEFAULT_PSD_RANGE, LidarSpec, LinkSpec, MountSpec, PathRef, PsdSpec, RangeSpec, Surface, TurnSpec,
+};
+use sim_core::sensor::{Echo, RangeModel, SideLobes, Sonar};
+use sim_core::unit::mm_from_metres;
+
+/// Greatest number of a bus: a robot has more than one microcontroller for its sonars, but hardly a hundred.
+const MAX_BUS: i64 = 100;
+/// Most rays of a sonar's fan.
+const MAX_RAYS: i64 = 4096;
+
+const PITCH: Quantity = Quantity::angle("pitch");
+pub(crate) const PLACE: [Quantity; 3] =
+    [Quantity::coordinate("x"), Quantity::coordinate("y"), Quantity::coordinate("z")];
+
+/// Name and number of a device.
+pub(crate) fn device(keys: &mut Keys<'_>, about: &'static str, name: &mut String, id: &mut Option<i32>) {
+    keys.key("name", about).required(TEXT, name);
+    number(keys, id);
+}
+
+pub(crate) fn number(keys: &mut Keys<'_>, id: &mut Option<i32>) {
+    let any = Loose(i64::from(i32::MIN)..=i64::from(i32::MAX));
+    keys.key("id", "Its number for programs; that of `hdt_sem.h` if left out.").maybe(any, id);
+}
+
+/// Place of a device on the body.
+pub(crate) fn position(keys: &mut Keys<'_>, [x, y, z]: [Quantity; 3], position: &mut DVec3) {
+    keys.key("x_mm", "Place forward of the robot's centre in mm; 0 if left out.").optional(x, &mut position.x);
+    keys.key("y_mm", "Place to the left in mm; 0 if left out.").optional(y, &mut position.y);
+    keys.key("z_mm", "Height in mm; 0 if left out.").optional(z, &mut position.z);
+}
+
+/// A pose in space on the body or on a link.
+fn mount(keys: &mut Keys<'_>, mount: &mut MountSpec) {
+    let MountSpec { on, position, roll, pitch, yaw } = mount;
+    let [x, y, z] = PLACE;
+    link_of(keys, on);
+    keys.key("x_mm", "Place forward in mm; 0 if left out.").optional(x, &mut position.x);
+    keys.key("y_mm", "Place to the left in mm; 0 if left out.").optional(y, &mut position.y);
+    keys.key("z_mm", "Place upwards in mm; of a laser scanner 100 if left out, else 0.").optional(z, &mut position.z);
+    keys.key(
+        "roll_deg",
+        "Turn about x, the left side upwards, in degrees; the first of the three turns; 0 if left out.",
+    )
+    .optional(Quantity::angle("roll"), roll);
+    keys.key("pitch_deg", "Turn upwards in degrees, the second; 0 if left out.").optional(PITCH, pitch);
+    keys.key("yaw_deg", "Turn to the left in degrees, the third; 0 if left out.").optional(Quantity::angle("yaw"), yaw);
+}
+
+/// The link that something sits on.
+pub(crate) fn link_of(keys: &mut Keys<'_>, on: &mut Option<PathRef>) {
+    keys.key("on", "The link that it sits on; `body` if left out.").maybe(TEXT, on);
+    on.take_if(|link| link.text == BODY);
+}
+
+impl Words for Axis {
+    const NAME: &'static str = "AxisForm";
+    const ABOUT: &'static str = "An axis of a body's frame.";
+    const WORDS: &'static [(Self, &'static str, &'static str)] =
+        &[(Axis::X, "x", "Forward."), (Axis::Y, "y", "To the left."), (Axis::Z, "z", "Upwards.")];
+}
+
+impl Form for Surface {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("SurfaceForm", "How a surface reflects.");
+        let share = |name| Bounded(Quantity::number(name, 0.0, 1.0));
+        keys.key("reflectivity", "Share of the energy that comes back, 0 to 1; 1 if left out.")
+            .optional(share("reflectivity"), &mut self.reflectivity);
+        keys.key("specular", "Share of that which is reflected as by a mirror, 0 to 1; 0 if left out.")
+            .optional(share("specular share"), &mut self.specular);
+    }
+}
+
+impl Form for LinkSpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("LinkForm", "A rigid part on the body or on another link; a servo may turn it.");
+        let mut axis = self.turn.as_ref().map_or(Axis::Z, |turn| turn.axis);
+        let mut servo = self.turn.take().map(|turn| turn.servo);
+        keys.span(&mut self.span);
+        keys.key("name", "Its name, by which sensors and links sit on it.").required(TEXT, &mut self.name);
+        mount(keys, &mut self.mount);
+        keys.mention(&["servo"]);
+        keys.key("axis", "Axis that the servo turns it about: x rolls, y pitches (upwards), z, if left out, yaws.")
+            .optional(Word, &mut axis);
+        keys.key("servo", "The servo whose angle it has; a fixed link if left out.").maybe(TEXT, &mut servo);
+        if let Some((reader, section)) = keys.reading()
+            && section.has("axis")
+            && !section.has("servo")
+        {
+            reader.missing(section, "servo");
+        }
+        self.turn = servo.map(|servo| TurnSpec { axis, servo });
+    }
+}
+
+impl Form for PsdSpec {
+    fn usual() -> Self {
+        Self { range: DEFAULT_PSD_RANGE, ..Self::default() }
+    }
+
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("PsdForm", "A PSD distance sensor.");
+        keys.span(&mut self.span);
+        device(keys, "Its name, such as `PSD_FRONT`.", &mut self.name, &mut self.id);
+        keys.mention(&["x_mm", "y_mm", "z_mm"]);
+        link_of(keys, &mut self.on);
+        position(keys, PLACE, &mut self.position);
+        keys.mention(&["pitch_deg"]);
+        keys.key("angle_deg", "Direction in degrees, counter-clockwise from forward; 0 if left out.")
+            .optional(Quantity::angle("angle of the sensor"), &mut self.angle);
+        keys.key("pitch_deg", "Angle of the beam upwards in degrees; 0 if left out.").optional(PITCH, &mut self.pitch);
+        keys.key("range_mm", "Range in mm; 800 if left out.")
+            .always(Quantity::size("range of the sensor"), &mut self.range);
+    }
+}
+
+pub(crate) const RANGE_OF_PSDS: Quantity = Quantity::size("range of the PSDs");
+
+/// What a companion says of a PSD of the robi.
+pub(crate) fn psd_keys(keys: &mut Keys<'_>, psd: &mut PsdSpec) {
+    keys.key("range_mm", "Range in mm.").always(RANGE_OF_PSDS, &mut psd.range);
+    keys.key("pitch_deg", "Angle of the beam upwards in degrees.").optional(PITCH, &mut psd.pitch);
+    link_of(keys, &mut psd.on);
+}
+
+impl Form for LidarSpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("LidarForm", "The laser scanner.");
+        keys.span(&mut self.span);
+        mount(keys, &mut self.mount);
+        keys.key("range_mm", "Greatest distance along a ray in mm; 9999 if left out.")
+            .optional(Quantity::size("range of the scanner"), &mut self.range);
+        keys.mention(&["tilt_deg", "sweep_deg"]);
+        keys.key("points", "Points of a scan; 360 if left out.")
+            .always(Loose(1..=i64::from(MAX_LIDAR_POINTS)), &mut self.points);
+        keys.key("tilt_deg", "Angle of the scanning plane above the floor plane in degrees; 0 if left out.")
+            .optional(LIDAR_TILT, &mut self.tilt);
+        keys.key("sweep_deg", "Angle that a scan covers in degrees; 360 if left out.")
+            .always(LIDAR_SWEEP, &mut self.sweep);
+    }
+}
+
+/// The word for a kind of range sensor: its table in TOML.
+pub(crate) fn model_name(model: &RangeModel) -> &'static str {
+    match model {
+        RangeModel::Psd { .. } => "psd",
+        RangeModel::Laser(_) => "laser",
+        RangeModel::Ultrasonic(_) => "ultrasonic",
+        RangeModel::Reflectance(_) => "reflectance",
+        RangeModel::Sonar(_) => "sonar",
+    }
+}
+
+/// The range sensors beside the PSDs, each kind in tables of its own.
+pub(crate) fn ranges(keys: &mut Keys<'_>, ranges: &mut Vec<RangeSpec>) {
+    keys.key("laser", "Laser range finders.").list(Ranges(RangeModel::Laser(Echo::LASER)), ranges);
+    keys.key("ultrasonic", "Ultrasonic range sensors with one ray.")
+        .list(Ranges(RangeModel::Ultrasonic(Echo::ULTRASONIC)), ranges);
+    keys.key("reflectance", "Reflectance sensors.").list(Ranges(RangeModel::Reflectance(Echo::REFLECTANCE)), ranges);
+    keys.key("sonar", "Sonars: ultrasonic range sensors with a beam.")
+        .list(Ranges(RangeModel::Sonar(Sonar::srf08())), ranges);
+}
+
+/// Range sensors of one kind, with what they are where they say nothing.
+struct Ranges(RangeModel);
+
+impl Ranges {
+    fn usual(&self) -> RangeSpec {
+        RangeSpec { model: self.0, ..RangeSpec::usual() }
+    }
+}
+
+impl Kind<Vec<RangeSpec>> for Ranges {
+    fn read(&self, at: At<'_, '_>, _: Option<&Vec<RangeSpec>>) -> Option<Vec<RangeSpec>> {
+        let sections = at.reader.sections(at.section, at.key);
+        Some(sections.into_iter().filter_map(|section| at.reader.form(section, self.usual())).collect())
+    }
+
+    fn print(&self, values: &Vec<RangeSpec>) -> Value {
+        let of_kind = values.iter().filter(|range| discriminant(&range.model) == discriminant(&self.0));
+        Value::Array(of_kind.map(|range| print(range).into()).collect())
+    }
+
+    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+        let items = reference(generator, |keys| self.usual().keys(keys));
+        json!({ "type": "array", "items": items })
+    }
+}
+
+impl Form for RangeSpec {
+    fn bare(&self) -> Self {
+        let model = match self.model {
+            RangeModel::Laser(_) => RangeModel::Laser(Echo::LASER),
+            RangeModel::Ultrasonic(_) => RangeModel::Ultrasonic(Echo::ULTRASONIC),
+            RangeModel::Reflectance(_) => RangeModel::Reflectance(Echo::REFLECTANCE),
+            RangeModel::Sonar(_) => RangeModel::Sonar(Sonar::srf08()),
+            RangeModel::Psd { .. } => self.model,
+        };
+        Self { model, ..Self::default() }
+    }
+
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.span(&mut self.span);
+        if let RangeModel::Sonar(_) = self.model {
+            keys.form("SonarForm", "A sonar: an ultrasonic sensor with a beam.");
+            keys.mention(&["preset", "min_mm", "max_mm", "half_angle_deg", "threshold", "rays", "side_lobes", "bus"]);
+            device(keys, "Its name, such as `SONAR_FRONT`.", &mut self.name, &mut self.id);
+            keys.key("preset", "The device whose values it has where it says nothing else; `SRF08` if left out.")
+                .maybe(Word, &mut None::<SonarPreset>);
+        } else {
+            keys.form("EchoForm", "A range sensor with one ray: a laser, an ultrasonic or a reflectance sensor.");
+            keys.mention(&["min_mm", "max_mm", "incidence_deg"]);
+            device(keys, "Its name, such as `LASER_FRONT`.", &mut self.name, &mut self.id);
+        }
+        mount(keys, &mut self.mount);
+        match &mut self.model {
+            RangeModel::Psd { .. } => {}
+            RangeModel::Laser(echo) | RangeModel::Ultrasonic(echo) | RangeModel::Reflectance(echo) => {
+                echo_keys(keys, echo)
+            }
+            RangeModel::Sonar(sonar) => sonar_keys(keys, sonar, self.bus.get_or_insert(1)),
+        }
+        keys.key("sigma", "Standard deviation of its noise, a share of what it measures; 0.01 if left out.")
+            .optional(Bounded(Quantity::number("standard deviation", 0.0, 1e3)), &mut self.sigma);
+        keys.key("mean", "Mean of its noise, a share of what it measures; 0 if left out.")
+            .optional(Bounded(Quantity::number("mean", -1e3, 1e3)), &mut self.mean);
+    }
+}
+
+fn echo_keys(keys: &mut Keys<'_>, echo: &mut Echo) {
+    let incidence = Quantity::angle("greatest incidence").within(0.0, 90.0);
+    let about = [
+        "Least distance in mm; of an ultrasonic sensor 100 if left out, else 0.",
+        "Greatest distance in mm; of a laser 2000 if left out, else 1000.",
+    ];
+    limits(keys, about, [&mut echo.min, &mut echo.max]);
+    keys.key(
+        "incidence_deg",
+        "Greatest angle of incidence in degrees; of a laser 45 if left out, of an ultrasonic sensor 15, else 90.",
+    )
+    .optional(Bounded(incidence), &mut echo.incidence);
+}
+
+fn sonar_keys(keys: &mut Keys<'_>, sonar: &mut Sonar, bus: &mut u32) {
+    let half_angle = Quantity::angle("half of the beam's angle").within(0.1, 90.0);
+    let about = [
+        "Least distance in mm; that of the preset if left out: 30.",
+        "Greatest distance in mm; that of the preset if left out: 6000.",
+    ];
+    limits(keys, about, [&mut sonar.min, &mut sonar.max]);
+    keys.key(
+        "half_angle_deg",
+        "Half of the beam's angle in degrees, where it has fallen by 6 dB; that of the preset if left out: 27.5.",
+    )
+    .optional(Bounded(half_angle), &mut sonar.half_angle);
+    keys.key("side_lobes", "A ring of sensitivity around the main lobe; none if left out.")
+        .maybe(PART, &mut sonar.side_lobes);
+    keys.key(
+        "threshold",
+        "Least energy of an echo that it notices, in units of what a perfect reflector 1 m ahead returns; that of the \
+         preset if\nleft out.",
+    )
+    .optional(Bounded(Quantity::number("threshold", 0.0, 1e9)), &mut sonar.threshold);
+    keys.key("bus", "The bus that it is on, which has room for 16; 1 if left out.").optional(1..=MAX_BUS, bus);
+    keys.key("rays", "Rays of its fan; that of the preset if left out: 64.").optional(1..=MAX_RAYS, &mut sonar.rays);
+}
+
+/// Least and greatest distance. Two that leave nothing between them are reported and change nothing.
+fn limits(keys: &mut Keys<'_>, about: [&'static str; 2], [min, max]: [&mut f64; 2]) {
+    let usual = [*min, *max];
+    keys.key("min_mm", about[0]).optional(Bounded(Quantity::length("least distance")), min);
+    keys.key("max_mm", about[1]).optional(Bounded(Quantity::size("greatest distance")), max);
+    if let Some((reader, section)) = keys.reading()
+        && *min >= *max
+    {
+        let key = if section.has("min_mm") { "min_mm" } else { "max_mm" };
+        let [low, high] = [*min, *max].map(mm_from_metres);
+        let message = format!("the least distance, {low} mm, is not below the greatest, {high} mm");
+        let span = reader.key_span(section, key);
+        reader.sink.error(Code::RobiRange, span, message, "`min_mm` below `max_mm`");
+        [*min, *max] = usual;
+    }
+}
+
+/// Sonars whose values are known.
+#[derive(Clone, Copy, PartialEq)]
+enum SonarPreset {
+    Srf08,
+}
+
+impl Words for SonarPreset {
+    const NAME: &'static str = "SonarPresetForm";
+    const ABOUT: &'static str = "Sonars whose values are known.";
+    const WORDS: &'static [(Self, &'static str, &'static str)] =
+        &[(SonarPreset::Srf08, "SRF08", "The SRF08 by Devantech.")];
+}
+
+impl Form for SideLobes {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("SideLobesForm", "A ring of sensitivity around the main lobe of a sonar.");
+        let angle = Quantity::angle("angle of the side lobes").within(0.0, 90.0);
+        let half_width = Quantity::angle("half of the side lobes' width").within(0.01, 90.0);
+        let gain = Quantity::number("gain of the side lobes", 0.0, 1.0);
+        keys.key("angle_deg", "Angle between the line of sight and the middle of the ring in degrees.")
+            .required(Bounded(angle), &mut self.angle);
+        keys.key("half_width_deg", "Half of the ring's width in degrees, where it has fallen by 6 dB from its middle.")
+            .required(Bounded(half_width), &mut self.half_width);
+        keys.key("gain", "Gain in the middle of the ring, against 1 for the main lobe.")
+            .required(Bounded(gain), &mut self.gain);
+    }
+}

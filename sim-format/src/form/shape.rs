@@ -1,0 +1,81 @@
+//! Shapes and looks of bodies.
+
+use glam::DVec3;
+
+use super::kind::{TEXT, Word};
+use super::sensor::PLACE;
+use super::{Form, Keys, Variant, Variants};
+use crate::line::Quantity;
+use crate::spec::{Axis, Collider, ModelSpec};
+
+const SIZES: [Quantity; 3] = [Quantity::size("size"); 3];
+const TURNS: [Quantity; 3] = [Quantity::angle("turn"); 3];
+
+impl Form for ModelSpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("ModelForm", "A mesh file and how it is put into the body's frame.");
+        keys.key("file", "The mesh file.").required(TEXT, &mut self.path);
+        keys.key("offset_mm", "Place of the mesh's origin, x forward, y left, z up, in mm; 0 if left out.")
+            .optional(PLACE, &mut self.offset);
+        turns(keys, &mut self.turns);
+    }
+}
+
+/// How a mesh is turned.
+pub(crate) fn turns(keys: &mut Keys<'_>, turns: &mut DVec3) {
+    keys.key("turns_deg", "Turns about the axes of the mesh file, in degrees; 0 if left out.").optional(TURNS, turns);
+}
+
+impl Form for Collider {
+    fn bare(&self) -> Self {
+        Self::KINDS[self.place()].2()
+    }
+
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("ColliderForm", "A part of a body's shape.");
+        if !keys.variant(self) {
+            return;
+        }
+        let (Self::Box { centre, .. }
+        | Self::Sphere { centre, .. }
+        | Self::Capsule { centre, .. }
+        | Self::Cylinder { centre, .. }) = self;
+        keys.key("centre_mm", "Its centre, x forward, y left, z up, in mm; 0 if left out.").optional(PLACE, centre);
+        match self {
+            Self::Box { size, .. } => {
+                keys.key("size_mm", "Its full sizes along x, y and z in mm.").required(SIZES, size)
+            }
+            Self::Sphere { radius: length, .. } => radius(keys, length),
+            Self::Capsule { radius: width, height, axis, .. } => {
+                radius(keys, width);
+                keys.key("height_mm", "Its full length in mm, with the half spheres.")
+                    .required(Quantity::size("height"), height);
+                keys.key("axis", "Along which it lies; z if left out.").always(Word, axis);
+                // A shorter one is a sphere, as in robi files.
+                *height = height.max(2.0 * *width);
+            }
+            Self::Cylinder { radius: width, height, .. } => {
+                radius(keys, width);
+                keys.key("height_mm", "Its full height in mm.").required(Quantity::size("height"), height);
+            }
+        }
+    }
+}
+
+fn radius(keys: &mut Keys<'_>, radius: &mut f64) {
+    keys.key("radius_mm", "Its radius in mm.").required(Quantity::size("radius"), radius);
+}
+
+impl Variants for Collider {
+    const KINDS: &'static [Variant<Self>] = &[
+        ("box", "A box along the axes.", || Self::Box { centre: DVec3::ZERO, size: DVec3::ZERO }),
+        ("sphere", "A sphere.", || Self::Sphere { centre: DVec3::ZERO, radius: 0.0 }),
+        ("capsule", "A cylinder with half spheres at its ends.", || Self::Capsule {
+            centre: DVec3::ZERO,
+            radius: 0.0,
+            height: 0.0,
+            axis: Axis::Z,
+        }),
+        ("cylinder", "An upright cylinder.", || Self::Cylinder { centre: DVec3::ZERO, radius: 0.0, height: 0.0 }),
+    ];
+}

@@ -1,0 +1,322 @@
+//! The terrain of a world: a mesh, an image, a function with a seed, or blocks and stairs.
+
+use glam::DVec2;
+use schemars::SchemaGenerator;
+use serde_json::{Value as Json, json};
+use toml::Value;
+use toml::de::DeValue;
+
+use super::kind::{At, Custom, Flag, IMAGE, Kind, PARTS, TEXT, Word, Words};
+use super::object::MESH_UNIT;
+use super::place::POINT;
+use super::sensor::PLACE;
+use super::shape::turns;
+use super::{Form, Keys, definition, print_beside, reference};
+use crate::code::Code;
+use crate::line::Quantity;
+use crate::spec::{
+    DEFAULT_BOULDERS, DEFAULT_HILL_LENGTH, DEFAULT_RELIEF, DEFAULT_TERRAIN_CELL, DEFAULT_TERRAIN_SCALE, ModelSpec,
+    TerrainImage, TerrainShape, TerrainSpec,
+};
+use crate::table::{Reader, Section};
+use sim_core::scene::{Block, Bounds, Disc, MAX_BOULDERS, MAX_STEPS, Relief, Stairs, Steps, Way};
+
+/// Keys that say what a terrain is made from.
+const KINDS: [&str; 5] = ["file", "image", "function", "stairs", "block"];
+/// Keys of boulders.
+const OF_BOULDERS: [&str; 3] = ["boulders", "radius_mm", "height_mm"];
+/// Directions in which stairs go up, in the order of [`Way::ALL`].
+const WAYS: [f64; 4] = [0.0, 90.0, 180.0, 270.0];
+/// One of those keys for each way of making a terrain, and what that is.
+const ABOUT: [(&str, &str); 4] = [
+    ("file", "A mesh file with its place in the world."),
+    ("image", "A grey image."),
+    ("function", "A function with a seed."),
+    ("stairs", "Stairs and blocks."),
+];
+const DIRECTION: Quantity = Quantity::number("direction", -360.0, 360.0);
+const SIDES: [Quantity; 2] = [Quantity::size("width"), Quantity::size("depth")];
+
+/// `terrain = "FILE"`, or a table; the floor is as large as a terrain that does not say.
+pub(crate) struct Terrain(pub(crate) DVec2);
+
+impl Kind<TerrainSpec> for Terrain {
+    fn read(&self, at: At<'_, '_>, _: Option<&TerrainSpec>) -> Option<TerrainSpec> {
+        let At { reader, section, key } = at;
+        let span = reader.key_span(section, key);
+        let is_table = section.get(key).is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_)));
+        if !is_table {
+            let model = ModelSpec { path: reader.reference(section, key)?, ..ModelSpec::default() };
+            return Some(TerrainSpec::new(TerrainShape::Mesh { model, scale: DEFAULT_TERRAIN_SCALE }, span));
+        }
+        let section = reader.section(section, key)?;
+        let mut shape = self.shape(reader.terrain_kind(&section)?);
+        reader.table(section, |keys| terrain_keys(&mut shape, keys)).then(|| TerrainSpec::new(shape, span))
+    }
+
+    fn print(&self, terrain: &TerrainSpec) -> Value {
+        let kind = match &terrain.shape {
+            TerrainShape::Mesh { .. } => "file",
+            TerrainShape::Image(_) => "image",
+            TerrainShape::Relief(_) => "function",
+            TerrainShape::Steps(_) => "stairs",
+        };
+        let table = print_beside(
+            |keys| terrain_keys(&mut terrain.shape.clone(), keys),
+            |keys| terrain_keys(&mut self.shape(kind), keys),
+        );
+        match &terrain.shape {
+            TerrainShape::Mesh { model, .. } if table.len() == 1 => TEXT.print(&model.path),
+            _ => table.into(),
+        }
+    }
+
+    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+        definition(generator, "TerrainForm", |generator| {
+            let about = "A mesh file whose unit is 1 m and whose origin is that of the world.";
+            let mut kinds = vec![json!({ "description": about, "type": "string" })];
+            kinds.extend(ABOUT.map(|(kind, about)| {
+                let mut schema = reference(generator, |keys| terrain_keys(&mut self.shape(kind), keys));
+                schema["description"] = about.into();
+                schema
+            }));
+            json!({ "description": "Ground that is not the plane.", "anyOf": kinds })
+        })
+    }
+}
+
+impl Terrain {
+    /// A terrain that is made from what this key says.
+    fn shape(&self, kind: &str) -> TerrainShape {
+        let (origin, size, base) = (DVec2::ZERO, self.0, 0.0);
+        match kind {
+            "image" => TerrainShape::Image(TerrainImage { size, ..TerrainImage::default() }),
+            "function" => TerrainShape::Relief(Relief {
+                seed: 0,
+                origin,
+                size,
+                base,
+                cell: DEFAULT_TERRAIN_CELL,
+                relief: DEFAULT_RELIEF,
+                length: DEFAULT_HILL_LENGTH,
+                boulders: Some(DEFAULT_BOULDERS),
+                clear: Vec::new(),
+            }),
+            "stairs" | "block" => TerrainShape::Steps(Steps { size, ..Steps::default() }),
+            _ => TerrainShape::Mesh { model: ModelSpec::default(), scale: DEFAULT_TERRAIN_SCALE },
+        }
+    }
+}
+
+fn terrain_keys(shape: &mut TerrainShape, keys: &mut Keys<'_>) {
+    match shape {
+        TerrainShape::Mesh { model, scale } => mesh(keys, model, scale),
+        TerrainShape::Image(made) => image(keys, made),
+        TerrainShape::Relief(made) => relief(keys, made),
+        TerrainShape::Steps(made) => steps(keys, made),
+    }
+}
+
+impl Reader {
+    /// The key that says what the terrain is made from; `None`, with an error, where two of them do not go together.
+    fn terrain_kind(&mut self, section: &Section<'_, '_>) -> Option<&'static str> {
+        let mut kinds = KINDS.into_iter().filter(|kind| section.has(kind));
+        let first = kinds.next().unwrap_or("file");
+        match kinds.next() {
+            Some("block") if first == "stairs" => Some(first),
+            Some(second) => {
+                let span = self.key_span(section, second);
+                let message = format!("`{second}` and `{first}` exclude each other");
+                let expected = "one of file, image and function, or stairs and block";
+                self.sink.error(Code::TomlConflict, span, message, expected);
+                None
+            }
+            None => Some(first),
+        }
+    }
+}
+
+fn mesh(keys: &mut Keys<'_>, model: &mut ModelSpec, scale: &mut f64) {
+    keys.form("PlacedTerrainForm", "A mesh file with its place in the world.");
+    keys.mention(&["scale_mm"]);
+    keys.key("file", "The mesh file.").required(TEXT, &mut model.path);
+    keys.key("offset_mm", "Place of the mesh's origin in the world in mm; 0 if left out.")
+        .optional(PLACE, &mut model.offset);
+    turns(keys, &mut model.turns);
+    keys.key("scale_mm", "Length of the mesh's unit in mm; 1000 if left out.").optional(MESH_UNIT, scale);
+}
+
+/// Where a terrain lies: the corner with the least x and y, and its extent from there.
+fn extent(keys: &mut Keys<'_>, about: &'static str, (origin, base): (&mut DVec2, &mut f64), size: &mut DVec2) {
+    let mut offset = origin.extend(*base);
+    keys.key("offset_mm", about).optional(PLACE, &mut offset);
+    (*origin, *base) = (offset.truncate(), offset.z);
+    keys.key("size_mm", "Width along x and along y in mm; that of the floor if left out.").optional(SIDES, size);
+}
+
+fn image(keys: &mut Keys<'_>, image: &mut TerrainImage) {
+    keys.form("ImageTerrainForm", "Ground as high as a grey image is bright.");
+    let TerrainImage { path, origin, size, base, height } = image;
+    keys.key(
+        "image",
+        "The image file: a grey png of 8 or 16 bits. The middles of its pixels are the corners of the terrain's cells.",
+    )
+    .required(IMAGE, path);
+    let about = "Place of the lower left corner in mm, and height of black; 0 if left out.";
+    extent(keys, about, (origin, base), size);
+    keys.key("height_mm", "As much higher than black is white, in mm.")
+        .required(Quantity::coordinate("height"), height);
+}
+
+fn relief(keys: &mut Keys<'_>, made: &mut Relief) {
+    keys.form("FunctionTerrainForm", "Ground that is drawn from a seed: a smooth relief, with or without boulders.");
+    let Relief { seed, origin, size, base, cell, relief, length, boulders, clear } = made;
+    let mut function = if boulders.is_some() { Function::Boulders } else { Function::Hills };
+    keys.key("function", "What is drawn.").required(Word, &mut function);
+    keys.key("seed", "What it is drawn from; 0 if left out.").optional(0..=i64::MAX, seed);
+    let about = "Place of the lower left corner in mm, and height of the lowest ground; 0 if left out.";
+    extent(keys, about, (origin, base), size);
+    keys.key("cell_mm", "Greatest side of a cell in mm; 50 if left out.")
+        .optional(Quantity::size("side of a cell"), cell);
+    keys.key("relief_mm", "From the lowest to the highest place of the smooth relief in mm; 100 if left out.")
+        .optional(Quantity::length("height of the relief"), relief);
+    keys.key("length_mm", "Length of the longest hills in mm; 2000 if left out.")
+        .optional(Quantity::size("length of a hill"), length);
+    let usual = DEFAULT_BOULDERS;
+    let mut drawn = boulders.unwrap_or(usual);
+    if let Some((reader, section)) = keys.reading()
+        && function == Function::Hills
+    {
+        reader.exclude(section, "function = \"hills\"", &OF_BOULDERS);
+    } else {
+        keys.key("boulders", "Number of boulders; 40 if left out.")
+            .optional(0..=i64::from(MAX_BOULDERS), &mut drawn.count);
+        keys.key("radius_mm", "Least and greatest half length of a boulder in mm; 100 and 400 if left out.")
+            .optional(Between(Quantity::size("half length of a boulder")), &mut drawn.radius);
+        keys.key("height_mm", "Least and greatest height of a boulder in mm; 50 and 300 if left out.")
+            .optional(Between(Quantity::length("height of a boulder")), &mut drawn.height);
+    }
+    *boulders = Some(drawn).filter(|_| function == Function::Boulders);
+    keys.key("clear", "Discs in which the ground is level and low.").list(PARTS, clear);
+}
+
+/// A function of places and a seed.
+#[derive(Clone, Copy, PartialEq)]
+enum Function {
+    Hills,
+    Boulders,
+}
+
+impl Words for Function {
+    const NAME: &'static str = "FunctionForm";
+    const ABOUT: &'static str = "A function of places and a seed.";
+    const WORDS: &'static [(Self, &'static str, &'static str)] =
+        &[(Function::Hills, "hills", "A smooth relief."), (Function::Boulders, "boulders", "The same with boulders.")];
+}
+
+/// A least and a greatest value.
+struct Between(Quantity);
+
+impl Kind<[f64; 2]> for Between {
+    fn read(&self, at: At<'_, '_>, _: Option<&[f64; 2]>) -> Option<[f64; 2]> {
+        let At { reader, section, key } = at;
+        let [low, high] = reader.numbers(section, key, &[self.0; 2])?;
+        if low > high {
+            let span = section.get(key).map_or(section.span, |value| reader.span(value.span()));
+            let message = format!("`{key}` begins with the greater number");
+            let expected = "the least and the greatest value, in this order";
+            reader.sink.error(Code::NumberRange, span, message, expected);
+            return None;
+        }
+        Some([low, high])
+    }
+
+    fn print(&self, ends: &[f64; 2]) -> Value {
+        [self.0; 2].print(ends)
+    }
+
+    fn describe(&self, generator: &mut SchemaGenerator) -> Json {
+        Kind::<[f64; 2]>::describe(&[self.0; 2], generator)
+    }
+}
+
+impl Form for Disc {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("DiscForm", "A disc of level ground.");
+        keys.key("x_mm", "Its middle along x in mm.").required(POINT[0], &mut self.centre.x);
+        keys.key("y_mm", "Its middle along y in mm.").required(POINT[1], &mut self.centre.y);
+        keys.key("radius_mm", "Its radius in mm.").required(Quantity::size("radius"), &mut self.radius);
+    }
+}
+
+fn steps(keys: &mut Keys<'_>, steps: &mut Steps) {
+    keys.form("StepsTerrainForm", "Level ground with stairs and blocks.");
+    let Steps { origin, size, base, stairs, blocks } = steps;
+    let about = "Place of the lower left corner in mm, and height of the ground; 0 if left out.";
+    extent(keys, about, (origin, base), size);
+    // Without blocks it tells what the terrain is made from.
+    let mut flights = Some(std::mem::take(stairs)).filter(|stairs| !stairs.is_empty() || blocks.is_empty());
+    keys.key("stairs", "Flights of stairs; may be left out beside blocks.").maybe(PARTS, &mut flights);
+    *stairs = flights.unwrap_or_default();
+    keys.key("block", "Single blocks.").list(PARTS, blocks);
+}
+
+impl Form for Stairs {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("StairsForm", "A flight of stairs.");
+        keys.key("from_mm", "Middle of the foot of the first step, x and y in mm.").required(POINT, &mut self.from);
+        keys.key("direction_deg", "The way up: 0, 90, 180 or 270 degrees; 0 if left out.")
+            .strictly(QUARTER_TURN, &mut self.way);
+        keys.key("count", "Number of steps.").required(1..=i64::from(MAX_STEPS), &mut self.count);
+        keys.key("step_height_mm", "Height of each in mm.")
+            .required(Quantity::size("height of a step"), &mut self.rise);
+        keys.key("step_depth_mm", "Depth of each in mm.").required(Quantity::size("depth of a step"), &mut self.depth);
+        keys.key("width_mm", "Width across the way in mm.").required(Quantity::size("width"), &mut self.width);
+        let mut landing = Some(self.landing).filter(|landing| *landing != self.depth && keys.reading().is_none());
+        keys.key("landing_mm", "Depth of the uppermost in mm; that of the others if left out.")
+            .maybe(Quantity::size("depth of the landing"), &mut landing);
+        self.landing = landing.unwrap_or(self.depth);
+        keys.key("down", "Whether as many steps go down again behind it; no if left out.")
+            .optional(Flag, &mut self.goes_down);
+    }
+}
+
+/// A direction in degrees along an axis.
+const QUARTER_TURN: Custom<Way> = Custom {
+    read: |at| {
+        let At { reader, section, key } = at;
+        let degrees = reader.number(section, key, &DIRECTION)?;
+        let place = WAYS.iter().position(|way| *way == degrees.rem_euclid(360.0));
+        if place.is_none() {
+            let span = section.get(key).map_or(section.span, |value| reader.span(value.span()));
+            let message = format!("direction `{degrees}` is no multiple of a quarter turn");
+            reader.sink.error(Code::NumberRange, span, message, "0, 90, 180 or 270 degrees");
+        }
+        place.map(|place| Way::ALL[place])
+    },
+    print: |way| {
+        let ways = Way::ALL.iter().zip(WAYS);
+        ways.filter(|(known, _)| *known == way).map(|(_, degrees)| degrees).next().unwrap_or_default().into()
+    },
+    describe: |generator| DIRECTION.describe(generator),
+};
+
+impl Form for Block {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("BlockForm", "A block with level top and vertical sides.");
+        let Bounds { min: mut from, max: mut to } = self.bounds;
+        keys.key("from_mm", "One corner, x and y in mm.").required(POINT, &mut from);
+        keys.key("to_mm", "The opposite one, x and y in mm.").required(POINT, &mut to);
+        let is_flat = keys.is_complete() && from.cmpeq(to).any();
+        keys.key("height_mm", "Its height above the ground in mm.")
+            .required(Quantity::size("height"), &mut self.height);
+        if let Some((reader, section)) = keys.reading()
+            && is_flat
+        {
+            let message = "the block has no extent; two of its sides are one";
+            reader.sink.error(Code::NumberRange, section.span, message, "two opposite corners");
+            keys.refuse();
+        }
+        self.bounds = Bounds::of_points([from, to]);
+    }
+}

@@ -1,0 +1,218 @@
+//! The world of a scene: a file, or described in place by walls or by the drawing of a maze.
+
+use glam::DVec2;
+
+use super::kind::{Bounded, Flag, IMAGE, PART, PARTS, Part, Shades, TEXT, Word, Words};
+use super::place::POINT;
+use super::terrain::Terrain;
+use super::{Form, Keys};
+use crate::code::Code;
+use crate::line::Quantity;
+use crate::path;
+use crate::print::print_maze;
+use crate::spec::{
+    DEFAULT_WALL_HEIGHT, LightSpec, LooksSpec, PathRef, SimSpec, SkySpec, WallSpec, WorldKind, WorldLine, WorldSpec,
+};
+
+/// Keys that describe a world by its walls.
+const OF_WALLS: [&str; 3] = ["floor_mm", "wall", "cell_mm"];
+/// Keys that describe a world in place.
+const INLINE: [&str; 9] = ["floor_mm", "wall", "maze", "cell_mm", "texture", "surface", "terrain", "start", "object"];
+
+/// The world of a scene as its table says it.
+#[derive(Clone, Default)]
+pub(crate) struct World {
+    file: Option<PathRef>,
+    kind: Option<WorldKind>,
+    maze: Option<String>,
+    floor: Option<DVec2>,
+    spec: WorldSpec,
+    is_in_place: bool,
+}
+
+impl World {
+    /// The world of `sim`: drawn where it is a maze that a drawing gives back, else by its walls.
+    pub(crate) fn of(sim: &SimSpec) -> Self {
+        match (&sim.inline.world, &sim.world) {
+            (Some(spec), _) => match spec.cell.and_then(|_| print_maze(spec).ok()) {
+                Some(maze) => {
+                    let spec = WorldSpec {
+                        cell: None,
+                        walls: Vec::new(),
+                        starts: Vec::new(),
+                        objects: Vec::new(),
+                        ..spec.clone()
+                    };
+                    Self { maze: Some(maze), spec, ..Self::default() }
+                }
+                None => Self { floor: Some(spec.floor), spec: spec.clone(), ..Self::default() },
+            },
+            (None, Some(line)) => {
+                let kind = match (line.kind, path::extension(&line.path.text).as_str()) {
+                    (WorldKind::Maze, "maz" | "maze") | (WorldKind::World, "wld") => None,
+                    (kind, _) => Some(kind),
+                };
+                let spec = WorldSpec { looks: line.looks, ..WorldSpec::default() };
+                Self { file: Some(line.path.clone()), kind, spec, ..Self::default() }
+            }
+            (None, None) => Self::default(),
+        }
+    }
+
+    /// What was read becomes the world of `sim`.
+    pub(crate) fn put_into(self, sim: &mut SimSpec) {
+        if self.is_in_place {
+            sim.inline.world = Some(self.spec);
+        } else if let Some(path) = self.file {
+            let kind = match path::extension(&path.text).as_str() {
+                "maz" | "maze" => WorldKind::Maze,
+                _ => self.kind.unwrap_or(WorldKind::World),
+            };
+            sim.world = Some(WorldLine { kind, path, looks: self.spec.looks });
+        }
+    }
+}
+
+impl Form for World {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("WorldForm", "The world.");
+        let is_read = keys.reading().is_some();
+        let mut is_said = |key: &str| keys.reading().is_some_and(|(_, section)| section.has(key));
+        let (is_file, is_drawn) = (is_said("file"), is_said("maze"));
+        if is_file {
+            keys.mention(&["kind"]);
+        }
+        keys.key("file", "A `.wld` or a `.maz`; no other key but `kind`, `colour`, `light` and `sky` then.")
+            .maybe(TEXT, &mut self.file);
+        if is_file || !is_read {
+            keys.key("kind", "How a file is read whose extension does not say: `world` if left out.")
+                .maybe(Word, &mut self.kind);
+        }
+        if is_file {
+            if self.file.is_some() {
+                looks(keys, &mut self.spec.looks);
+            }
+            if let Some((reader, section)) = keys.reading() {
+                reader.exclude(section, "file", &INLINE);
+            }
+            return;
+        }
+        self.in_place(keys, is_drawn);
+    }
+}
+
+impl World {
+    fn in_place(&mut self, keys: &mut Keys<'_>, is_drawn: bool) {
+        let sides = [Quantity::size("width"), Quantity::size("height")];
+        if let Some((reader, section)) = keys.reading() {
+            self.is_in_place = true;
+            if is_drawn {
+                reader.exclude(section, "maze", &OF_WALLS);
+                self.spec = reader.maze(section, "maze");
+            } else if !section.has("floor_mm") {
+                reader.missing(section, "floor_mm");
+            }
+            reader.sink.file().clone_into(&mut self.spec.file);
+        }
+        if !is_drawn {
+            keys.mention(&["floor_mm", "cell_mm", "maze", "wall"]);
+            keys.key("floor_mm", "Width and height of the floor in mm.").maybe(sides, &mut self.floor);
+        }
+        if keys.reading().is_some() && !is_drawn {
+            self.spec.floor = self.floor.unwrap_or_default();
+        }
+        let world = &mut self.spec;
+        keys.key("texture", "Image stretched over the whole floor.").maybe(IMAGE, &mut world.texture);
+        keys.key("surface", "How the floor reflects, and walls that do not say.")
+            .maybe(Part("reflectivity = 1, specular = 0.5"), &mut world.surface);
+        keys.key(
+            "terrain",
+            "Ground that is not the plane: sensors and cameras see it, legs walk on it; wheels drive on the plane all the \
+             same.",
+        )
+        .maybe(Terrain(world.floor), &mut world.terrain);
+        looks(keys, &mut world.looks);
+        if keys.reading().is_none() {
+            keys.key("maze", "The drawing of a maze, as in a `.maz`.").maybe(TEXT, &mut self.maze);
+        }
+        if !is_drawn {
+            keys.key("cell_mm", "Side of the cells of a world that is a maze of walls, in mm.")
+                .maybe(Quantity::size("cell size"), &mut world.cell);
+            keys.key("wall", "Walls.").list(PARTS, &mut world.walls);
+        }
+        keys.key("start", "Places where robots without a pose start.").list(PARTS, &mut world.starts);
+        keys.key("object", "Objects of the world; they come before those of the scene.")
+            .list(PARTS, &mut world.objects);
+    }
+}
+
+impl Words for WorldKind {
+    const NAME: &'static str = "WorldKindForm";
+    const ABOUT: &'static str = "How a file is read.";
+    const WORDS: &'static [(Self, &'static str, &'static str)] =
+        &[(WorldKind::World, "world", "As a `.wld`."), (WorldKind::Maze, "maze", "As a `.maz`.")];
+}
+
+/// What only cameras see of a world.
+fn looks(keys: &mut Keys<'_>, looks: &mut LooksSpec) {
+    keys.key("colour", "Red, green and blue of a floor without an image, 0 to 255.").maybe(Shades, &mut looks.colour);
+    keys.key("light", "The light that cameras see by.")
+        .optional(Part("azimuth_deg = -120, shadows = true"), &mut looks.light);
+    keys.key("sky", "What cameras see where nothing stands.")
+        .optional(Part("horizon = [200, 210, 220], ground = [90, 90, 80]"), &mut looks.sky);
+}
+
+impl Form for LightSpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("LightForm", "The light: a sun, and an even light from everywhere.");
+        let azimuth = Quantity::angle("azimuth of the sun").within(-360.0, 360.0);
+        let elevation = Quantity::angle("elevation of the sun").within(1.0, 90.0);
+        let ambient = Quantity::number("share of ambient light", 0.0, 1.0);
+        keys.key(
+            "azimuth_deg",
+            "Direction in degrees in which the sun stands, counter-clockwise from x; -120 if left out.",
+        )
+        .optional(Bounded(azimuth), &mut self.azimuth);
+        keys.key("elevation_deg", "Its angle above the floor in degrees; 50 if left out.")
+            .optional(Bounded(elevation), &mut self.elevation);
+        keys.key("ambient", "Share of the light that comes evenly from everywhere; 0.4 if left out.")
+            .optional(Bounded(ambient), &mut self.ambient);
+        keys.key("shadows", "Whether things cast shadows; false if left out.").optional(Flag, &mut self.shadows);
+    }
+}
+
+impl Form for SkySpec {
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("SkyForm", "What is seen where nothing stands: red, green and blue, 0 to 255.");
+        keys.key("horizon", "The sky at the horizon.").optional(Shades, &mut self.horizon);
+        keys.key("zenith", "The sky straight above.").optional(Shades, &mut self.zenith);
+        keys.key("ground", "The ground beyond the floor.").optional(Shades, &mut self.ground);
+    }
+}
+
+impl Form for WallSpec {
+    fn usual() -> Self {
+        Self { height: DEFAULT_WALL_HEIGHT, ..Self::default() }
+    }
+
+    fn keys(&mut self, keys: &mut Keys<'_>) {
+        keys.form("WallForm", "A wall: a straight piece between two points.");
+        keys.span(&mut self.span);
+        keys.key("from_mm", "One end, x and y in mm.").required(POINT, &mut self.from);
+        keys.key("to_mm", "The other end, x and y in mm.").required(POINT, &mut self.to);
+        keys.key("thickness_mm", "Thickness in mm, half of it on either side; 0 if left out.")
+            .optional(Bounded(Quantity::length("thickness")), &mut self.thickness);
+        keys.key("height_mm", "Height above the floor in mm; 200 if left out.")
+            .optional(Bounded(Quantity::size("height")), &mut self.height);
+        keys.key("colour", "Red, green and blue, 0 to 255.").maybe(Shades, &mut self.colour);
+        keys.key("surface", "How it reflects; as the world says if left out.").maybe(PART, &mut self.surface);
+        let is_point = keys.is_complete() && self.from == self.to;
+        if let Some((reader, section)) = keys.reading()
+            && is_point
+        {
+            let message = "both ends of the wall are equal; it is left out";
+            reader.sink.warn(Code::WldWallLength, section.span, message, "two different ends");
+            keys.refuse();
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! The drawing of a maze as a text within a scene.
+
+use toml::Spanned;
+use toml::de::DeValue;
+
+use crate::diagnostic::Diagnostic;
+use crate::spec::WorldSpec;
+use crate::table::{Reader, Section};
+use crate::{Span, read_maze};
+
+impl Reader {
+    /// A world drawn as the text of a `.maz`.
+    pub(crate) fn maze(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> WorldSpec {
+        let value = section.get(key);
+        let drawing = self.text(section, key).unwrap_or_default();
+        let Some(value) = value.filter(|_| !drawing.is_empty()) else { return WorldSpec::default() };
+        let (mut world, diagnostics) = read_maze(self.sink.file(), &drawing);
+        let place = self.place_of(value, &drawing);
+        for diagnostic in diagnostics {
+            let Diagnostic { severity, code, span, message, expected, suggestion, .. } = diagnostic;
+            self.sink.report(severity, code, place.of(span), message, expected).suggestion = suggestion;
+        }
+        for span in world.walls.iter_mut().map(|wall| &mut wall.span) {
+            *span = place.of(*span);
+        }
+        world.starts.iter_mut().for_each(|start| start.span = place.of(start.span));
+        world.objects.iter_mut().for_each(|object| object.span = place.of(object.span));
+        world
+    }
+
+    /// Where the characters of a text stand in the file.
+    fn place_of(&self, value: &Spanned<DeValue<'_>>, text: &str) -> TextPlace {
+        let whole = self.span(value.span());
+        let written = self.text.get(value.span()).unwrap_or_default();
+        // Only a text that is written as it is read has its characters one after the other.
+        let first = written.find(text).filter(|_| !text.is_empty());
+        let first_line = first.map(|first| written[..first].matches('\n').count() as u32);
+        match (first, first_line) {
+            (Some(first), Some(lines)) if lines > 0 => TextPlace::Written {
+                start: whole.start + first,
+                end: whole.start + first + text.len(),
+                line: whole.line + lines,
+            },
+            _ => TextPlace::Whole(whole),
+        }
+    }
+}
+
+/// How places in a text that is a value become places in the file.
+enum TextPlace {
+    /// The text begins a line of the file and stands there as it is.
+    Written { start: usize, end: usize, line: u32 },
+    /// It is written in another way: only the value as a whole has a place.
+    Whole(Span),
+}
+
+impl TextPlace {
+    fn of(&self, span: Span) -> Span {
+        match *self {
+            TextPlace::Written { start, end, line } if span.line > 0 => Span {
+                start: (start + span.start).min(end),
+                end: (start + span.end).min(end),
+                line: line + span.line - 1,
+                column: span.column,
+            },
+            TextPlace::Written { start, end, line } => Span { start, end, line, column: 1 },
+            TextPlace::Whole(whole) => whole,
+        }
+    }
+}
