@@ -500,6 +500,7 @@ _WAITING = {"OSWait", "sleep_us", "VWWait", "KEYGet", "IRTVGet", "RADIOReceive"}
 
 
 def _request(row, values):
+    global _raised, _is_stopped
     name, function_list, number, kinds, result = row
     if _channel is None:
         raise RuntimeError(f"{name}: no simulator; run the program with `eyesim run`")
@@ -531,7 +532,6 @@ def _request(row, values):
                 raise TypeError(f"{name}: expected a function, got {value!r}")
             _callbacks[code] = value
             body.append(_struct.pack("<QQ", code, 0))
-    global _raised, _is_stopped
     if _thread._count() and _turns.owner != _thread.get_ident():
         _let_others_run(0.0001)  # to their next calls, which come before the next one of this thread
     is_first = _turns.enter()
