@@ -11,8 +11,8 @@ use sim_core::time::Time;
 use sim_core::world::World;
 
 use super::run::{Member, Run};
-use crate::robios::robot::Robot;
 use super::spawn::NewRobot;
+use crate::robios::robot::Robot;
 pub use sim_core::simulation::Refusal;
 
 /// An action that has been validated: it cannot fail any more.
