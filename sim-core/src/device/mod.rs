@@ -1,6 +1,8 @@
 //! What a robot carries and a program would touch, apart from the drive: models of its devices.
 //!
-//! A device is state that can be copied; it reads world and motion at an instant, and errs by the noise model that it was given.
+//! A device is state that can be copied. It touches itself and nothing else: it reads the world as published, asks its robot's motion and
+//! servos at an instant (mutable only because asking computes), and errs by the noise model that it was given. What it did is recorded
+//! by [`Robot`](crate::simulation::Robot).
 //! How a program asks for a device, in which numbers and with which handles, is not known here.
 
 pub mod camera;

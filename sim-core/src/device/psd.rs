@@ -1,7 +1,7 @@
 //! The driver of range sensors: measures a chosen set of them in cycles of 60 ms.
 //!
 //! A value exists only at the end of a complete cycle and is a function of the world at that instant, computed when it is
-//! first asked for. Source: RoBIOS 6 library, position sensing devices.
+//! first asked for; [`Ranges::read`](super::range::Ranges::read) computes it and adds the errors. Source: RoBIOS 6 library, position sensing devices.
 
 use super::cycle::Cycle;
 use crate::sensor::Reading;

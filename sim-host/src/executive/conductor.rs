@@ -170,7 +170,7 @@ impl Conductor {
         conductor
     }
 
-    /// Ends the run after the present slot; an end that was found before stands.
+    /// Ends the run after the present slot; an end that was found before stands, but for a record that cannot be written.
     pub fn end_with(&mut self, end: End) {
         self.end.get_or_insert(end);
     }

@@ -1,4 +1,4 @@
-//! Runs of scenes with robot programs, as a library: no command line, no console, no state of the process.
+//! Runs of scenes with robot programs, as a library: no command line, no console.
 //!
 //! [`Scene::open`] reads a scene with all that it names; what is wrong in its files is a list of diagnostics. [`Scene::load`] builds and
 //! loads its programs. [`Ready::start`] gives a [`Running`] run, which its owner steps or takes to its end; [`Running::finish`] gives

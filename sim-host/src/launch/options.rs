@@ -29,7 +29,7 @@ pub struct Options {
     pub linger: Time,
     /// Robots that run at one time; one for each processor where nothing is given.
     pub workers: Option<NonZeroUsize>,
-    /// Where programs run: on threads of this process by default. [`Exec::Process`] needs an executable that is `eyesim`.
+    /// Where programs run: on threads of this process by default. [`Exec::Process`] needs a `main` that calls [`serve_child`](super::serve_child) first.
     pub exec: Exec,
     /// Processor time in seconds that a program may compute within one slot before it is stopped; 10 s.
     pub timeout: f64,

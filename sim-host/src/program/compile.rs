@@ -5,6 +5,7 @@ use std::io;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{LazyLock, OnceLock};
 
 use robios_sys::c;
 
@@ -25,6 +26,8 @@ pub struct ShimKit {
     pub shim: Vec<(&'static str, &'static str)>,
     /// Flags of the compilation of the shim.
     pub shim_flags: &'static [&'static str],
+    /// The digest, once somebody has asked for it.
+    pub(super) digest: OnceLock<String>,
 }
 
 impl ShimKit {
@@ -37,11 +40,15 @@ impl ShimKit {
         let texts = |files: &'static [c::SourceFile]| files.iter().map(|file| (file.name, &*file.text)).collect();
         let mut shim: Vec<_> = texts(&c::SHIM);
         shim.sort_by_key(|(name, _)| *name != c::SHIM_SOURCE);
-        Self { headers: texts(headers), shim, shim_flags: c::SHIM_FLAGS }
+        Self { headers: texts(headers), shim, shim_flags: c::SHIM_FLAGS, digest: OnceLock::new() }
     }
 
     /// A digest of everything in the kit, in hex.
-    pub fn digest(&self) -> String {
+    pub fn digest(&self) -> &str {
+        self.digest.get_or_init(|| self.hash())
+    }
+
+    fn hash(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         for (name, text) in self.headers.iter().chain(&self.shim) {
             hasher.update(format!("{name}\0{}\0{text}\0", text.len()).as_bytes());
@@ -56,12 +63,7 @@ impl ShimKit {
 #[derive(Clone, Debug)]
 pub enum Kits {
     /// That of the generation that it is built for.
-    ByGeneration {
-        /// For RoBIOS 6.
-        robios6: ShimKit,
-        /// For RoBIOS-7.
-        robios7: ShimKit,
-    },
+    ByGeneration,
     /// This one, whatever the generation.
     Only(ShimKit),
 }
@@ -69,16 +71,17 @@ pub enum Kits {
 impl Kits {
     /// The kits of both generations.
     pub fn of_robios() -> Self {
-        let [robios6, robios7] = [Generation::Robios6, Generation::Robios7].map(ShimKit::of);
-        Self::ByGeneration { robios6, robios7 }
+        Self::ByGeneration
     }
 
     /// The kit for programs of a generation.
     pub fn of(&self, generation: Generation) -> &ShimKit {
+        static ROBIOS6: LazyLock<ShimKit> = LazyLock::new(|| ShimKit::of(Generation::Robios6));
+        static ROBIOS7: LazyLock<ShimKit> = LazyLock::new(|| ShimKit::of(Generation::Robios7));
         match (self, generation) {
             (Self::Only(kit), _) => kit,
-            (Self::ByGeneration { robios6, .. }, Generation::Robios6) => robios6,
-            (Self::ByGeneration { robios7, .. }, Generation::Robios7) => robios7,
+            (Self::ByGeneration, Generation::Robios6) => &ROBIOS6,
+            (Self::ByGeneration, Generation::Robios7) => &ROBIOS7,
         }
     }
 }

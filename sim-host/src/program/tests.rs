@@ -52,6 +52,7 @@ fn kit() -> ShimKit {
         ],
         shim: vec![("shim.c", SHIM), ("abi.h", &*abi_header.text)],
         shim_flags: &["-g", "-O1", "-fPIC"],
+        digest: Default::default(),
     }
 }
 
