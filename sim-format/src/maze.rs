@@ -232,7 +232,7 @@ impl Drawing {
         }
     }
 
-    /// Warns of the first gap in the border of a maze that is closed otherwise: by three quarters at the least.
+    /// Warns of the first gap in the border of a maze that is closed otherwise: by more than three quarters.
     fn check_border(&self, sink: &mut Sink, rows: &[Line<'_>]) {
         let last = (rows.len() as u32).saturating_sub(1);
         let upright: BTreeSet<(u32, u32)> = self.vertical.iter().map(|(column, row, _)| (*column, *row)).collect();
@@ -246,7 +246,7 @@ impl Drawing {
         let edges: Vec<(&str, u32, bool)> = sides.chain(ends).collect();
         let open = edges.iter().filter(|(.., is_closed)| !is_closed).count();
         let Some((side, row, _)) = edges.iter().find(|(.., is_closed)| !is_closed) else { return };
-        if 4 * open <= edges.len() {
+        if 4 * open < edges.len() {
             let pieces = if open == 1 { "a wall is".to_owned() } else { format!("{open} walls are") };
             let message = format!("the border has a gap: {pieces} missing, the first on the {side} side");
             let expected = "a closed border, or a robot can leave the floor";

@@ -205,14 +205,18 @@ fn draw(maze: &WorldSpec, pitch: usize) -> Vec<String> {
 }
 
 /// The rows of a drawing with nothing but walls in them: an upper-case letter is a wall below its cell, which is the one on
-/// its left where it stands in a column of walls; there `_` is nothing.
+/// its left where it stands in a column of walls; so is a `_` there.
 fn walls_of(text: &str, pitch: usize) -> Vec<String> {
     let rows = text.lines().filter(|line| line.starts_with(['|', ' ', '_']) && !line.trim().is_empty());
     let walls = |row: &str| {
         let mut walls: Vec<char> = row.chars().map(|c| if matches!(c, '|' | '_') { c } else { ' ' }).collect();
         for (place, character) in row.chars().enumerate() {
             match character {
-                '_' if place % pitch == 0 => walls[place] = ' ',
+                '_' if place == 0 => walls[place] = ' ',
+                '_' if place % pitch == 0 => {
+                    walls[place] = ' ';
+                    walls[place + 1 - pitch..place].fill('_');
+                }
                 'S' | 'U' | 'R' | 'D' | 'L' | 'O' | 'X' if place % pitch == 0 => walls[place - 1] = '_',
                 'S' | 'U' | 'R' | 'D' | 'L' | 'O' | 'X' => walls[place] = '_',
                 _ => {}

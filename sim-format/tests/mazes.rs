@@ -48,8 +48,7 @@ impl Drawing {
         let width = |row: &Vec<char>| {
             let cells = (0..row.len()).filter(|&place| match row[place] {
                 ' ' | '.' => false,
-                '|' => place % 2 == 0,
-                '_' => place % 2 == 1,
+                '_' => place > 0,
                 _ => true,
             });
             cells.map(|place| place.div_ceil(2)).max().unwrap_or(0)
@@ -68,12 +67,15 @@ impl Drawing {
     fn has_floor(&self, (row, column): Cell) -> bool {
         let beside = self.at(row, 2 * column + 2);
         let inside = self.at(row, 2 * column + 1);
-        column >= 0 && (inside == '_' || is_walled_letter(inside) || is_walled_letter(beside))
+        let closes = |character| character == '_' || is_walled_letter(character);
+        column >= 0 && (closes(inside) || closes(beside))
     }
 
     fn has_wall(&self, from: Cell, to: Cell) -> bool {
         if from.0 == to.0 {
-            from.0 > 0 && self.at(from.0, 2 * from.1.max(to.1)) == '|'
+            // In an odd column a wall counts for the line on its right.
+            let line = 2 * from.1.max(to.1);
+            from.0 > 0 && [line, line - 1].iter().any(|place| self.at(from.0, *place) == '|')
         } else {
             self.has_floor((from.0.min(to.0), from.1))
         }

@@ -105,7 +105,7 @@ fn what_a_program_says_of_its_failure_steers_no_terminal() {
 fn beside_a_good_one(program: &str, args: &[&str]) -> (Value, String) {
     let scratch = Scratch::new();
     scratch.write("bad.c", program);
-    let drive = "VWHandle vw = VWInit(VW_DRIVE, 1); VWDriveStraight(vw, 0.5, 0.5); VWDriveWait(vw);";
+    let drive = "VWHandle vw = VWInit(VW_DRIVE, 1); VWDriveStraight(vw, 0.1, 0.5); VWDriveWait(vw);";
     scratch.write("good.c", &format!("#include \"eyebot.h\"\nint main(void) {{ {drive} return 0; }}\n"));
     write_scene(&scratch, &["good.c", "bad.c"]);
     let ran = scratch.eyesim(&[&["run", "scene.sim", "--report", "r.json"], args].concat());
