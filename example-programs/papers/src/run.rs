@@ -10,6 +10,7 @@ use std::time::Instant;
 use anyhow::{Context as _, bail};
 use parking_lot::Mutex;
 use sim_core::time::Time;
+use sim_host::executive::conductor::End;
 use sim_host::launch::{self, Observers, Options};
 use sim_host::record::Sink;
 
@@ -80,7 +81,8 @@ impl Job {
     /// of the runs. Scenes and traces stay in the folder `runs` of the paper's.
     ///
     /// # Errors
-    /// A run that ends otherwise than with exit code 0, with its messages; what `read` finds. No further run is begun then.
+    /// A scene that cannot be run, a program that fails, a trace that cannot be written; what `read` finds. No further run is begun
+    /// then.
     pub fn run<T: Send>(
         &self,
         runs: &[Run],
@@ -136,6 +138,9 @@ impl Job {
         let mut running = ready.start(Observers { sinks, ..Observers::default() })?;
         running.scheduler.advance_to(Time::NEVER);
         let finished = running.finish();
+        if let End::Record(error) = &finished.ended.end {
+            bail!("`{}`: {error}", scene.display());
+        }
         if let Some(robot) = finished.report.robots.iter().find(|robot| robot.outcome.is_failure()) {
             let reason = robot.reason.as_deref().unwrap_or("no reason given");
             bail!("the program of robot {} failed in `{}`: {reason}", robot.id, scene.display());

@@ -93,7 +93,7 @@ pub enum CameraError {
     View(#[from] ViewError),
 }
 
-/// Memory of the renderer, which is no part of the state: a copy begins without any, and one that is set back keeps its own.
+/// Memory of the renderer, which is no part of the state: a copy begins without any.
 #[derive(Debug, Default)]
 struct Workspace(Option<Box<Renderer>>);
 
@@ -101,8 +101,6 @@ impl Clone for Workspace {
     fn clone(&self) -> Self {
         Self::default()
     }
-
-    fn clone_from(&mut self, _: &Self) {}
 }
 
 impl Camera {

@@ -25,12 +25,10 @@ impl Robot {
         is_steering
     }
 
-    /// Sets motors to a percentage of the wheels' greatest rate, -100 to 100; the others keep theirs.
-    ///
-    /// # Panics
-    /// If there is no such motor.
+    /// Sets motors to a percentage of the wheels' greatest rate, -100 to 100; the others keep theirs, and motors that it has not are
+    /// passed over.
     pub fn set_motors(&mut self, world: &World, motors: impl IntoIterator<Item = usize>, percent: i32) {
-        let count = self.devices.motor_percent.len();
+        let count = self.spec.drive.motors.len().min(self.devices.motor_percent.len());
         for index in motors.into_iter().filter(|index| *index < count) {
             self.devices.motor_percent[index] = percent;
             let device = &self.spec.drive.motors[index].motor;

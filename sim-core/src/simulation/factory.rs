@@ -61,11 +61,6 @@ impl RobotFactory {
         }
     }
 
-    /// Seed of the run.
-    pub fn seed(&self) -> u64 {
-        self.seed
-    }
-
     /// The robot of `spec`, which comes at `since`, and what happens to its messages.
     ///
     /// # Errors

@@ -185,6 +185,9 @@ impl Intervention {
                 }
                 Self::RemoveRobot(id)
             }
+            Action::AddObject { .. } if !crate::object::Bodies::ARE_BUILT => {
+                return Err(Refusal::Other("movable objects need the feature `objects` of sim-core".to_owned()));
+            }
             Action::AddObject { kind, x_m, y_m, phi_rad } => {
                 let pose = pose_of([*x_m, *y_m, *phi_rad])?;
                 Self::AddObject(Box::new(roster.object(kind, pose)?))

@@ -20,7 +20,8 @@ pub struct RayHit {
     pub distance: f64,
     /// What is met.
     pub thing: Thing,
-    /// The surface where it is met; `None` for a ray of which only the distance is asked: see [`Ray::flat`] and [`Ray::tilted`].
+    /// The surface where it is met; `None` where only the distance is known: of a wall, robot or object that [`Ray::flat`] or
+    /// [`Ray::tilted`] takes for as high as it takes.
     pub face: Option<Face>,
 }
 
@@ -187,8 +188,11 @@ impl World {
 impl Search<'_> {
     /// How far the trace is followed, m.
     fn reach(&self) -> f64 {
-        let level = self.ray.level;
-        if self.range == f64::INFINITY && level > 0.0 { f64::INFINITY } else { self.range * level * END }
+        match self.ray.level {
+            0.0 => 0.0,
+            _ if self.range == f64::INFINITY => f64::INFINITY,
+            level => self.range * level * END,
+        }
     }
 
     /// Takes what is met into account, if it is nearest.

@@ -43,7 +43,7 @@ pub fn run(args: &CcArgs) -> anyhow::Result<ExitCode> {
     let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
     let wanted = Wanted { api: args.api, dialect: None };
     let (choice, commands, output) = builder.build_to(&args.files, wanted, &args.output, &args.flags)?;
-    choice.remark(&args.files[0]).iter().for_each(|remark| say(remark));
+    choice.remark(&args.files[0]).iter().for_each(say);
     if args.verbose {
         say(commands.trim_end());
     }

@@ -112,7 +112,7 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
     );
     let slot = scene.settings()?.slot;
     let remarks = remarks(recorded, &present_inputs(recorded));
-    remarks.iter().for_each(|remark| say(remark));
+    remarks.iter().for_each(say);
     let (spec, scenery) = scene.into_scenery();
     let mut robots: Vec<RobotSubject> = spec.robots.iter().map(subject_of_robot).collect();
     let mut objects: Vec<ObjectSubject> =

@@ -204,9 +204,12 @@ impl Conductor {
 
     /// The program of `robot` has ended, or broken; `deadline` as for [`Conductor::advance`].
     pub fn depart(&mut self, run: &Run, robot: RobotId, deadline: Option<Instant>) -> HandOver {
+        if std::mem::replace(&mut self.departed[robot.index()], true) {
+            // It was left behind, and has come back.
+            return HandOver::default();
+        }
         self.retire(robot);
         self.wake_numbers[robot.index()] += 1;
-        self.departed[robot.index()] = true;
         self.alive -= 1;
         if self.alive == 0 {
             self.drives_end = run.drives_end();

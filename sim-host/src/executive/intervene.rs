@@ -52,9 +52,9 @@ impl Robots for Members<'_> {
 /// # Errors
 /// [`Refusal`] for what is not there, makes no sense or cannot be loaded; nothing changes then.
 pub fn validate(action: &Action, at: Time, run: &Run, world: &World) -> Result<ValidatedAction, Refusal> {
-    let mut spawner = run.spawner();
     match action {
         Action::AddRobot { kind, program_of, x_m, y_m, phi_rad } => {
+            let mut spawner = run.spawner();
             let spec = spawner.roster().robot(kind, *program_of, [*x_m, *y_m, *phi_rad], world)?;
             let new = spawner.robot(spec, program_of.map(RobotId), at);
             let new = new.map_err(|error| Refusal::Other(format!("{error:#}")))?;
@@ -66,7 +66,8 @@ pub fn validate(action: &Action, at: Time, run: &Run, world: &World) -> Result<V
         }
         Action::End {} => Ok(ValidatedAction::End),
         action => {
-            let intervention = Intervention::validate(action, &mut Members(run), spawner.roster(), world)?;
+            let roster = run.spawner().roster().clone();
+            let intervention = Intervention::validate(action, &mut Members(run), &roster, world)?;
             Ok(ValidatedAction::Intervention(intervention))
         }
     }

@@ -255,7 +255,13 @@ impl Run {
     /// # Errors
     /// [`Stop`] when the run has ended meanwhile.
     pub(crate) fn suspend(&self, robot: RobotId, wake: Time) -> Result<(), Stop> {
-        let hand_over = self.conductor.lock().suspend(self, robot, wake);
+        let mut conductor = self.conductor.lock();
+        if conductor.has_departed(robot) {
+            // It was left behind, and has come back.
+            return Err(Stop);
+        }
+        let hand_over = conductor.suspend(self, robot, wake);
+        drop(conductor);
         self.follow(&hand_over);
         if hand_over.goes_on {
             self.executor.go_on(robot);

@@ -37,7 +37,7 @@ pub struct Scheduler {
     start: Instant,
     /// Robots that broke, and how.
     broken: Vec<(RobotId, Broken)>,
-    /// Removed robots whose programs do not leave: nobody waits for them any more.
+    /// Robots whose programs do not leave, though they were removed or stopped: nobody waits for them any more.
     left_behind: Vec<RobotId>,
     /// Robots whose programs are to be stopped, and since when.
     stopping: Vec<(RobotId, Instant)>,
@@ -233,10 +233,10 @@ impl Scheduler {
         if !with_programs.is_empty() {
             return Err(SnapshotError::Programs(with_programs));
         }
-        let spawner = run.spawner();
+        let environment = run.environment.read().clone();
         let ids = (0..run.robot_count()).map(RobotId::from_index);
         let robots = ids.map(|id| run.robot(id).state.clone()).collect();
-        let environment = run.environment.read().clone();
+        let spawner = run.spawner();
         Ok(Simulation::of(environment, robots, spawner.roster().clone(), spawner.factory().clone()))
     }
 
@@ -288,6 +288,7 @@ impl Scheduler {
                 self.break_overdue(&running, timeout);
                 for id in self.without_notice(&running) {
                     self.take_broken(id, Broken::unstoppable(), deadline);
+                    self.left_behind.push(id);
                 }
             }
         }
@@ -425,7 +426,8 @@ impl Drop for Scheduler {
             // The others give back what they hold, until one of them cannot.
             self.run.ids_with_program().all(|id| self.stop(id));
         }
-        if !self.run.executor().end(&|id| self.run.conductor.lock().has_departed(id)) {
+        let has_left = |id| self.run.conductor.lock().has_departed(id) && !self.left_behind.contains(&id);
+        if !self.run.executor().end(&has_left) {
             // The thread of a lost flow may still run code of its program, which stays mapped.
             std::mem::forget(Arc::clone(&self.run));
         }

@@ -91,11 +91,6 @@ impl Spawner {
         }
     }
 
-    /// The scene as its files say it.
-    pub fn scene(&self) -> &Arc<SceneSpec> {
-        &self.scene
-    }
-
     /// Makes robots without programs.
     pub fn factory(&self) -> &RobotFactory {
         &self.factory

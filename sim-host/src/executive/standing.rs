@@ -27,7 +27,7 @@ impl Standing {
     pub fn record(&self, robot: &mut Robot) {
         let (now, journal) = (robot.now, &mut robot.state.journal);
         if let Some(Place { what, location, last_call }) = &self.fault {
-            journal.record(now, &Event::Fault { what, location, last_call: *last_call });
+            journal.record(now, &Event::Fault { what, location, last_call });
         }
         journal.record(now, &Event::ProgramEnded { outcome: self.outcome, exit_code: self.exit_code });
         if let Some(text) = &self.reason {

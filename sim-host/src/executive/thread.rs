@@ -240,6 +240,9 @@ impl Executor for ThreadExecutor {
         let mut all_end = true;
         for (index, threads) in &self.robots {
             let Flows { list, .. } = std::mem::take(&mut *threads.flows.lock());
+            if list.is_empty() {
+                continue;
+            }
             let is_broken = list.iter().any(|(_, flow)| flow.block.fault().is_some());
             let ends = !is_broken && departed(RobotId::from_index(index));
             for (_, flow) in list {
@@ -377,6 +380,7 @@ impl Executor for ThreadExecutor {
         let Some(flow) = threads.working() else { return false };
         let mut timeout = timeout;
         let look = match threads.child.get() {
+            Some(child) if child.is_debugged() => return false,
             Some(child) if child.is_asked(flow.release()) || child.is_stopped() => return true,
             Some(child) => {
                 let (is_importing, spent) = child.imports();

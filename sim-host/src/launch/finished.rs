@@ -102,7 +102,7 @@ pub(super) fn report(settings: &Settings, ended: &Ended, inputs: Vec<Input>) -> 
     Report {
         schema: REPORT_SCHEMA,
         eyesim_version: env!("CARGO_PKG_VERSION").into(),
-        argv: std::env::args().collect(),
+        argv: std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect(),
         inputs,
         seed: settings.seed,
         slot_us: settings.slot.0,

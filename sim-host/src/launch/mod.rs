@@ -42,7 +42,7 @@ pub enum Error {
     Load(String),
     /// The system has no room for the robots.
     #[error("cannot start the robots: {0}")]
-    Start(#[from] std::io::Error),
+    Start(String),
     /// A file that records the run cannot be written.
     #[error(transparent)]
     Record(#[from] RecordError),

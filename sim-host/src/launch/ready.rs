@@ -131,7 +131,8 @@ impl Ready {
             sinks,
             interrupt,
         };
-        Ok(Running { scheduler: Scheduler::start(parts, &limits)?, settings, scene, scenery, inputs })
+        let scheduler = Scheduler::start(parts, &limits).map_err(|error| Error::Start(error.to_string()))?;
+        Ok(Running { scheduler, settings, scene, scenery, inputs })
     }
 
     /// Runs it to its end.

@@ -17,30 +17,48 @@ pub const PATIENCE: Duration = Duration::from_secs(180);
 pub fn output_within(command: &mut Command, patience: Duration) -> io::Result<Output> {
     /// How often is looked whether it has ended.
     const LOOK: Duration = Duration::from_millis(2);
+    // SAFETY: prctl is async-signal-safe and takes no pointer; the thread that starts the command waits for its end.
+    unsafe {
+        command.pre_exec(|| {
+            libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL);
+            Ok(())
+        })
+    };
     let mut child =
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).process_group(0).spawn()?;
-    let readers = [read_all(child.stdout.take()), read_all(child.stderr.take())];
+    let group = child.id() as i32;
+    // SAFETY: kill takes no pointer; the number is the group's as long as anybody is in it.
+    let kill = || unsafe { libc::kill(-group, libc::SIGKILL) };
+    let readers = [read_all(child.stdout.take())?, read_all(child.stderr.take())?];
     let start = Instant::now();
     let status = loop {
         if let Some(status) = child.try_wait()? {
             break status;
         }
         if start.elapsed() > patience {
-            // SAFETY: kill takes no pointer; the group is that of the child, which has not been waited for.
-            unsafe { libc::kill(-(child.id() as i32), libc::SIGKILL) };
+            kill();
             child.wait()?;
             let what = format!("it had not ended after {} s and was killed", patience.as_secs());
             return Err(io::Error::new(io::ErrorKind::TimedOut, what));
         }
         thread::sleep(LOOK);
     };
-    let [stdout, stderr] = readers.map(|reader| reader.join().unwrap_or_default());
+    // What it has started and left behind may hold the pipes.
+    let [stdout, stderr] = readers.map(|reader| {
+        while !reader.is_finished() && start.elapsed() <= patience {
+            thread::sleep(LOOK);
+        }
+        if !reader.is_finished() {
+            kill();
+        }
+        reader.join().unwrap_or_default()
+    });
     Ok(Output { status, stdout, stderr })
 }
 
 /// Reads a stream to its end on a thread of its own, so that nobody waits for the other one.
-fn read_all(stream: Option<impl Read + Send + 'static>) -> thread::JoinHandle<Vec<u8>> {
-    thread::spawn(move || {
+fn read_all(stream: Option<impl Read + Send + 'static>) -> io::Result<thread::JoinHandle<Vec<u8>>> {
+    thread::Builder::new().name("output".to_owned()).spawn(move || {
         let mut bytes = Vec::new();
         // What was read before an error counts.
         let _ = stream.map(|mut stream| stream.read_to_end(&mut bytes));

@@ -362,16 +362,17 @@ impl<'a> Compilation<'a> {
         let folder = self.kit_folder.join("shim");
         let key = format!("shim {} {} {name} {flags:?}", self.kit.digest(), compiler.identity());
         let key = &blake3::hash(key.as_bytes()).to_hex()[..32];
-        let build = self.cache.build_folder()?;
-        let object = build.path().join("shim.o");
         let mut command = compiler.command();
         // Debug information names the folder: it is the same for all programs.
         command.current_dir(&folder).arg("-I").arg(self.kit_folder.join("include")).args(flags);
-        command.arg("-c").arg(folder.join(name)).arg("-o").arg(&object);
+        command.arg("-c").arg(folder.join(name)).arg("-o");
         if let Some(entry) = self.cache.entry(key) {
-            compiled.note(&command);
+            compiled.note(command.arg(&entry.library));
             return Ok(entry.library);
         }
+        let build = self.cache.build_folder()?;
+        let object = build.path().join("shim.o");
+        command.arg(&object);
         let refused = |output| Failure::Refused { source_file: folder.join(name), output };
         compiled.call(&mut command)?.map_err(refused)?;
         Ok(self.cache.insert(key, build, &object, "")?.library)

@@ -188,7 +188,10 @@ impl LoadedProgram {
         // SAFETY: the tables are those of `H`, so that `robot` leads to what their entries expect
         // (`CallContext::from_context`), shared and alive until `run` returns; argv has argc strings that end in 0, then
         // a null pointer, alive as long; the description was checked when it was loaded, and the library stays as long as `self`.
-        unsafe { (description.run)(Tables::<H>::of(description.generation), robot, argc, argv.as_ptr()) }
+        let code = unsafe { (description.run)(Tables::<H>::of(description.generation), robot, argc, argv.as_ptr()) };
+        // `main` has ended: what follows on this thread is the host's.
+        float::hold_default();
+        code
     }
 
     /// The addresses at which the copy's code and variables lie.

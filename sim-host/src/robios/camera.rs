@@ -37,7 +37,13 @@ pub enum NoImage {
     Null,
     /// The camera gives none.
     #[error("{}", in_words(.0))]
-    Camera(#[from] CameraError),
+    Camera(CameraError),
+}
+
+impl From<CameraError> for NoImage {
+    fn from(error: CameraError) -> Self {
+        Self::Camera(error)
+    }
 }
 
 fn in_words(error: &CameraError) -> String {

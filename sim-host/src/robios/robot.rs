@@ -3,7 +3,6 @@
 use std::ops::{Deref, DerefMut};
 
 use robios_sys::{Robios6Call, SupportCall};
-use sim_core::device::key::Touch;
 use sim_core::simulation;
 use sim_core::time::Time;
 
@@ -108,12 +107,6 @@ impl Robot {
         let generators = Generators::new(state.seed(), state.id);
         let (timers, tasks) = (Timers::default(), Tasks::default());
         Self { state, robios, program, generators, timers, tasks, ending: None }
-    }
-
-    /// Somebody presses a key, touches the display or uses a remote control at `at`, the start of a slot.
-    pub fn press(&mut self, at: Time, touch: Touch) {
-        self.state.devices.press(at, touch);
-        self.tasks.look_at_input(at);
     }
 
     /// Tells the user when the program has ended before a drive that it commanded.

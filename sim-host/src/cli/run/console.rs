@@ -47,14 +47,13 @@ pub fn build(scene: Scene, args: &RunArgs) -> anyhow::Result<Built> {
     if !args.quiet {
         builder = builder.watched_by(Box::new(Building::on_stderr()));
     }
-    let built = scene.build(&builder).map_err(|error| {
-        if let Error::Rejected(Rejected { diagnostics, inputs }) = &error {
+    let built = scene.build(&builder).inspect_err(|error| {
+        if let Error::Rejected(Rejected { diagnostics, inputs }) = error {
             _ = show(diagnostics, inputs);
         }
-        error
     })?;
     check_outputs(args, built.inputs())?;
-    built.remarks().iter().for_each(|remark| say(remark));
+    built.remarks().iter().for_each(say);
     Ok(built)
 }
 

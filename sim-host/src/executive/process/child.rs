@@ -248,6 +248,11 @@ impl Child {
         self.tasks.lock().idle.push(channel);
     }
 
+    /// Its user looks at it in a debugger.
+    pub fn is_debugged(&self) -> bool {
+        self.is_debugged
+    }
+
     /// True once the process has been found stopped, by SIGSTOP or another signal: it would never go on.
     pub fn is_stopped(&self) -> bool {
         if !self.is_debugged && watchdog::is_stopped(self.pid) {
@@ -277,8 +282,11 @@ impl Child {
                     unsafe { libc::syscall(libc::SYS_tgkill, self.pid, thread, OVERDUE_SIGNAL) };
                 }
                 // One that is stopped answers when it goes on.
-                // SAFETY: kill takes no pointer; the process has not been waited for, so the number is still its own.
-                unsafe { libc::kill(self.pid, libc::SIGCONT) };
+                let process = self.process.lock();
+                if process.status.is_none() {
+                    // SAFETY: kill takes no pointer; the process has not been waited for, so the number is still its own.
+                    unsafe { libc::kill(self.pid, libc::SIGCONT) };
+                }
             }
         }
     }
